@@ -1,7 +1,7 @@
 //! Selects the views: from the command line, the scene's cameras, a file of views or the survey.
 
 use crate::args::CameraArgs;
-use crate::open::Opened;
+use crate::open::OpenedScene;
 use crate::out;
 use crate::progress::Progress;
 use crate::read::read_file;
@@ -92,7 +92,7 @@ impl Camera {
 }
 
 /// Returns the selected views, all valid. Empty only if the survey finds no open space.
-pub(crate) fn views(args: &CameraArgs, opened: &Opened) -> Result<Vec<View>> {
+pub(crate) fn views(args: &CameraArgs, opened: &OpenedScene) -> Result<Vec<View>> {
     let views = if let (Some(eye), Some(toward)) = (args.eye, args.toward) {
         vec![checked(plain(args, eye, toward), || {
             "--eye and --toward".to_owned()
@@ -117,13 +117,13 @@ pub(crate) fn views(args: &CameraArgs, opened: &Opened) -> Result<Vec<View>> {
 }
 
 /// Warns of eyes that seem to be inside something solid.
-fn warn_of_solids(opened: &Opened, views: &[View]) {
+fn warn_of_solids(opened: &OpenedScene, views: &[View]) {
     // Only the first views of a long path are tested: testing all would take longer than the looks.
     const TESTED: usize = 100;
-    let backs_around: Vec<&View> = (views.iter().take(TESTED))
+    let inside_solids: Vec<&View> = (views.iter().take(TESTED))
         .filter(|view| is_inside_solid(&opened.scene, view))
         .collect();
-    if backs_around.is_empty() {
+    if inside_solids.is_empty() {
         return;
     }
     if survey(&opened.scene, 0).seems_inverted {
@@ -133,7 +133,7 @@ fn warn_of_solids(opened: &Opened, views: &[View]) {
         ));
         return;
     }
-    for view in backs_around {
+    for view in inside_solids {
         let [x, y, z] = view.eye;
         out::warn(format_args!(
             "the eye at {x},{y},{z} seems to be inside something solid: it is surrounded by back faces"
@@ -154,7 +154,7 @@ fn checked(view: View, source: impl FnOnce() -> String) -> Result<View> {
     Ok(view)
 }
 
-fn named(name: &str, args: &CameraArgs, opened: &Opened) -> Result<View> {
+fn named(name: &str, args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
     let file = &opened.file;
     if opened.cameras.is_empty() {
         bail!("{file}: it has no cameras; use --eye and --toward, --path or --survey");
@@ -182,7 +182,11 @@ fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>>
     if !found.views.is_empty() {
         out::note(describe(&found));
     }
-    Ok(found.views.iter().map(|place| at(args, place)).collect())
+    Ok(found
+        .views
+        .iter()
+        .map(|survey_view| at(args, survey_view))
+        .collect())
 }
 
 /// Describes the views of a survey, and the scale it assumed.
@@ -196,7 +200,12 @@ fn describe(found: &Survey) -> String {
     } else {
         format!(", assuming that a metre is {} units", short(found.metre))
     };
-    let roofs = match found.views.iter().filter(|place| place.on_roof).count() {
+    let roofs = match found
+        .views
+        .iter()
+        .filter(|survey_view| survey_view.on_roof)
+        .count()
+    {
         0 => String::new(),
         roofs => format!(", {roofs} of them above roofs"),
     };
@@ -218,16 +227,16 @@ fn hard(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
         )),
         _ => {}
     }
-    Ok(found.iter().map(|place| at(args, place)).collect())
+    Ok(found.iter().map(|survey_view| at(args, survey_view)).collect())
 }
 
-fn at(args: &CameraArgs, place: &SurveyView) -> View {
-    plain(args, place.eye, place.toward)
+fn at(args: &CameraArgs, survey_view: &SurveyView) -> View {
+    plain(args, survey_view.eye, survey_view.toward)
 }
 
-/// Returns the default view of a scene without cameras: outdoors the whole scene from outside, else the survey view that
-/// shows most.
-fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
+/// Returns the default view of a scene without cameras: outdoors the whole scene from outside, else the survey view
+/// that shows most.
+fn first_picture(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
     const CANDIDATES: usize = 24;
     const OTHERS: &str = "others: --survey 8, or --eye and --toward";
     let (scene, file) = (&opened.scene, &opened.file);
@@ -238,7 +247,10 @@ fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
         );
         return Ok(from_outside(args, scene));
     }
-    let under_sky = found.views.iter().filter(|place| is_under_sky(scene, place));
+    let under_sky = found
+        .views
+        .iter()
+        .filter(|survey_view| is_under_sky(scene, survey_view));
     if 4 * under_sky.count() >= 3 * found.views.len() {
         out::note(format_args!(
             "{file}: it has no camera and is mostly outdoors; showing all of it from outside ({OTHERS})"
@@ -249,27 +261,27 @@ fn first_picture(args: &CameraArgs, opened: &Opened) -> Result<View> {
         "{file}: it has no camera; showing the survey view that shows most ({OTHERS})"
     ));
     let mut viewer = Viewer::new();
-    let (mut best, mut most) = (&found.views[0], -1.0);
-    for place in &found.views {
-        let mut view = at(args, place);
+    let (mut best, mut best_shown) = (&found.views[0], -1.0);
+    for survey_view in &found.views {
+        let mut view = at(args, survey_view);
         view.size = [160, 90];
         // Weighted by the square root of their size: neither one large wall nor a hundred specks should win.
         let items = viewer.look(scene, &view).items().iter();
         let shown: f64 = items.map(|item| f64::from(item.size_px).sqrt()).sum();
-        if shown > most {
-            (best, most) = (place, shown);
+        if shown > best_shown {
+            (best, best_shown) = (survey_view, shown);
         }
     }
     Ok(at(args, best))
 }
 
 /// Whether a ray straight up from a view hits nothing.
-fn is_under_sky(scene: &Scene, place: &SurveyView) -> bool {
+fn is_under_sky(scene: &Scene, survey_view: &SurveyView) -> bool {
     let up = Ray {
-        origin: place.eye,
+        origin: survey_view.eye,
         direction: [0.0, 1.0, 0.0],
     };
-    scene.sector(place.sector).cast(&up).is_none()
+    scene.sector(survey_view.sector).cast(&up).is_none()
 }
 
 fn survey(scene: &Scene, count: usize) -> Survey {
@@ -339,7 +351,7 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
 
 /// One line of a `--path` file.
 #[derive(Deserialize)]
-struct Line {
+struct PathLine {
     eye: [f32; 3],
     toward: [f32; 3],
     up: Option<[f32; 3]>,
@@ -369,7 +381,7 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
         if text.len() > MAX_LINE_BYTES {
             bail!("{}: it has more than {MAX_LINE_BYTES} bytes; {wants}", location());
         }
-        let line: Line =
+        let line: PathLine =
             serde_json::from_str(text).map_err(|error| anyhow!("{}: {error}; {wants}", location()))?;
         let mut view = plain(args, line.eye, line.toward);
         view.up = line.up.unwrap_or(view.up);

@@ -1,13 +1,13 @@
 //! Compares the results of all methods with the reference. All methods share one ray-cast picture per view.
 
-use crate::prepare::{Prepared, in_files};
+use crate::prepare::{PreparedScene, in_files};
 use crate::progress::Progress;
 use anyhow::{Result, bail};
 use enfilade::laws::{OwnerPicture, Reference, Truth, Verdict};
 use enfilade::{Contract, ItemId, Scene, SectorId, View, Viewer};
 
 /// Result of the check of one method at one view.
-pub(crate) struct Found {
+pub(crate) struct CheckResult {
     pub(crate) reference_visible: usize,
     /// False culls of the look, of the drawing or of both.
     pub(crate) missed: Vec<(SectorId, ItemId)>,
@@ -26,15 +26,15 @@ const MAX_CONTESTED: usize = 8;
 
 /// Checks all methods at all views. Returns the results by method, then by view.
 ///
-/// `viewers` are those of the timed looks, so that their temporal coherence is tested too. If `samples` is above 1, strict
-/// methods are also checked at that many random samples per pixel.
+/// `viewers` are those of the timed looks, so that their temporal coherence is tested too. If `samples` is above 1,
+/// strict methods are also checked at that many random samples per pixel.
 pub(crate) fn check(
-    prepared: &[Prepared],
+    prepared: &[PreparedScene],
     viewers: &mut [Viewer],
     views: &[View],
     samples: u32,
-) -> Result<Vec<Vec<Found>>> {
-    let mut found: Vec<Vec<Found>> = prepared.iter().map(|_| Vec::new()).collect();
+) -> Result<Vec<Vec<CheckResult>>> {
+    let mut found: Vec<Vec<CheckResult>> = prepared.iter().map(|_| Vec::new()).collect();
     let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
         return Ok(found);
     };
@@ -42,7 +42,7 @@ pub(crate) fn check(
     let progress = Progress::steps("checking", views.len());
     for view in views {
         let truth = reference.see(&first.scene, view, &viewers[0].limits());
-        let strict = |prepared: &Prepared| samples > 1 && prepared.contract == Contract::Strict;
+        let strict = |prepared: &PreparedScene| samples > 1 && prepared.contract == Contract::Strict;
         let anywhere = prepared.iter().any(strict).then(|| {
             let limits = viewers[0].limits();
             reference.see_anywhere(&first.scene, view, &limits, samples, 0)
@@ -82,10 +82,10 @@ pub(crate) fn reference(scene: &Scene) -> Result<Reference> {
 /// Looks at a view, draws it, and compares both with the truth. Also returns the owners that were drawn.
 pub(crate) fn check_view(
     truth: &Truth,
-    prepared: &Prepared,
+    prepared: &PreparedScene,
     viewer: &mut Viewer,
     view: &View,
-) -> (Found, OwnerPicture) {
+) -> (CheckResult, OwnerPicture) {
     let looked = truth.check(viewer.look(&prepared.scene, view), None);
     let mut picture = OwnerPicture::new(view.size);
     viewer.draw(&prepared.scene, view, &mut picture);
@@ -96,12 +96,12 @@ pub(crate) fn check_view(
 }
 
 /// Merges the verdicts of the look and of the drawing.
-fn merged(looked: Verdict, drawn: Verdict, contested: Vec<Contested>) -> Found {
+fn merged(looked: Verdict, drawn: Verdict, contested: Vec<Contested>) -> CheckResult {
     let mut missed = looked.missed;
     missed.extend(drawn.missed);
     missed.sort_unstable();
     missed.dedup();
-    Found {
+    CheckResult {
         reference_visible: drawn.reference_visible,
         missed,
         extra: looked.extra.max(drawn.extra),

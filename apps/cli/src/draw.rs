@@ -6,11 +6,11 @@ use crate::cameras;
 #[cfg(feature = "levels")]
 use crate::levels::Leveled;
 use crate::measure::{self, PASSES};
-use crate::open::{For, open, settle};
+use crate::open::{Purpose, configure, open};
 use crate::out;
-use crate::prepare::{Prepared, prepare};
+use crate::prepare::{PreparedScene, prepare};
 use crate::progress::Progress;
-use crate::report::{Report, Reports, Sink, Skipped, left_out};
+use crate::report::{Report, Reports, Sink, SkippedMethod, left_out};
 use crate::run_files::RunFiles;
 use crate::save::Destination;
 use crate::text::{count, ms, plural};
@@ -51,14 +51,14 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     // Numbered names are in the same folder, so testing this one is enough.
     files.writes(&args.output)?;
     let sink = Sink::new(&args.json, &mut files)?;
-    settle(&args.methods.how)?;
+    configure(&args.methods.how)?;
     let choice = args.methods.choice();
     let opened = open(
         &args.scene.scene,
         if args.show == Show::Image {
-            For::Pictures
+            Purpose::Pictures
         } else {
-            For::Answers
+            Purpose::Visibility
         },
         choice,
         args.methods.how.portals,
@@ -147,7 +147,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
 fn destinations(
     args: &DrawArgs,
     choice: Choice,
-    prepared: &Prepared,
+    prepared: &PreparedScene,
     views: usize,
     files: &mut RunFiles,
 ) -> Result<Vec<Destination>> {
@@ -166,7 +166,11 @@ fn destinations(
 }
 
 /// Keeps the methods whose covers can be shown. With [`Choice::All`] the others are skipped; else they are an error.
-fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skipped>) -> Result<Vec<Prepared>> {
+fn with_shapes(
+    prepared: Vec<PreparedScene>,
+    choice: Choice,
+    skipped: &mut Vec<SkippedMethod>,
+) -> Result<Vec<PreparedScene>> {
     let mut kept = Vec::new();
     for prepared in prepared {
         let shapeless = prepared
@@ -175,7 +179,7 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
             .find(|method| method.cover_shape().is_none());
         match shapeless {
             None => kept.push(prepared),
-            Some(method) if choice == Choice::All => skipped.push(Skipped {
+            Some(method) if choice == Choice::All => skipped.push(SkippedMethod {
                 method: method.name(),
                 why: "its cover cannot be shown".to_owned(),
             }),
@@ -198,7 +202,7 @@ fn with_shapes(prepared: Vec<Prepared>, choice: Choice, skipped: &mut Vec<Skippe
 /// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; 2 of 5 lights shine on them`.
 fn line(
     file: &Path,
-    prepared: &Prepared,
+    prepared: &PreparedScene,
     viewer: &Viewer,
     lights: Option<usize>,
     took: f64,
@@ -247,7 +251,12 @@ pub(crate) fn settings(show: Show) -> Settings {
 }
 
 /// Draws a view, shading included.
-pub(crate) fn draw(prepared: &Prepared, viewer: &mut Viewer, view: &View, settings: &Settings) -> Picture {
+pub(crate) fn draw(
+    prepared: &PreparedScene,
+    viewer: &mut Viewer,
+    view: &View,
+    settings: &Settings,
+) -> Picture {
     prepared.stage().draw(viewer, &prepared.scene, view, settings)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::measure;
 use crate::out;
-use crate::prepare::Prepared;
+use crate::prepare::PreparedScene;
 use crate::text::count;
 use anyhow::Result;
 use enfilade::{DetailOptions, Details, ItemId, Scene, SectorId, View, Viewer};
@@ -22,7 +22,7 @@ const MAX_STEPS: usize = 1000;
 
 impl Leveled {
     /// Prepares LODs of the large items of a scene, with a geometric error of at most `pixels` pixels.
-    pub(crate) fn new(prepared: &mut Prepared, pixels: f32) -> Result<Leveled> {
+    pub(crate) fn new(prepared: &mut PreparedScene, pixels: f32) -> Result<Leveled> {
         let full = prepared.scene.clone();
         let mut options = DetailOptions::default();
         options.tolerance_px = pixels;
@@ -30,10 +30,10 @@ impl Leveled {
         Ok(Leveled { details, full })
     }
 
-    /// Looks and builds the LODs that the view needs, until none is pending. Returns a summary for the output line.
+    /// Looks, and builds the LODs that the view needs, until none is pending. Returns a summary for the output line.
     pub(crate) fn settle(
         &mut self,
-        prepared: &mut Prepared,
+        prepared: &mut PreparedScene,
         viewer: &mut Viewer,
         view: &View,
     ) -> Result<String> {

@@ -6,11 +6,11 @@ use crate::cameras;
 use crate::check::check;
 use crate::choose;
 use crate::measure::{self, PASSES};
-use crate::open::{For, open, settle};
+use crate::open::{Purpose, configure, open};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
-use crate::report::{Report, Reports, SceneReport, Sink, Summary, WayReport, left_out};
+use crate::report::{PassageReport, Report, Reports, SceneReport, Sink, Summary, left_out};
 use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, percent, plural, point, short, table};
 use crate::values::Choice;
@@ -25,11 +25,11 @@ use std::sync::Arc;
 pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
     let sink = Sink::new(&args.json, &mut files)?;
-    settle(&args.methods.how)?;
+    configure(&args.methods.how)?;
     let choice = args.methods.choice();
     let opened = open(
         &args.scene.scene,
-        For::Answers,
+        Purpose::Visibility,
         choice,
         args.methods.how.portals,
         &args.methods.how.limits,
@@ -63,8 +63,8 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
         out::print(&(for_people(&SceneReport::new(&opened), reports.each()) + &left_out))?;
     }
     sink.write(&reports)?;
-    tell_what_is_contested(reports.each());
-    reports.each().iter().for_each(tell_what_is_wrong);
+    warn_of_contested(reports.each());
+    reports.each().iter().for_each(print_failures);
     Ok(Outcome::of(reports.each()))
 }
 
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
 const CERTAIN_ENOUGH: f64 = 0.8;
 
 /// Warns if the reference could not decide the owner of many samples, and names items whose faces coincide.
-pub(crate) fn tell_what_is_contested(reports: &[Report]) {
+pub(crate) fn warn_of_contested(reports: &[Report]) {
     const FEW: usize = 3;
     // The reference is the same for all methods.
     let Some(report) = reports.first() else { return };
@@ -101,7 +101,7 @@ pub(crate) fn tell_what_is_contested(reports: &[Report]) {
 }
 
 /// Prints false culls and wrong pixels on standard error. For approximate methods prints only their numbers.
-pub(crate) fn tell_what_is_wrong(report: &Report) {
+pub(crate) fn print_failures(report: &Report) {
     let Summary {
         missed,
         pixels_different,
@@ -181,7 +181,7 @@ fn add_report(text: &mut String, report: &Report) {
         ms(report.build_ms),
         bytes(report.bytes)
     );
-    text.push_str(&choose::in_words(&report.choices));
+    text.push_str(&choose::summary_line(&report.choices));
     if report.depth > 0 {
         let growth = report.faces_built as f64 / (report.faces_built - report.splits) as f64;
         let _ = writeln!(
@@ -236,13 +236,13 @@ fn add_report(text: &mut String, report: &Report) {
     add_summary(text, report);
 }
 
-fn add_passages(text: &mut String, passages: &[WayReport]) {
+fn add_passages(text: &mut String, passages: &[PassageReport]) {
     const FEW: usize = 16;
     if passages.len() < 2 {
         return;
     }
     let header = ["passage", "portals", "contract", "visible"];
-    let row = |way: &WayReport| {
+    let row = |way: &PassageReport| {
         vec![
             match &way.portal {
                 Some(portal) => format!("{} through {portal}", way.sector),
@@ -316,7 +316,7 @@ fn add_summary(text: &mut String, report: &Report) {
 mod tests {
     use super::*;
     use crate::args::{Args, Verb};
-    use crate::check::Found;
+    use crate::check::CheckResult;
     use crate::open::open;
     use clap::Parser;
     use enfilade::{Contract, ItemId, SectorId};
@@ -329,7 +329,7 @@ mod tests {
         };
         let opened = open(
             "@enfilade".as_ref(),
-            For::Answers,
+            Purpose::Visibility,
             Choice::Own,
             args.methods.how.portals,
             &args.methods.how.limits,
@@ -350,7 +350,7 @@ mod tests {
             let looks = measure::looks(&prepared[0], &views, &mut prepared[0].viewer(), &progress);
             let mut report = Report::new(&opened, &prepared[0], &views, args.cameras.size, looks);
             let missed = missed.to_vec();
-            let found = Found {
+            let found = CheckResult {
                 reference_visible: 1,
                 missed,
                 extra: 0,

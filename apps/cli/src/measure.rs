@@ -3,8 +3,8 @@
 //! All passes run in the order of the views, so temporal coherence always uses the view before.
 
 use crate::draw::{draw, settings};
-use crate::open::Opened;
-use crate::prepare::Prepared;
+use crate::open::OpenedScene;
+use crate::prepare::PreparedScene;
 use crate::progress::Progress;
 use crate::report::Report;
 use enfilade::{Contract, ItemId, OpeningId, Passage, Scene, SectorId, View, Viewer, VisibleSet};
@@ -15,10 +15,10 @@ use std::time::Instant;
 pub(crate) const PASSES: usize = 3;
 
 /// Result and cost of one look.
-pub(crate) struct Look {
+pub(crate) struct LookResult {
     /// Median time of the passes, in milliseconds.
     pub(crate) ms: f64,
-    pub(crate) passages: Vec<Way>,
+    pub(crate) passages: Vec<LookPassage>,
     pub(crate) items_in_frustum: usize,
     pub(crate) triangles_in_frustum: u64,
     pub(crate) triangles_visible: u64,
@@ -30,7 +30,7 @@ pub(crate) struct Look {
 }
 
 /// A passage of a look, in the order of the set.
-pub(crate) struct Way {
+pub(crate) struct LookPassage {
     pub(crate) sector: SectorId,
     /// The opening of its last portal; `None` for the passage that starts at the eye.
     pub(crate) through: Option<(SectorId, OpeningId)>,
@@ -40,19 +40,24 @@ pub(crate) struct Way {
 }
 
 /// The looks at all views, and the counters of the last pass, summed over the views.
-pub(crate) struct Looks {
-    pub(crate) each: Vec<Look>,
+pub(crate) struct LookResults {
+    pub(crate) each: Vec<LookResult>,
     pub(crate) stats: Vec<(&'static str, u64)>,
 }
 
 /// Looks at all views: once for the results, then in timed passes.
-pub(crate) fn looks(prepared: &Prepared, views: &[View], viewer: &mut Viewer, progress: &Progress) -> Looks {
+pub(crate) fn looks(
+    prepared: &PreparedScene,
+    views: &[View],
+    viewer: &mut Viewer,
+    progress: &Progress,
+) -> LookResults {
     let scene = &prepared.scene;
-    let mut each: Vec<Look> = views
+    let mut each: Vec<LookResult> = views
         .iter()
         .map(|view| {
             progress.step();
-            Look::of(viewer.look(scene, view), scene)
+            LookResult::of(viewer.look(scene, view), scene)
         })
         .collect();
     let mut stats: Vec<(&'static str, u64)> = viewer.stats().each().map(|(name, _)| (name, 0)).into();
@@ -65,13 +70,13 @@ pub(crate) fn looks(prepared: &Prepared, views: &[View], viewer: &mut Viewer, pr
         }
     });
     each.iter_mut().zip(times).for_each(|(look, ms)| look.ms = ms);
-    Looks { each, stats }
+    LookResults { each, stats }
 }
 
 /// Times looks, drawing and traversal of every method over all views.
 pub(crate) fn all(
-    opened: &Opened,
-    prepared: &[Prepared],
+    opened: &OpenedScene,
+    prepared: &[PreparedScene],
     viewers: &mut [Viewer],
     views: &[View],
     size: [u32; 2],
@@ -98,7 +103,7 @@ pub(crate) fn all(
 /// Draws all views, shading included, and returns the milliseconds of each. The viewer must have looked at all of them
 /// once before, as warm-up.
 pub(crate) fn draws(
-    prepared: &Prepared,
+    prepared: &PreparedScene,
     views: &[View],
     viewer: &mut Viewer,
     settings: &Settings,
@@ -111,7 +116,7 @@ pub(crate) fn draws(
 
 /// Walks the traversal orders of each view's passages with nothing culled, and returns the milliseconds of each view.
 pub(crate) fn walks(
-    prepared: &Prepared,
+    prepared: &PreparedScene,
     views: &[View],
     viewer: &mut Viewer,
     progress: &Progress,
@@ -165,11 +170,11 @@ pub(crate) fn p99(values: &[f64]) -> f64 {
     sorted.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
 }
 
-impl Look {
-    fn of(set: &VisibleSet, scene: &Scene) -> Look {
+impl LookResult {
+    fn of(set: &VisibleSet, scene: &Scene) -> LookResult {
         let (items_in_frustum, triangles_in_frustum) = set.in_frustum(scene);
         let visible = distinct(set);
-        Look {
+        LookResult {
             ms: 0.0,
             passages: ways(set, scene),
             items_in_frustum,
@@ -182,10 +187,10 @@ impl Look {
     }
 }
 
-fn ways(set: &VisibleSet, scene: &Scene) -> Vec<Way> {
+fn ways(set: &VisibleSet, scene: &Scene) -> Vec<LookPassage> {
     let way = |passage: &Passage| {
         let portal = passage.portal.map(|portal| &scene.portals()[portal.0 as usize]);
-        Way {
+        LookPassage {
             sector: passage.sector,
             through: portal.map(|portal| (portal.from, portal.opening)),
             crossings: passage.crossings,
@@ -193,7 +198,7 @@ fn ways(set: &VisibleSet, scene: &Scene) -> Vec<Way> {
             items_visible: 0,
         }
     };
-    let mut ways: Vec<Way> = set.passages().iter().map(way).collect();
+    let mut ways: Vec<LookPassage> = set.passages().iter().map(way).collect();
     for item in set.items() {
         ways[item.passage.0 as usize].items_visible += 1;
     }

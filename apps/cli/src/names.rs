@@ -3,8 +3,8 @@
 use enfilade::{ItemId, Scene, SectorId};
 use std::collections::HashMap;
 
-/// Unique names of items: `NAME`; `SECTOR/NAME` if that repeats in the scene; `SECTOR/NAME#3` if it repeats in the sector;
-/// `SECTOR/item#3` without a name.
+/// Unique names of items: `NAME`; `SECTOR/NAME` if that repeats in the scene; `SECTOR/NAME#3` if it repeats in the
+/// sector; `SECTOR/item#3` without a name.
 pub(crate) struct Names<'a> {
     scene: &'a Scene,
     in_scene: HashMap<&'a str, u32>,
@@ -50,7 +50,8 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Returns the name of an item in a custom sector. It is not checked for uniqueness: there may be millions of items.
+    /// Returns the name of an item in a custom sector. It is not checked for uniqueness: there may be millions of
+    /// items.
     fn in_custom_sector(&self, sector: SectorId, item: ItemId) -> String {
         let home = self.scene.sector_name(sector);
         let name = self.scene.sector(sector).item_name(item);

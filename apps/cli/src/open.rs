@@ -18,7 +18,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// A scene with its cameras, source and warnings.
-pub(crate) struct Opened {
+pub(crate) struct OpenedScene {
     /// The name the user gave: a path or `@NAME`, with anything that is not UTF-8 replaced.
     pub(crate) file: String,
     /// The file format, in words.
@@ -38,7 +38,7 @@ pub(crate) struct Opened {
 
 /// The purpose a scene is opened for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum For {
+pub(crate) enum Purpose {
     /// Shaded pictures, which need the textures.
     Pictures,
     /// Visibility only, without textures.
@@ -47,17 +47,17 @@ pub(crate) enum For {
 
 /// Opens a scene and prints its warnings.
 ///
-/// With [`Choice::Own`] rooms of a file that names no method get hierarchical-z. With `portals.flat` a file is read as one
-/// room; a built-in scene keeps its portals, and the caller must not follow them. Adds the files that belong to the scene
-/// to the inputs in `files`.
+/// With [`Choice::Own`] rooms of a file that names no method get hierarchical-z. With `portals.flat` a file is read as
+/// one room; a built-in scene keeps its portals, and the caller must not follow them. Adds the files that belong to the
+/// scene to the inputs in `files`.
 pub(crate) fn open(
     scene: &OsStr,
-    wanted: For,
+    wanted: Purpose,
     choice: Choice,
     portals: PortalArgs,
     limits: &LimitArgs,
     files: &mut RunFiles,
-) -> Result<Opened> {
+) -> Result<OpenedScene> {
     let name = &*scene.to_string_lossy();
     let progress = Progress::spinner(&format!("loading {name}"));
     let start = Instant::now();
@@ -74,7 +74,7 @@ pub(crate) fn open(
     Ok(opened)
 }
 
-fn open_built_in(file: &str, name: &str) -> Result<Opened> {
+fn open_built_in(file: &str, name: &str) -> Result<OpenedScene> {
     let built = enfilade_scenes::built_in(name).ok_or_else(|| {
         let names: Vec<String> = enfilade_scenes::NAMES
             .iter()
@@ -85,7 +85,7 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
             among(file, names.iter().map(String::as_str))
         )
     })?;
-    Ok(Opened {
+    Ok(OpenedScene {
         file: file.to_owned(),
         format: "built-in",
         scene: built.scene,
@@ -100,17 +100,17 @@ fn open_built_in(file: &str, name: &str) -> Result<Opened> {
 
 fn open_file(
     path: &Path,
-    wanted: For,
+    wanted: Purpose,
     choice: Choice,
     portals: PortalArgs,
     limits: &LimitArgs,
     files: &mut RunFiles,
-) -> Result<Opened> {
+) -> Result<OpenedScene> {
     let file = &*path.to_string_lossy();
     let mut options = ReadOptions {
         flat: portals.flat,
         skip_bad_portals: portals.bad.skip,
-        textures: wanted == For::Pictures,
+        textures: wanted == Purpose::Pictures,
         ..ReadOptions::default()
     };
     options.limit_bytes = limits.memory.unwrap_or(options.limit_bytes);
@@ -149,7 +149,7 @@ fn open_file(
         };
         anyhow!("{file}: {why}; {remedy}")
     })?;
-    Ok(Opened {
+    Ok(OpenedScene {
         file: file.to_owned(),
         format: format(path),
         scene,

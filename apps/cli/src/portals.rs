@@ -16,7 +16,7 @@ use std::time::Instant;
 
 /// The JSON report.
 #[derive(Debug, Serialize)]
-struct Made {
+struct PortalsReport {
     file: String,
     bytes: u64,
     map: String,
@@ -63,7 +63,7 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
     drop(progress);
     keep_existing(&output, args.force)?;
     destination.write(text.as_bytes())?;
-    let made = Made {
+    let made = PortalsReport {
         file: output.display().to_string(),
         bytes: text.len() as u64,
         map: args.map.display().to_string(),

@@ -2,9 +2,9 @@
 
 use crate::args::HowArgs;
 use crate::choose::{self, ChoiceReport};
-use crate::open::Opened;
+use crate::open::OpenedScene;
 use crate::progress::Progress;
-use crate::report::Skipped;
+use crate::report::SkippedMethod;
 use crate::values::Choice;
 use anyhow::{Result, anyhow, bail, ensure};
 use enfilade::{ChoiceGoal, Contract, Method, Scene, Unsuited, View, Viewer};
@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// A scene with a method built over it, and the options of its viewers.
-pub(crate) struct Prepared {
+pub(crate) struct PreparedScene {
     /// The method's name, `own` or `auto`.
     pub(crate) method: &'static str,
     /// The weakest contract of all sectors; a view that shows only some of them may have a stronger one.
@@ -28,7 +28,7 @@ pub(crate) struct Prepared {
     pub(crate) choices: Vec<ChoiceReport>,
 }
 
-impl Prepared {
+impl PreparedScene {
     /// Returns the data that the pictures of all methods over one scene share.
     pub(crate) fn stage(&self) -> &Stage {
         self.stage.get_or_init(|| Stage::new(&self.scene))
@@ -70,15 +70,15 @@ impl Prepared {
 /// Builds the requested methods over a scene, for views of one size. `auto` minimizes the cost of `aim`.
 ///
 /// # Errors
-/// Fails if a method needs too much memory or does not suit the scene. With [`Choice::All`] such methods are skipped and
-/// returned with the reason.
+/// Fails if a method needs too much memory or does not suit the scene. With [`Choice::All`] such methods are skipped
+/// and returned with the reason.
 pub(crate) fn prepare(
-    opened: &Opened,
+    opened: &OpenedScene,
     choice: Choice,
     aim: ChoiceGoal,
     how: &HowArgs,
     view: Option<&View>,
-) -> Result<(Vec<Prepared>, Vec<Skipped>)> {
+) -> Result<(Vec<PreparedScene>, Vec<SkippedMethod>)> {
     check_cover_size(opened, choice, how, view)?;
     if let Choice::One(method) = choice {
         stays_visible(opened, Some(method))?;
@@ -115,7 +115,7 @@ pub(crate) fn prepare(
     let (mut prepared, mut skipped) = (Vec::new(), Vec::new());
     for method in Method::ALL {
         if let Err(why) = stays_visible(opened, Some(method)) {
-            skipped.push(Skipped {
+            skipped.push(SkippedMethod {
                 method: method.name(),
                 why: why.to_string(),
             });
@@ -124,7 +124,7 @@ pub(crate) fn prepare(
         }
         match build(Choice::One(method)) {
             Ok(built) => prepared.push(built),
-            Err(why) => skipped.push(Skipped {
+            Err(why) => skipped.push(SkippedMethod {
                 method: method.name(),
                 why: why.to_string(),
             }),
@@ -139,9 +139,9 @@ pub(crate) fn in_files(scene: &Scene) -> impl Iterator<Item = &str> {
     own.map(|id| scene.sector_name(id))
 }
 
-/// Fails if the scene has terrain that is read from its file on demand and `method` cannot look at it; `None` stands for
+/// Fails if the scene has terrain that is read from its file on demand and `method` cannot look at it. `None` is
 /// any method that `choose` would try.
-pub(crate) fn stays_visible(opened: &Opened, method: Option<Method>) -> Result<()> {
+pub(crate) fn stays_visible(opened: &OpenedScene, method: Option<Method>) -> Result<()> {
     let required = Method::FloatingHorizon;
     if method != Some(required) && in_files(&opened.scene).next().is_some() {
         bail!(
@@ -153,15 +153,20 @@ pub(crate) fn stays_visible(opened: &Opened, method: Option<Method>) -> Result<(
 }
 
 /// Measures the methods, and builds the cheapest for each sector.
-fn chosen(opened: &Opened, aim: ChoiceGoal, how: &HowArgs, view: Option<&View>) -> Result<Prepared> {
+fn chosen(
+    opened: &OpenedScene,
+    aim: ChoiceGoal,
+    how: &HowArgs,
+    view: Option<&View>,
+) -> Result<PreparedScene> {
     let scene = &opened.scene;
     let size = view.map_or([1280, 720], |view| view.size);
-    let terms = choose::terms(aim, !how.conservative, how.limits.memory());
-    let choices = choose::choose(scene, size, &terms);
+    let options = choose::auto_options(aim, !how.conservative, how.limits.memory());
+    let choices = choose::choose(scene, size, &options);
     let mut with_choices = scene.clone();
     let start = Instant::now();
-    choose::take_over(&mut with_choices, &choices)?;
-    let built = Built {
+    choose::apply(&mut with_choices, &choices)?;
+    let built = BuiltScene {
         scene: with_choices,
         ms: start.elapsed().as_secs_f64() * 1e3,
         choices: choices
@@ -173,7 +178,7 @@ fn chosen(opened: &Opened, aim: ChoiceGoal, how: &HowArgs, view: Option<&View>) 
 }
 
 /// Fails if `--cover-size` exceeds the screen, or if no selected method supports it.
-fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<()> {
+fn check_cover_size(opened: &OpenedScene, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<()> {
     let (Some([width, height]), Some(view)) = (how.cover_size, view) else {
         return Ok(());
     };
@@ -202,7 +207,12 @@ fn check_cover_size(opened: &Opened, choice: Choice, how: &HowArgs, view: Option
     )
 }
 
-fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) -> Result<Prepared, Unsuited> {
+fn build(
+    opened: &OpenedScene,
+    choice: Choice,
+    how: &HowArgs,
+    view: Option<&View>,
+) -> Result<PreparedScene, Unsuited> {
     let limit = how.limits.memory();
     let scene = &opened.scene;
     let start = Instant::now();
@@ -216,7 +226,7 @@ fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) ->
             ("own", scene.clone())
         }
     };
-    let built = Built {
+    let built = BuiltScene {
         scene,
         ms: start.elapsed().as_secs_f64() * 1e3,
         choices: Vec::new(),
@@ -225,21 +235,21 @@ fn build(opened: &Opened, choice: Choice, how: &HowArgs, view: Option<&View>) ->
 }
 
 /// A scene with the requested methods, and the time to build them.
-struct Built {
+struct BuiltScene {
     scene: Scene,
     ms: f64,
     choices: Vec<ChoiceReport>,
 }
 
 fn finish(
-    opened: &Opened,
+    opened: &OpenedScene,
     name: &'static str,
-    built: Built,
+    built: BuiltScene,
     how: &HowArgs,
     view: Option<&View>,
-) -> Result<Prepared, Unsuited> {
+) -> Result<PreparedScene, Unsuited> {
     let limit = how.limits.memory();
-    let Built { scene, ms, choices } = built;
+    let BuiltScene { scene, ms, choices } = built;
     let methods = methods_of(&scene);
     if let Some(view) = view {
         methods
@@ -250,7 +260,7 @@ fn finish(
     let cover_size = how
         .cover_size
         .filter(|&cells| view.is_none_or(|view| view.size != cells));
-    Ok(Prepared {
+    Ok(PreparedScene {
         method: name,
         contract: scene
             .sectors()
@@ -275,8 +285,8 @@ fn finish(
 }
 
 /// Returns the same scene with another method, without a memory limit. Use a method that is cheap to build.
-pub(crate) fn drawn_by(prepared: &Prepared, method: Method) -> Result<Prepared, Unsuited> {
-    Ok(Prepared {
+pub(crate) fn drawn_by(prepared: &PreparedScene, method: Method) -> Result<PreparedScene, Unsuited> {
+    Ok(PreparedScene {
         method: method.name(),
         contract: method.contract(),
         scene: prepared.scene.with_method(method, u64::MAX)?,

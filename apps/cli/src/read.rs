@@ -12,7 +12,10 @@ pub(crate) fn read_file(path: &Path, limit: u64, remedy: &str) -> Result<Vec<u8>
     // Checked before opening: opening a pipe blocks until someone writes.
     let there = fs::metadata(path).with_context(fails)?;
     if !there.is_file() {
-        bail!("{}: it is a folder, a pipe or a device; name a file", fails());
+        bail!(
+            "{}: it is not a file, but a folder, a pipe or a device; name a file",
+            fails()
+        );
     }
     let mut bytes = Vec::new();
     let file = File::open(path).with_context(fails)?;

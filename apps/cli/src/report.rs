@@ -1,13 +1,13 @@
 //! The JSON reports. Their keys are a stable interface.
 
 use crate::args::JsonArg;
-use crate::check::Found;
+use crate::check::CheckResult;
 use crate::choose::ChoiceReport;
-use crate::measure::{Look, Looks, Way, median, p99};
+use crate::measure::{LookPassage, LookResult, LookResults, median, p99};
 use crate::names::Names;
-use crate::open::Opened;
+use crate::open::OpenedScene;
 use crate::out;
-use crate::prepare::Prepared;
+use crate::prepare::PreparedScene;
 use crate::run_files::RunFiles;
 use crate::save::Destination;
 use anyhow::{Context, Result};
@@ -64,7 +64,7 @@ pub(crate) struct ViewReport {
     pub(crate) fov: f64,
     pub(crate) passages: usize,
     /// The passages; the one at the eye comes first.
-    pub(crate) through: Vec<WayReport>,
+    pub(crate) through: Vec<PassageReport>,
     pub(crate) items_in_frustum: usize,
     pub(crate) items_visible: usize,
     pub(crate) triangles_in_frustum: u64,
@@ -80,7 +80,8 @@ pub(crate) struct ViewReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) samples_shaded: Option<u64>,
     pub(crate) complete: bool,
-    /// Names of the visible items. Shared with `visible_items` and other views, which may be hundreds with thousands of items.
+    /// Names of the visible items. Shared with `visible_items` and other views, which may be hundreds with thousands of
+    /// items.
     pub(crate) visible: Vec<Arc<str>>,
     /// The same items in the same order.
     #[serde(serialize_with = "one_line_each")]
@@ -106,7 +107,7 @@ pub(crate) struct ItemReport {
 
 /// A passage: a chain of portals from the eye into a sector.
 #[derive(Debug, Serialize)]
-pub(crate) struct WayReport {
+pub(crate) struct PassageReport {
     pub(crate) sector: String,
     /// The opening of its last portal, as `SECTOR/OPENING`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -166,14 +167,14 @@ pub(crate) struct Summary {
 
 /// A method that does not suit the scene, or exceeds the memory limit.
 #[derive(Debug, Serialize)]
-pub(crate) struct Skipped {
+pub(crate) struct SkippedMethod {
     pub(crate) method: &'static str,
     pub(crate) why: String,
 }
 
 /// Returns the text for skipped methods, one line each.
-pub(crate) fn left_out(skipped: &[Skipped]) -> String {
-    let line = |Skipped { method, why }: &Skipped| format!("  {method} is skipped: {why}\n");
+pub(crate) fn left_out(skipped: &[SkippedMethod]) -> String {
+    let line = |SkippedMethod { method, why }: &SkippedMethod| format!("  {method} is skipped: {why}\n");
     skipped.iter().map(line).collect()
 }
 
@@ -184,13 +185,13 @@ pub(crate) enum Reports {
     One(Box<Report>),
     All {
         methods: Vec<Report>,
-        skipped: Vec<Skipped>,
+        skipped: Vec<SkippedMethod>,
     },
 }
 
 impl Reports {
     /// Wraps the reports: as a list if `all` or if there is not exactly one, else as a single report.
-    pub(crate) fn new(all: bool, mut methods: Vec<Report>, skipped: Vec<Skipped>) -> Reports {
+    pub(crate) fn new(all: bool, mut methods: Vec<Report>, skipped: Vec<SkippedMethod>) -> Reports {
         if all || methods.len() != 1 {
             Reports::All { methods, skipped }
         } else {
@@ -239,7 +240,7 @@ impl Sink {
 }
 
 impl SceneReport {
-    pub(crate) fn new(opened: &Opened) -> SceneReport {
+    pub(crate) fn new(opened: &OpenedScene) -> SceneReport {
         let scene = &opened.scene;
         SceneReport {
             file: opened.file.clone(),
@@ -254,11 +255,11 @@ impl SceneReport {
 impl Report {
     /// Creates the report of a method over views of one size.
     pub(crate) fn new(
-        opened: &Opened,
-        prepared: &Prepared,
+        opened: &OpenedScene,
+        prepared: &PreparedScene,
         views: &[View],
         size: [u32; 2],
-        looks: Looks,
+        looks: LookResults,
     ) -> Report {
         let items = seen_items(&looks.each, &Names::new(&prepared.scene), &opened.nodes);
         let built = prepared.scene.build_stats();
@@ -341,14 +342,14 @@ impl Report {
     /// Whether any visible set violates the contract or differs between passes; `false` outside of `bench`.
     pub(crate) fn is_not_as_expected(&self) -> bool {
         let mut expected = self.views.iter().filter_map(|view| view.expected.as_ref());
-        expected.any(|held| !held.missed.is_empty() || held.extra > 0 || !held.same_again)
+        expected.any(|set| !set.missed.is_empty() || set.extra > 0 || !set.same_again)
     }
 
     /// Adds the results of the check of each view.
-    pub(crate) fn add_checks(&mut self, found: &[Found], scene: &Scene) {
+    pub(crate) fn add_checks(&mut self, found: &[CheckResult], scene: &Scene) {
         let names = Names::new(scene);
         let share = |contested: u64, pixels: u64| rounded(1.0 - contested as f64 / pixels.max(1) as f64);
-        let sum = |of: fn(&Found) -> u64| found.iter().map(of).sum();
+        let sum = |of: fn(&CheckResult) -> u64| found.iter().map(of).sum();
         self.summary.certain = Some(share(sum(|f| f.pixels_contested), sum(|f| f.pixels)));
         for (view, found) in self.views.iter_mut().zip(found) {
             self.summary.missed += found.missed.len();
@@ -371,13 +372,13 @@ impl Report {
     }
 }
 
-impl WayReport {
-    fn new(way: &Way, scene: &Scene) -> WayReport {
+impl PassageReport {
+    fn new(way: &LookPassage, scene: &Scene) -> PassageReport {
         let opening = |(sector, opening): (SectorId, OpeningId)| {
             let name = &scene.sector(sector).openings()[usize::from(opening.0)].name;
             format!("{}/{name}", scene.sector_name(sector))
         };
-        WayReport {
+        PassageReport {
             sector: scene.sector_name(way.sector).to_owned(),
             portal: way.through.map(opening),
             crossings: way.crossings,
@@ -390,7 +391,7 @@ impl WayReport {
 /// The visible items of all views, each once, without size.
 type SeenItems = HashMap<(SectorId, ItemId), ItemReport>;
 
-fn seen_items(looks: &[Look], names: &Names, nodes: &[SourceNodes]) -> SeenItems {
+fn seen_items(looks: &[LookResult], names: &Names, nodes: &[SourceNodes]) -> SeenItems {
     let mut items = SeenItems::new();
     for &(sector, item) in looks.iter().flat_map(|look| &look.visible) {
         items.entry((sector, item)).or_insert_with(|| {
@@ -407,7 +408,7 @@ fn seen_items(looks: &[Look], names: &Names, nodes: &[SourceNodes]) -> SeenItems
 }
 
 impl ViewReport {
-    fn new(view: &View, look: Look, items: &SeenItems, scene: &Scene) -> ViewReport {
+    fn new(view: &View, look: LookResult, items: &SeenItems, scene: &Scene) -> ViewReport {
         let visible = || look.visible.iter().map(|item| &items[item]);
         ViewReport {
             eye: view.eye,
@@ -418,7 +419,7 @@ impl ViewReport {
             through: look
                 .passages
                 .iter()
-                .map(|way| WayReport::new(way, scene))
+                .map(|way| PassageReport::new(way, scene))
                 .collect(),
             items_in_frustum: look.items_in_frustum,
             items_visible: look.visible.len(),

@@ -1,7 +1,7 @@
 //! Saves outputs atomically: each replaces the old file as a whole, or leaves it unchanged.
 //!
-//! A save writes a temporary file in the folder of the output, syncs it, checks it and renames it. Every temporary file is
-//! locked while its run lives, so later runs can recognize those of dead runs and remove them.
+//! A save writes a temporary file in the folder of the output, syncs it, checks it and renames it. Every temporary file
+//! is locked while its run lives, so later runs can recognize those of dead runs and remove them.
 
 use crate::out;
 use crate::run_files::folder_of;
@@ -65,7 +65,8 @@ impl Destination {
         Ok(destination(folder.join(file_name), false))
     }
 
-    /// Checks that a file can be created beside it, and removes the temporary files of dead runs there. Warns of hard links.
+    /// Checks that a file can be created beside it, and removes the temporary files of dead runs there. Warns of hard
+    /// links.
     pub(crate) fn prepare(&self) -> Result<()> {
         if self.is_special {
             return Ok(());

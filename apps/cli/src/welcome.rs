@@ -5,7 +5,7 @@ use crate::args::{Args, LookArgs, Verb};
 use crate::cameras;
 use crate::draw::{draw, png, settings};
 use crate::measure::{self, PASSES};
-use crate::open::{For, open};
+use crate::open::{Purpose, open};
 use crate::out;
 use crate::prepare::prepare;
 use crate::progress::Progress;
@@ -38,7 +38,7 @@ pub(crate) fn run() -> Result<Outcome> {
     let destination = files.writes(Path::new(PICTURE))?;
     let opened = open(
         &scene.scene,
-        For::Pictures,
+        Purpose::Pictures,
         Choice::All,
         methods.how.portals,
         &methods.how.limits,

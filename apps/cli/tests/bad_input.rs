@@ -1,11 +1,11 @@
-//! Bad input gives exit 2 and one message that says what is wrong and what to do; odd input only warns.
+//! Bad input ends with exit 2 and one message that says what is wrong and what to do; unusual input only warns.
 
 mod support;
 
 use serde_json::json;
 use support::{Folder, document, glb, yard};
 
-/// Runs badly: exit 2, one error, every word in it, nothing on standard output.
+/// Asserts that a run fails: exit 2, one error that contains every word, nothing on standard output.
 fn refused(folder: &Folder, arguments: &str, words: &[&str]) {
     let run = folder.run(arguments);
     assert_eq!(run.code, Some(2), "{arguments}: {}{}", run.stdout, run.stderr);
@@ -30,7 +30,7 @@ fn refused(folder: &Folder, arguments: &str, words: &[&str]) {
     }
 }
 
-/// Runs well, with a warning.
+/// Asserts that a run succeeds with a warning that contains the word.
 fn warned(folder: &Folder, arguments: &str, word: &str) {
     let run = folder.run(arguments);
     assert_eq!(run.code, Some(0), "{arguments}: {}", run.stderr);
@@ -50,10 +50,10 @@ fn what_is_mistyped_is_met_with_the_nearest() {
     refused(
         &folder,
         "look --method qqq",
-        &["there are: ", "z-buffer", "hierarchical-z"],
+        &["available: ", "z-buffer", "hierarchical-z"],
     );
     refused(&folder, "draw -o a.png --show imgae", &["did you mean image?"]);
-    refused(&folder, "draw -o a.png --samples 3", &["1 sample or 4"]);
+    refused(&folder, "draw -o a.png --samples 3", &["1 or 4 samples"]);
     refused(
         &folder,
         "draw -o a.png --samples 4 --show items",
@@ -222,7 +222,7 @@ fn files_that_are_no_scene_are_refused() {
 fn what_cannot_be_written_is_refused_before_the_work() {
     let folder = Folder::new();
     std::fs::create_dir(folder.path("taken.png")).expect("made");
-    // The scene is missing too: that the place is told first shows that it is looked at first.
+    // The scene is missing too: an error about the output shows that the output is checked first.
     refused(
         &folder,
         "draw missing.glb -o no/a.png",

@@ -1,4 +1,4 @@
-//! `bench`: what it reports, and that sets are held against what is expected.
+//! `bench`: its reports, and the comparison of sets with the expected ones.
 
 mod support;
 

@@ -1,4 +1,4 @@
-//! Methods that are chosen by measuring, and pinned.
+//! `choose`: chooses methods by measuring, and pins them.
 
 mod support;
 
@@ -44,7 +44,7 @@ fn choose_says_what_every_method_costs_and_takes_the_cheapest() {
     );
     let text = folder.run("choose @two-rooms --size 64x36").stdout;
     assert!(
-        text.contains("not tried: masked, svbsp, mobsp, pvs: sets that may hold more"),
+        text.contains("not measured: masked, svbsp, mobsp, pvs: sets that may contain hidden items"),
         "{text}"
     );
 }
@@ -71,7 +71,7 @@ fn what_auto_sees_is_what_is_seen_and_the_report_says_by_what() {
         ));
         std::fs::read(folder.path(&format!("{method}.png"))).expect("a picture")
     });
-    assert!(first == second, "the picture does not hang on the choice");
+    assert!(first == second, "the picture does not depend on the choice");
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn what_cannot_be_pinned_is_told_before_anything_is_measured() {
     folder.add("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     std::fs::create_dir(folder.path("elsewhere")).expect("a folder");
     folder.add("b.gltf", r#"{"asset":{"version":"2.0"}}"#);
-    for (arguments, told) in [
+    for (arguments, message) in [
         (
             "choose @two-rooms -o a.glb",
             "cannot be written into a built-in scene",
@@ -115,15 +115,18 @@ fn what_cannot_be_pinned_is_told_before_anything_is_measured() {
             "choose a.obj -o b.obj --size 8x8",
             "methods cannot be stored in an OBJ file or a map",
         ),
-        ("choose b.gltf -o elsewhere/b.gltf", "write the copy there"),
+        (
+            "choose b.gltf -o elsewhere/b.gltf",
+            "write the copy to that folder",
+        ),
         (
             "choose scene.glb --moving nowhere --size 8x8",
-            "there is no sector `nowhere`",
+            "no sector `nowhere`",
         ),
         ("choose scene.glb --aim both", "look, draw"),
     ] {
         let run = folder.run(arguments);
         assert_eq!(run.code, Some(2), "{arguments}: {}", run.stderr);
-        assert!(run.stderr.contains(told), "{arguments}: {}", run.stderr);
+        assert!(run.stderr.contains(message), "{arguments}: {}", run.stderr);
     }
 }

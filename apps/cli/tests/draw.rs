@@ -1,4 +1,4 @@
-//! `draw`: the pictures it leaves.
+//! `draw`: the pictures it writes.
 
 mod support;
 
@@ -68,7 +68,7 @@ fn four_samples_smooth_edges_and_stops_brighten_what_lamps_light() {
     );
 }
 
-/// Methods whose covers have a shape, and what it is.
+/// Returns the methods whose covers can be shown, with the shape of each.
 fn shapes() -> impl Iterator<Item = (Method, CoverShape)> {
     let all = Method::ALL.into_iter();
     all.filter_map(|method| Some((method, method.cover_shape()?)))
@@ -186,9 +186,9 @@ fn levels_save_triangles_and_say_how_many() {
     let folder = Folder::new();
     let run = folder.run("draw scene.glb --size 80x45 -o a.png --levels 1");
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
-    let small = "; 0 of them by coarser levels: ";
+    let small = "; 0 of them with LODs: ";
     assert!(run.stdout.contains(small), "{}", run.stdout);
-    // What has no large items is drawn as it is.
+    // A scene without large items is drawn at full detail.
     drawn(&folder, "-o b.png");
     assert_eq!(pixels(&folder, "a.png"), pixels(&folder, "b.png"));
     for wrong in ["0", "-1", "NaN", "much"] {

@@ -1,4 +1,4 @@
-//! `link`: files that were exported separately become one world, and what is wrong with that is told.
+//! `link`: separately exported files become one world; invalid worlds are refused with a reason.
 
 mod support;
 
@@ -6,7 +6,7 @@ use serde_json::json;
 use std::path::Path;
 use support::{Folder, document, glb};
 
-/// Two yards forty apart; through a gate in the first one comes out in the second.
+/// Two yards, 40 units apart; a gate in the first leads to the second.
 const YARDS: &str = r#"
 [[part]]
 name = "near"
@@ -50,7 +50,7 @@ fn one_sees_from_a_part_into_another_through_a_teleport() {
         folder.names(),
         ["scene.glb", "views.jsonl", "world.glb", "world.toml"]
     );
-    // Before the gate the far wall and table are seen, behind it only what is near.
+    // In front of the gate the far wall and table are visible, behind it only the near yard.
     let look = folder.json("look world.glb --eye 0,1.5,6 --toward 0,1.5,0 --check --size 160x90");
     let view = &look["views"][0];
     assert_eq!(view["passages"], 2);
@@ -62,7 +62,7 @@ fn one_sees_from_a_part_into_another_through_a_teleport() {
     );
     let back = folder.json("look world.glb --eye 0,1.5,3 --toward 0,1.5,6 --check --size 160x90");
     assert_eq!(back["views"][0]["passages"], 1);
-    // The cameras of both parts are there.
+    // The world has the cameras of both parts.
     let info = folder.json("info world.glb");
     let names: Vec<&str> = info["cameras"]
         .as_array()
@@ -73,7 +73,7 @@ fn one_sees_from_a_part_into_another_through_a_teleport() {
     assert_eq!(names.len(), 6);
     assert!(names.contains(&"far/front"), "{names:?}");
     assert_eq!(info["ways"][0]["kind"], "teleport");
-    // A world is a part like any other.
+    // A world can be a part of another.
     folder.add("more.toml", "[[part]]\nname = 'all'\nfile = 'world.glb'");
     folder.run("link more.toml -o more.glb");
     let more = folder.json("info more.glb");
@@ -84,7 +84,7 @@ fn one_sees_from_a_part_into_another_through_a_teleport() {
 #[test]
 fn openings_in_files_become_doors_between_parts_that_touch() {
     let folder = Folder::new();
-    // Two open sheds, back to back at x = 3, and a square in the part `left` that nobody gave two rooms.
+    // Two open sheds, back to back at x = 3, and a square in the part `left` that touches no second room.
     let item = |name: &str, translation: [f64; 3], scale: [f64; 3]| json!({ "name": name, "mesh": 0, "translation": translation, "scale": scale });
     let square = json!({ "name": "Door-portal", "mesh": 0, "translation": [3, 1, 0], "scale": [0, 2, 1] });
     let shed = [
@@ -131,7 +131,7 @@ fn openings_in_files_become_doors_between_parts_that_touch() {
     );
     assert_eq!(folder.json("link world.toml -o world.glb")["portals"], 3);
     std::fs::remove_file(folder.path("world.glb")).expect("it is there");
-    // A portal that leads to what stands behind it needs no word, but something must stand there.
+    // A portal without `to` leads to the room behind it, so there must be one.
     refused(
         &folder,
         &world("").replace("[6, 0, 0]", "[60, 0, 0]"),
@@ -267,7 +267,7 @@ fn what_is_wrong_in_a_world_names_the_place_and_the_remedy() {
     );
     let run = folder.run("link world.toml -o world.obj");
     assert!(
-        run.code == Some(2) && run.stderr.contains("must end in that"),
+        run.code == Some(2) && run.stderr.contains("must end in .glb"),
         "{}",
         run.stderr
     );

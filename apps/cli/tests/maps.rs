@@ -1,4 +1,4 @@
-//! Compiled maps wherever a scene is asked for.
+//! Compiled maps work with every verb that reads a scene.
 
 #[path = "support/map.rs"]
 mod map;

@@ -1,11 +1,11 @@
-//! OBJ files wherever a scene is asked for.
+//! OBJ files work with every verb that reads a scene.
 
 mod support;
 
 use serde_json::json;
 use support::Folder;
 
-/// A red wall, a green pane before it, and a chest behind the wall.
+/// A red wall, a green pane in front of it, and a chest behind the wall.
 const YARD: &str = "mtllib yard.mtl
 o wall
 usemtl red

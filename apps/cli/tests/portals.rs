@@ -1,4 +1,4 @@
-//! `portals`: a lost .prt is there again, and one that is there is never lost.
+//! `portals`: rebuilds a lost .prt, and never overwrites an existing one unasked.
 
 #[path = "../../../crates/enfilade_import/tests/quake/carved.rs"]
 mod carved;
@@ -93,7 +93,7 @@ fn a_prt_that_is_there_is_never_lost() {
         &["map.prt", "-o", "--force"],
     );
     assert_eq!(text(&folder, "map.prt"), "the only one");
-    // Nor where it cannot be replaced by something better.
+    // --force keeps it too if the portals cannot be rebuilt.
     folder.add("broken.bsp", "no map");
     refused(
         &folder,
@@ -139,7 +139,7 @@ fn a_folder_that_may_not_be_written_is_said_before_the_work() {
         std::fs::set_permissions(folder.path("locked"), permissions).expect("changed");
     };
     mode(0o555);
-    // Who may do everything is not kept out by that.
+    // Permissions do not stop root.
     let is_locked = std::fs::write(folder.path("locked/probe"), "").is_err();
     if is_locked {
         refused(

@@ -1,13 +1,13 @@
-//! Real scenes, where they are: the folder that the environment variable `ENFILADE_SCENES` names.
+//! Real scenes, from the folder in the environment variable `ENFILADE_SCENES`; skipped without it.
 
 mod support;
 
 use std::path::Path;
 use support::Folder;
 
-/// Every method but the approximate ones misses nothing and paints nothing wrong.
+/// Asserts that no method has a false cull or a wrong pixel, except approximate ones.
 #[expect(clippy::print_stdout, reason = "a test that is skipped says so")]
-fn held_against_the_reference(name: &str) {
+fn agrees_with_the_reference(name: &str) {
     let Some(scenes) = std::env::var_os("ENFILADE_SCENES") else {
         println!("skipped: {name} is not looked at, for ENFILADE_SCENES names no folder of scenes");
         return;
@@ -38,20 +38,20 @@ fn held_against_the_reference(name: &str) {
 
 #[test]
 fn the_smallest_building_is_seen_rightly() {
-    held_against_the_reference("ifc_fzk_haus.glb");
+    agrees_with_the_reference("ifc_fzk_haus.glb");
 }
 
 #[test]
 fn a_house_of_two_is_seen_rightly() {
-    held_against_the_reference("ifc_duplex.glb");
+    agrees_with_the_reference("ifc_duplex.glb");
 }
 
 #[test]
 fn a_county_of_hills_is_seen_rightly() {
-    held_against_the_reference("terrain_jacksboro.json");
+    agrees_with_the_reference("terrain_jacksboro.json");
 }
 
-/// The villa whose rooms and portals were authored, from the places of its four cameras.
+/// A villa with authored rooms and portals, from its four cameras.
 #[test]
 #[expect(clippy::print_stdout, reason = "a test that is skipped says so")]
 fn a_villa_is_seen_rightly_through_its_portals_and_as_one_room() {
@@ -92,9 +92,9 @@ fn a_villa_is_seen_rightly_through_its_portals_and_as_one_room() {
             let visible: Vec<&str> = (view["visible"].as_array().expect("a list").iter())
                 .filter_map(|name| name.as_str())
                 .collect();
-            // What another renderer sees in more than a few pixels; a smaller picture may miss what is smaller.
+            // Items that another renderer shows in more than a few pixels; smaller ones may fall between our samples.
             for (name, pixels) in camera["visible_flat"].as_object().expect("names") {
-                // Blocks of terrain are items, called by their row and column behind the name.
+                // Blocks of terrain are items, named with their row and column.
                 let is_seen = visible
                     .iter()
                     .any(|seen| seen.split(['#', ' ']).next() == Some(name));

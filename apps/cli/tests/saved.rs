@@ -1,4 +1,4 @@
-//! Outputs replace what is there whole or not at all, and keep its mode; what dead runs left is removed.
+//! Outputs replace files as a whole or not at all, and keep their mode; temporary files of dead runs are removed.
 #![cfg(target_os = "linux")]
 
 #[path = "../../../crates/enfilade_import/tests/quake/carved.rs"]
@@ -38,7 +38,7 @@ fn set_mode(folder: &Folder, name: &str, mode: u32) {
     fs::set_permissions(folder.path(name), fs::Permissions::from_mode(mode)).expect("set");
 }
 
-/// Runs where no file can grow beyond `blocks`, so that writes fail as on a full disk.
+/// Runs with a file size limit of `blocks`, so that writes fail as on a full disk.
 fn run_with_little_space(folder: &Folder, blocks: usize, arguments: &str) -> Run {
     let inner = folder.command(arguments);
     let output = Command::new("sh")
@@ -174,7 +174,7 @@ fn a_file_that_is_replaced_keeps_its_mode_and_owner() {
         }
         for wanted in [0o600, 0o664, 0o755] {
             set_mode(&folder, output, wanted);
-            // Only root may give a file away.
+            // Only root may change the owner of a file.
             let is_given_away = chown(folder.path(output), Some(1234), Some(4321)).is_ok();
             let run = folder.run(arguments);
             assert_eq!(run.code, Some(0), "{arguments}: {}", run.stderr);
@@ -222,7 +222,7 @@ fn a_link_is_followed_and_one_that_leads_nowhere_is_refused() {
     assert_eq!(folder.run("draw scene.glb --size 64x36 -o a.png").code, Some(0));
     assert!(folder.path("a.png").is_symlink());
     assert!(bytes(&folder, "there.png").starts_with(b"\x89PNG"));
-    // The scene is missing too: that the output is refused first shows that it is looked at first.
+    // The scene is missing too: an error about the output shows that the output is checked first.
     let run = folder.run("draw missing.glb --size 64x36 -o b.png");
     assert_eq!(run.code, Some(2));
     assert!(
@@ -269,7 +269,7 @@ fn a_name_as_long_as_names_can_be_is_written_to() {
     names.extend(["row.prt", "scene.glb", "views.jsonl", "world.toml"].map(str::to_owned));
     names.sort();
     assert_eq!(folder.names(), names, "nothing is left behind");
-    // Numbered pictures would have names that are too long, which is said before any is drawn.
+    // The names of numbered pictures would be too long; that is refused before any is drawn.
     let run = folder.run(&format!("{draw} --survey 2"));
     assert_eq!(run.code, Some(2), "{}", run.stderr);
     assert!(
@@ -336,11 +336,11 @@ fn saved_work_of_a_live_run_is_neither_replaced_nor_removed_nor_used() {
         assert_eq!(run.code, Some(0), "{}", run.stderr);
         assert!(
             run.stderr
-                .contains("map.bsp.vis-unfinished belongs to a run that is still at work"),
+                .contains("map.bsp.vis-unfinished belongs to a run in progress"),
             "{}",
             run.stderr
         );
-        assert!(!run.stdout.contains("--resume goes on"), "{}", run.stdout);
+        assert!(!run.stdout.contains("--resume continues"), "{}", run.stdout);
         assert_eq!(bytes(&folder, "map.bsp.vis-unfinished"), b"how far a live run is");
     }
     drop(live);

@@ -1,11 +1,11 @@
-//! `--simd`: what is seen does not depend on it.
+//! `--simd` does not change the visible sets.
 
 mod support;
 
 use serde_json::Value;
 use support::Folder;
 
-/// What is the same at every level: the sets, and what it took to find them, counted.
+/// Returns the parts of a report that are the same at every level: the sets and the counters.
 fn answers(folder: &Folder, scene: &str, level: &str) -> Vec<[Value; 4]> {
     let report = folder.json(&format!(
         "look {scene} --survey 3 --method all --size 160x90 --simd {level}"

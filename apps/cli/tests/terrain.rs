@@ -1,11 +1,11 @@
-//! Terrain wherever a scene is asked for.
+//! Heightmaps work with every verb that reads a scene.
 
 mod support;
 
 use serde_json::json;
 use support::Folder;
 
-/// 70 x 40 heights ten metres apart: a ridge from north to south, which hides what is east of it from the west.
+/// 70 x 40 heights, 10 metres apart: a ridge from north to south occludes everything east of it from the west.
 fn valley() -> Folder {
     let folder = Folder::new();
     let description = json!({
@@ -28,7 +28,7 @@ const FROM_THE_WEST: &str = "--eye 40,12,200 --toward 400,12,200 --size 64x36";
 #[test]
 fn info_says_what_is_in_a_field_of_heights() {
     let info = valley().json("info valley.json");
-    assert_eq!(info["format"], "heights, and a description of them");
+    assert_eq!(info["format"], "heightmap with a description");
     assert_eq!(info["items"], 6, "blocks of 32 by 32 cells");
     assert_eq!(info["triangles_drawn"], 2 * 69 * 39);
 }
@@ -65,7 +65,7 @@ fn heights_that_lack_their_file_are_told_where_it_should_be() {
     }
 }
 
-/// Too little for the valley as meshes.
+/// Too little memory for the valley as meshes.
 const LITTLE: &str = "--memory 100kB";
 
 #[test]
@@ -85,7 +85,7 @@ fn terrain_larger_than_memory_stays_in_its_file_and_is_seen_as_if_it_did_not() {
     }
     folder.json(&format!("draw valley.json {FROM_THE_WEST} {LITTLE} -o a.png"));
     assert!(folder.names().contains(&"a.png".to_owned()));
-    // Without a place to stand it is looked at from outside.
+    // The survey finds no position, so the view is from outside.
     assert_eq!(
         folder
             .run(&format!("look valley.json {LITTLE} --size 64x36"))
@@ -102,7 +102,7 @@ fn what_terrain_in_its_file_cannot_do_is_said_with_a_way_out() {
         assert_eq!(run.code, Some(2), "{line}: {}", run.stderr);
         assert!(run.stderr.contains(words), "{line}: {}", run.stderr);
     };
-    let alone = "does not fit in --memory can only be seen by floating-horizon; choose that --method, or raise --memory";
+    let alone = "does not fit in --memory needs floating-horizon; use that --method, or raise --memory";
     says(
         &format!("look valley.json {FROM_THE_WEST} {LITTLE} --method bsp"),
         alone,

@@ -1,4 +1,4 @@
-//! Inputs that are no files, or too large, are refused before they are read; names need not be UTF-8.
+//! Inputs that are not files, or too large, are refused before they are read; names need not be UTF-8.
 #![cfg(target_os = "linux")]
 
 mod support;
@@ -13,7 +13,7 @@ use std::process::Command;
 use support::quake::Grid;
 use support::{Folder, Run, glb, yard};
 
-/// A pipe. If the program opens it, it gets nothing and goes on, so that the test fails instead of hanging.
+/// Creates a pipe. A program that opens it reads nothing and continues, so that the test fails instead of hanging.
 fn pipe(folder: &Folder, name: &str) {
     let path = folder.path(name);
     let made = Command::new("mkfifo").arg(&path).status().expect("mkfifo");
@@ -21,7 +21,7 @@ fn pipe(folder: &Folder, name: &str) {
     std::thread::spawn(move || while File::options().write(true).open(&path).is_ok() {});
 }
 
-/// Runs with 4 GB of address space, so that a program that reads without limit fails and takes no other down with it.
+/// Runs with 4 GB of address space, so that a program that reads without limit fails without harming others.
 fn run_with_little_memory(folder: &Folder, arguments: &str) -> Run {
     let inner = folder.command(arguments);
     let output = Command::new("sh")
@@ -137,7 +137,7 @@ fn a_path_with_a_line_as_long_as_a_book_is_refused_by_its_line() {
 fn a_world_of_more_parts_than_memory_holds_is_refused_at_the_part_that_is_too_much() {
     let folder = Folder::new();
     let mut document = yard();
-    // A megabyte that nothing is made of.
+    // A megabyte that nothing uses.
     document["buffers"][0]["byteLength"] = json!(132 + (1 << 20));
     let mut large = glb(&document);
     large.extend(vec![0; 1 << 20]);
@@ -182,7 +182,7 @@ fn scenes_have_names_that_are_not_utf_8() {
             assert!(run.stdout.contains("sc\u{FFFD}ne.glb"), "{verb}: {}", run.stdout);
         }
     }
-    // A description finds the heights that are called as it is.
+    // A description finds the heights of the same name.
     let valley =
         json!({ "width": 2, "height": 2, "format": "u16 little endian", "cellMetresX": 1, "cellMetresZ": 1 });
     fs::write(path(OsStr::from_bytes(b"\xFE.json")), valley.to_string()).expect("written");

@@ -1,4 +1,4 @@
-//! `vis`: maps get what is visible in them, whole or not at all, whatever stops the work.
+//! `vis`: writes the PVS into maps, as a whole or not at all, however the run ends.
 
 mod support;
 
@@ -25,7 +25,7 @@ fn map(folder: &Folder, name: &str) -> Vec<u8> {
 #[test]
 fn a_map_gets_what_is_visible_and_nothing_is_left_behind() {
     let grid = Grid {
-        // Two doors in line, and one far aside.
+        // Two aligned doors, and one far aside.
         door: |from, _| if from < 2 { 0 } else { 80 },
         ..Grid::row(3)
     };
@@ -34,8 +34,8 @@ fn a_map_gets_what_is_visible_and_nothing_is_left_behind() {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     for words in [
         "map.bsp: 9 leafs in 9 clusters, 12 portals",
-        "pairs may see each other",
-        "100,000 random lines: none is missing",
+        "visible pairs",
+        "100,000 random lines: no pair is missing",
         "written to map.bsp",
     ] {
         assert!(
@@ -47,14 +47,14 @@ fn a_map_gets_what_is_visible_and_nothing_is_left_behind() {
     let map = map(&folder, "map.bsp");
     assert!(
         seen_in_quake(&map, 1).starts_with(&[1, 2, 3]),
-        "through two doors in line"
+        "through two aligned doors"
     );
     for from in 1..=9 {
         let seen = seen_in_quake(&map, from);
         assert!(seen.contains(&from));
         assert!(
             seen.iter().all(|&to| seen_in_quake(&map, to).contains(&from)),
-            "sight has no direction"
+            "visibility is symmetric"
         );
     }
     assert_eq!(folder.names(), ["map.bsp", "map.prt"]);
@@ -151,7 +151,7 @@ fn pairs_in_which_another_vis_differs_are_listed_with_what_speaks_for_them() {
         );
     }
 
-    // One that sees nothing but its own leaf: the first row of bits is the second leaf's.
+    // A PVS whose first leaf sees only itself: row 0 belongs to leaf 1.
     let mut blind = map(&folder, "right.bsp");
     let row = lump(&blind, 4).start;
     blind[row] = 1;
@@ -240,12 +240,12 @@ fn a_run_that_is_killed_again_and_again_ends_like_one_that_is_not() {
     assert!(kills > 0, "no run was caught at work");
     assert!(
         !folder.path("part.bsp").exists(),
-        "what is not finished is not written"
+        "an unfinished run writes no map"
     );
     let run = folder.run("vis map.bsp -o part.bsp --resume");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     assert!(
-        run.stdout.contains("went on from the saved work"),
+        run.stdout.contains("resumed from the saved work"),
         "{}",
         run.stdout
     );
@@ -253,7 +253,7 @@ fn a_run_that_is_killed_again_and_again_ends_like_one_that_is_not() {
     assert_eq!(
         folder.names(),
         ["map.bsp", "map.prt", "part.bsp", "whole.bsp"],
-        "what the killed runs left is gone"
+        "the files of the killed runs are removed"
     );
 }
 
@@ -263,7 +263,7 @@ fn a_run_that_is_interrupted_saves_its_work_and_says_how_to_go_on() {
     let folder = folder_of(&Grid::row(12));
     folder.json("vis map.bsp -o whole.bsp");
     let saved = folder.path("part.bsp.vis-unfinished");
-    // A run may be over before the signal comes.
+    // A run may end before the signal arrives.
     let is_caught = (0..10).any(|_| {
         let mut run = folder
             .command("vis map.bsp -o part.bsp --save-every 0")
@@ -283,18 +283,18 @@ fn a_run_that_is_interrupted_saves_its_work_and_says_how_to_go_on() {
         let stderr = String::from_utf8_lossy(&output.stderr);
         let is_caught = output.status.code() == Some(2);
         assert!(
-            !is_caught || stderr.contains("the same command with --resume goes on"),
+            !is_caught || stderr.contains("the same command with --resume continues"),
             "{stderr}"
         );
         assert_ne!(is_caught, folder.path("part.bsp").exists());
-        // Where the run was over, it has written the copy.
+        // A run that ended has written the copy.
         let _ = fs::remove_file(folder.path("part.bsp"));
         is_caught
     });
     assert!(is_caught, "no run was caught at work");
     let run = folder.run("vis map.bsp -o part.bsp --resume");
     assert!(
-        run.stdout.contains("went on from the saved work"),
+        run.stdout.contains("resumed from the saved work"),
         "{}",
         run.stdout
     );
@@ -306,13 +306,17 @@ fn saved_work_that_is_of_no_use_is_said_so() {
     let folder = folder_of(&Grid::row(3));
     let run = folder.run("vis map.bsp --resume");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert!(run.stdout.contains("started anew"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("started from the beginning"),
+        "{}",
+        run.stdout
+    );
     folder.add("map.bsp.vis-unfinished", "something else");
     let run = folder.run("vis map.bsp --fast -o copy.bsp");
     assert_eq!(
         (run.code, run.stderr.as_str()),
         (Some(0), ""),
-        "that of another map is its own"
+        "the saved work of another output is ignored"
     );
     let run = folder.run("vis map.bsp --seconds 0");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
@@ -323,11 +327,11 @@ fn saved_work_that_is_of_no_use_is_said_so() {
     let run = folder.run("vis map.bsp --resume");
     assert_eq!(run.code, Some(2));
     assert!(
-        run.stderr.contains("is no saved work of this version") && run.stderr.contains("leave out --resume")
+        run.stderr.contains("is not saved work of this version") && run.stderr.contains("leave out --resume")
     );
 }
 
-/// Runs what must fail with exit 2, says why, and leaves the map as it is.
+/// Asserts that a run fails with exit 2 and one message that contains the words, and leaves the map unchanged.
 #[track_caller]
 fn refused(folder: &Folder, arguments: &str, words: &[&str]) {
     let before = map(folder, "map.bsp");
@@ -429,7 +433,7 @@ fn command_lines_for_other_compilers_do_what_mappers_mean() {
 fn a_map_whose_textures_are_damaged_still_gets_what_is_visible() {
     let folder = folder_of(&Grid::row(3));
     let mut damaged = map(&folder, "map.bsp");
-    // A lump of textures that ends in the middle of its number, which stands where the entities are.
+    // A texture lump of 3 bytes, at the offset of the entities: too short for its count.
     let entities = damaged[4..8].to_vec();
     damaged[4 + 8 * 2..][..4].copy_from_slice(&entities);
     damaged[4 + 8 * 2 + 4..][..4].copy_from_slice(&3u32.to_le_bytes());

@@ -1,14 +1,14 @@
-//! What something takes.
+//! Time measurement.
 
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
-/// How time is told.
+/// A kind of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Clock {
-    /// What one waits.
+    /// Elapsed time.
     Wall,
-    /// What all cores work for this process: nearly the same however much else the machine does.
+    /// CPU time of this process on all cores, which hardly depends on other processes.
     Cpu,
 }
 
@@ -23,10 +23,10 @@ impl Clock {
 /// Milliseconds by each clock.
 pub(crate) type Times = [f64; Clock::ALL.len()];
 
-/// Does it, and says what it took.
-pub(crate) fn timed<T>(what: impl FnOnce() -> T) -> (T, Times) {
+/// Runs `work`; returns its result and the time it took.
+pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, Times) {
     let (wall, cpu) = (Instant::now(), ProcessTime::now());
-    let done = what();
+    let done = work();
     (
         done,
         [wall.elapsed(), cpu.elapsed()].map(|time| time.as_secs_f64() * 1e3),

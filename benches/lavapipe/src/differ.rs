@@ -1,17 +1,17 @@
-//! Do two pictures show the same?
+//! Compares pictures.
 
 use crate::ours::Picture;
 use anyhow::Result;
 use enfilade_draw::RgbImage;
 use std::path::Path;
 
-/// Steps of 255 by which a channel may differ: no more than rounding does, for the two sides share no arithmetic.
-const UNNOTICED: u8 = 2;
+/// Largest ignored difference of a channel, of 255: rounding error, because the two renderers share no arithmetic.
+const TOLERANCE: u8 = 2;
 
-/// The part of all pixels that differ noticeably, 0 to 1.
+/// Returns the part of all pixels that differ noticeably, 0 to 1.
 pub(crate) fn differing(a: &Picture, b: &Picture) -> f64 {
-    assert_eq!(a.len(), b.len(), "pictures of one size");
-    let differs = |(a, b): &(&[u8], &[u8])| (0..3).any(|c| a[c].abs_diff(b[c]) > UNNOTICED);
+    assert_eq!(a.len(), b.len(), "pictures of different sizes");
+    let differs = |(a, b): &(&[u8], &[u8])| (0..3).any(|c| a[c].abs_diff(b[c]) > TOLERANCE);
     let count = a.chunks(3).zip(b.chunks(3)).filter(differs).count();
     count as f64 / (a.len() / 3) as f64
 }
@@ -19,7 +19,7 @@ pub(crate) fn differing(a: &Picture, b: &Picture) -> f64 {
 /// Writes a picture as PNG.
 pub(crate) fn save(picture: &Picture, size: [u32; 2], file: &Path) -> Result<()> {
     let image = RgbImage::from_raw(size[0], size[1], picture.clone());
-    let image = image.ok_or_else(|| anyhow::anyhow!("a picture of another size"))?;
+    let image = image.ok_or_else(|| anyhow::anyhow!("the picture has another size than the view"))?;
     Ok(image.save(file)?)
 }
 

@@ -1,4 +1,4 @@
-//! The other side: `wgpu` on a software Vulkan driver.
+//! The `wgpu` renderer on a software Vulkan driver.
 
 use crate::lens::Lens;
 use crate::ours::Picture;
@@ -13,14 +13,14 @@ use wgpu::{
     TextureFormat, TextureUsages,
 };
 
-/// What to do where no software driver is found.
-const NO_DRIVER: &str = "no software Vulkan driver is here: install lavapipe, on Debian and Ubuntu by\n    \
+/// Error text if no software driver is found.
+const NO_DRIVER: &str = "no software Vulkan driver found: install lavapipe, on Debian and Ubuntu by\n    \
     apt-get install --no-install-recommends mesa-vulkan-drivers libvulkan1\n\
     (`vulkaninfo --summary` of vulkan-tools should then list a device of type CPU)";
 
-/// A device, what may be drawn, and what it is drawn on.
+/// A device with its buffers and render targets.
 pub(crate) struct Gpu {
-    /// The driver, as it calls itself.
+    /// Name of the driver.
     pub(crate) name: String,
     device: Device,
     queue: Queue,
@@ -37,7 +37,7 @@ pub(crate) struct Gpu {
 
 impl Gpu {
     /// # Errors
-    /// Where there is no software driver; a card is not taken instead.
+    /// If there is no software driver. Hardware adapters are not used instead.
     pub(crate) fn new(stock: &Stock, size: [u32; 2]) -> Result<Gpu> {
         let (name, adapter) = software_adapter()?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
@@ -92,7 +92,7 @@ impl Gpu {
             ),
             instances: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("instances"),
-                // One for the world, one for each item, and one more for each that is glass, too.
+                // One for the world, one for each item, and another for each item that is also glass.
                 size: ((1 + 2 * stock.items.len()) * size_of::<Instance>()) as u64,
                 usage: BufferUsages::VERTEX | BufferUsages::COPY_DST,
                 mapped_at_creation: false,
@@ -109,7 +109,7 @@ impl Gpu {
         })
     }
 
-    /// Draws, and waits until the picture is done.
+    /// Draws a picture, and waits until it is finished.
     pub(crate) fn draw(&self, plan: &Plan, lens: &Lens) -> Result<()> {
         self.queue
             .write_buffer(&self.lens, 0, bytemuck::bytes_of(&LensBytes::of(lens)));
@@ -132,7 +132,7 @@ impl Gpu {
         Ok(())
     }
 
-    /// A pass over the picture, as bytes or as light: the first, or one that goes on.
+    /// Begins a render pass on the picture, as bytes or as linear light; clears it if it is the first.
     fn pass<'a>(
         &self,
         encoder: &'a mut CommandEncoder,
@@ -185,7 +185,7 @@ impl Gpu {
         }
     }
 
-    /// What was drawn last.
+    /// Returns the last picture.
     pub(crate) fn picture(&self) -> Result<Picture> {
         let [width, height] = self.size;
         // Rows must be whole multiples of this.
@@ -214,11 +214,11 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
         let (sender, receiver) = std::sync::mpsc::channel();
         buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-            // Whoever no longer listens has gone already.
+            // An error means that the receiver is gone; then the result is not needed.
             let _ = sender.send(result);
         });
         self.device.poll(wgpu::PollType::wait_indefinitely())?;
-        receiver.recv().context("the picture was never copied")??;
+        receiver.recv().context("the driver did not finish copying the picture")??;
         let bytes = buffer.slice(..).get_mapped_range()?;
         let rows = bytes.chunks(row as usize);
         Ok(rows
@@ -231,7 +231,7 @@ impl Gpu {
     }
 }
 
-/// The driver that draws on the CPU, and its name.
+/// Returns the CPU driver with its name.
 fn software_adapter() -> Result<(String, Adapter)> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends: Backends::VULKAN,
@@ -271,7 +271,7 @@ fn lens_group(device: &Device, lens: &Buffer) -> (wgpu::BindGroupLayout, wgpu::B
     (layout, group)
 }
 
-/// A lens as the shader reads it.
+/// A lens in the shader's layout.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct LensBytes {

@@ -1,19 +1,19 @@
-//! A view as a graphics card wants it: places relative to the eye, a matrix, and the planes around what may show.
+//! Camera data for a GPU: projection matrix relative to the eye, and frustum planes.
 
 use enfilade::{Aabb, View};
 use glam::{DMat3, DVec3, Mat4, Vec3, Vec4};
 
-/// Depth is near / distance: 1 at the near limit, 0 infinitely far away. With f32 that keeps apart what is far away.
+/// Depth is near / distance: 1 at the near plane, 0 at infinity. Reversed depth keeps f32 precise far away.
 pub(crate) struct Lens {
-    /// The eye's place.
+    /// Camera position.
     pub(crate) eye: DVec3,
-    /// Unit length, against the line of sight.
+    /// Unit vector against the view direction.
     pub(crate) back: DVec3,
-    /// From places relative to the eye, axes as in the scene, to clip space.
+    /// From positions relative to the eye, with the scene's axes, to clip space.
     pub(crate) clip_from_relative: Mat4,
-    /// The direction of the screen's upper left corner, and by how much it changes with each pixel to the right and down.
+    /// The direction of the viewport's upper left corner, and its change per pixel to the right and down.
     pub(crate) sky: [Vec3; 3],
-    /// Inside is where `plane · (place relative to the eye, 1)` is at least 0.
+    /// Points inside have `plane · (position relative to the eye, 1)` ≥ 0.
     planes: [Vec4; 5],
 }
 
@@ -49,7 +49,7 @@ impl Lens {
         }
     }
 
-    /// May any of a box, given in the scene, be in the picture? `true` when unsure.
+    /// Returns `true` if a box in scene space may intersect the frustum; `true` when unsure.
     pub(crate) fn may_show(&self, bounds: &Aabb) -> bool {
         if bounds.is_empty() {
             return false;
@@ -62,7 +62,7 @@ impl Lens {
         })
     }
 
-    /// A place in the scene relative to the eye: the columns of a matrix whose linear part stays.
+    /// Returns an item's transform relative to the eye, as matrix rows: linear part unchanged, translation relative.
     pub(crate) fn relative(&self, matrix: &DMat3, translation: DVec3) -> [[f32; 4]; 3] {
         let translation = translation - self.eye;
         [0, 1, 2].map(|row| matrix.row(row).extend(translation[row]).as_vec4().into())

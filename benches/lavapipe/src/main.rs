@@ -1,4 +1,4 @@
-//! Our software renderer beside `wgpu` on a software Vulkan driver: the same triangles, in one run.
+//! Compares Enfilade's software renderer with `wgpu` on a software Vulkan driver: the same triangles, in one run.
 //!
 //! See the README beside the manifest for what is compared, and how.
 
@@ -17,20 +17,20 @@ mod serve;
 mod stock;
 mod weld;
 
-use crate::ours::Ours;
+use crate::ours::EnfiladeRenderer;
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use clock::Clock;
 use enfilade::{Contract, Method, Scene};
 use peer::Peer;
-use place::Place;
+use place::SurveyedScene;
 use report::Report;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Draws scenes with Enfilade's own renderer and with wgpu on a software Vulkan driver (lavapipe), in turn, and says what
-/// each takes.
+/// Draws scenes with Enfilade's renderer and with wgpu on a software Vulkan driver (lavapipe), in turn, and prints the
+/// times
 #[derive(Parser)]
 struct Args {
     /// Scenes: .glb or .gltf
@@ -45,23 +45,23 @@ struct Args {
     /// Columns and rows
     #[arg(long, default_value = "1280x720", value_name = "WxH", value_parser = size)]
     size: [u32; 2],
-    /// What draws on our side; the fastest on each scene is what the other side is measured by
+    /// Methods to render with; times are compared with the fastest one on each scene
     #[arg(long, value_delimiter = ',', value_name = "METHODS", value_parser = method,
         default_value = "hierarchical-z,s-buffer,hierarchical-s,masked,z-buffer")]
     methods: Vec<Method>,
-    /// What looks before lavapipe draws only what is seen
+    /// Method that computes visibility before lavapipe draws only the visible items
     #[arg(long, default_value = "masked", value_name = "METHOD", value_parser = method)]
     seen_by: Method,
-    /// Where to write all pictures of both sides
+    /// Folder for the pictures of both renderers
     #[arg(long, value_name = "FOLDER")]
     pictures: Option<PathBuf>,
-    /// The drawing process: draws what it is told to on its standard input
+    /// Run as the drawing process: execute commands from standard input
     #[arg(long, hide = true)]
     serve: bool,
 }
 
-/// The part of pixels that may differ noticeably over all views of a scene: edges that fall on other samples, for a card
-/// snaps corners to 1/256 pixel, and faces in one plane, of which each side shows another.
+/// Part of pixels that may differ noticeably over all views of a scene: edges that cover other samples, because GPUs
+/// snap corners to 1/256 pixel, and coplanar faces, which have no defined order.
 const MAY_DIFFER: f64 = 0.01;
 
 fn main() -> ExitCode {
@@ -76,7 +76,7 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<()> {
     if args.serve {
-        let place = Place::open(&args.scenes[0], args.views.into(), args.size)?;
+        let place = SurveyedScene::open(&args.scenes[0], args.views.into(), args.size)?;
         return serve::serve(
             place,
             args.seen_by,
@@ -101,10 +101,10 @@ fn run(args: &Args) -> Result<()> {
     reports.iter().try_for_each(agree)
 }
 
-/// Are the pictures of both sides the same?
+/// Verifies that the pictures of both renderers agree.
 ///
 /// # Errors
-/// If not: then the times compare nothing.
+/// If they differ, because then the times are not comparable.
 fn agree(report: &Report) -> Result<()> {
     let most = report
         .drawn
@@ -113,21 +113,21 @@ fn agree(report: &Report) -> Result<()> {
         .fold(0.0, f64::max);
     ensure!(
         most <= MAY_DIFFER,
-        "{}: {:.2} % of the pixels differ, so these times compare nothing",
+        "{}: {:.2} % of the pixels differ, so the times are not comparable",
         report.name,
         100.0 * most
     );
     Ok(())
 }
 
-/// Everything about one scene.
+/// Runs the benchmark on one scene.
 fn bench(args: &Args, file: &Path, cores: &[usize]) -> Result<Report> {
     let name = file
         .file_stem()
-        .context("a file has a name")?
+        .context("the path does not name a file")?
         .to_string_lossy()
         .into_owned();
-    let place = Place::open(file, args.views.into(), args.size)?;
+    let place = SurveyedScene::open(file, args.views.into(), args.size)?;
     let scenes: Vec<(Method, Scene)> = args
         .methods
         .iter()
@@ -136,13 +136,13 @@ fn bench(args: &Args, file: &Path, cores: &[usize]) -> Result<Report> {
     let most = cores.iter().copied().max().unwrap_or(1);
     let mut peers: Vec<Peer> = cores
         .iter()
-        .map(|&cores| Peer::start(&served(args, file), cores, most))
+        .map(|&cores| Peer::start(&server_arguments(args, file), cores, most))
         .collect::<Result<_>>()?;
     println!("{name}: {} views by {}", place.views.len(), peers[0].driver);
     let start = args.pictures.as_ref().map(|folder| folder.join(&name));
-    let ours: Vec<Ours> = cores
+    let ours: Vec<EnfiladeRenderer> = cores
         .iter()
-        .map(|&cores| Ours::new(&scenes[0].1, cores))
+        .map(|&cores| EnfiladeRenderer::new(&scenes[0].1, cores))
         .collect::<Result<_>>()?;
     let drawn = measure::compare(&place, (&ours[0], &scenes[0].1), &mut peers[0], start.as_deref())?;
     let taken = measure::time(&place, &ours, &scenes, &mut peers, args.rounds.into())?;
@@ -155,8 +155,8 @@ fn bench(args: &Args, file: &Path, cores: &[usize]) -> Result<Report> {
     })
 }
 
-/// What a drawing process is told when it starts.
-fn served(args: &Args, file: &Path) -> Vec<OsString> {
+/// Returns the arguments of a drawing process.
+fn server_arguments(args: &Args, file: &Path) -> Vec<OsString> {
     let [width, height] = args.size;
     let options = [
         "--serve".to_owned(),
@@ -181,7 +181,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "WxH, each from 1 to 8192".to_owned())
 }
 
-/// A method that promises to miss nothing: what a painter's algorithm leaves out would look like speed.
+/// Parses a method that never misses visible items; a method that leaves some out would appear faster.
 fn method(name: &str) -> Result<Method, String> {
     let known = Method::by_name(name).filter(|method| method.contract() != Contract::Approximate);
     known.ok_or_else(|| {

@@ -1,59 +1,59 @@
-//! Both sides, in turn.
+//! Measures both renderers in turn.
 
 use crate::clock::{Clock, Times, timed};
 use crate::differ::{differing, save};
-use crate::ours::{Ours, Picture};
+use crate::ours::{EnfiladeRenderer, Picture};
 use crate::peer::{Cost, Peer};
-use crate::place::Place;
-use crate::serve::What;
+use crate::place::SurveyedScene;
+use crate::serve::DrawSet;
 use anyhow::Result;
 use enfilade::{Method, Scene, Viewer};
 use std::path::Path;
 
-/// Who draws.
+/// A renderer with its configuration.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Who {
-    Ours(Method),
-    Driver(What),
+pub(crate) enum Renderer {
+    Enfilade(Method),
+    Driver(DrawSet),
 }
 
-/// What one of them took.
-pub(crate) struct Taken {
-    pub(crate) who: Who,
+/// Times of one renderer.
+pub(crate) struct Timing {
+    pub(crate) who: Renderer,
     pub(crate) cores: usize,
-    /// For each view: the median over the rounds, by each clock.
+    /// For each view, the median over the rounds, by each clock.
     pub(crate) views: Vec<Times>,
 }
 
-impl Taken {
-    /// Milliseconds for each view.
+impl Timing {
+    /// Returns the milliseconds for each view.
     pub(crate) fn by(&self, clock: Clock) -> Vec<f64> {
         self.views.iter().map(|times| times[clock.number()]).collect()
     }
 
-    /// The median over the views.
+    /// Returns the median over the views.
     pub(crate) fn median(&self, clock: Clock) -> f64 {
         median(self.by(clock))
     }
 }
 
-/// What is in the pictures, for one way to choose it.
-pub(crate) struct Drawn {
-    pub(crate) what: What,
-    /// Medians over the views.
+/// Statistics of the pictures of one draw set.
+pub(crate) struct DrawStats {
+    pub(crate) draw_set: DrawSet,
+    /// Median over the views.
     pub(crate) triangles: f64,
     pub(crate) draws: f64,
-    /// The part of pixels that differ noticeably from ours: over all views, and the most in one.
+    /// Part of pixels that differ noticeably from Enfilade's: over all views, and the maximum of one view.
     pub(crate) differing: [f64; 2],
 }
 
-/// Draws all views once on both sides, and compares; writes the pictures where a name to begin with is given.
+/// Draws all views once with both renderers and compares them; writes the pictures if a path prefix is given.
 pub(crate) fn compare(
-    place: &Place,
-    (ours, scene): (&Ours, &Scene),
+    place: &SurveyedScene,
+    (ours, scene): (&EnfiladeRenderer, &Scene),
     peer: &mut Peer,
     pictures: Option<&Path>,
-) -> Result<Vec<Drawn>> {
+) -> Result<Vec<DrawStats>> {
     let mut viewer = Viewer::new();
     let ours: Vec<Picture> = place
         .views
@@ -65,21 +65,21 @@ pub(crate) fn compare(
         pictures.map(|start| start.with_added_extension(format!("{view:02}.{whose}.png")))
     };
     let mut drawn = Vec::new();
-    for what in What::ALL {
+    for draw_set in DrawSet::ALL {
         let mut costs: Vec<Cost> = Vec::new();
         let mut parts = Vec::new();
         for (view, ours) in ours.iter().enumerate() {
-            costs.push(peer.draw(what, view)?);
+            costs.push(peer.draw(draw_set, view)?);
             let theirs = peer.picture(size)?;
             parts.push(differing(ours, &theirs));
-            for (whose, picture) in [("ours", ours), (what.name(), &theirs)] {
+            for (whose, picture) in [("ours", ours), (draw_set.name(), &theirs)] {
                 if let Some(file) = file(view, whose) {
                     save(picture, size, &file)?;
                 }
             }
         }
-        drawn.push(Drawn {
-            what,
+        drawn.push(DrawStats {
+            draw_set,
             triangles: median(costs.iter().map(|cost| cost.triangles as f64).collect()),
             draws: median(costs.iter().map(|cost| cost.draws as f64).collect()),
             differing: [
@@ -91,17 +91,17 @@ pub(crate) fn compare(
     Ok(drawn)
 }
 
-/// Times of all sides. They take turns at every view, so that whatever else the machine does slows all alike; one round
-/// to warm up, then `rounds`.
+/// Measures all renderers. They take turns at every view, so that other load on the machine affects all equally: one
+/// warm-up round, then `rounds`.
 pub(crate) fn time(
-    place: &Place,
-    ours: &[Ours],
+    place: &SurveyedScene,
+    ours: &[EnfiladeRenderer],
     scenes: &[(Method, Scene)],
     peers: &mut [Peer],
     rounds: usize,
-) -> Result<Vec<Taken>> {
+) -> Result<Vec<Timing>> {
     let mut viewers: Vec<Viewer> = scenes.iter().map(|_| Viewer::new()).collect();
-    let turns = ours.len() * scenes.len() + peers.len() * What::ALL.len();
+    let turns = ours.len() * scenes.len() + peers.len() * DrawSet::ALL.len();
     let mut times = vec![vec![Vec::with_capacity(rounds); place.views.len()]; turns];
     for round in 0..=rounds {
         for (number, view) in place.views.iter().enumerate() {
@@ -112,8 +112,8 @@ pub(crate) fn time(
                 }
             }
             for peer in &mut *peers {
-                for what in What::ALL {
-                    taken.push(peer.draw(what, number)?.times);
+                for draw_set in DrawSet::ALL {
+                    taken.push(peer.draw(draw_set, number)?.times);
                 }
             }
             if round > 0 {
@@ -126,14 +126,14 @@ pub(crate) fn time(
     }
     let ours = scenes
         .iter()
-        .flat_map(|(method, _)| ours.iter().map(|ours| (Who::Ours(*method), ours.cores)));
+        .flat_map(|(method, _)| ours.iter().map(|ours| (Renderer::Enfilade(*method), ours.cores)));
     let theirs = peers
         .iter()
-        .flat_map(|peer| What::ALL.map(|what| (Who::Driver(what), peer.cores)));
+        .flat_map(|peer| DrawSet::ALL.map(|draw_set| (Renderer::Driver(draw_set), peer.cores)));
     Ok(ours
         .chain(theirs)
         .zip(times)
-        .map(|((who, cores), views)| Taken {
+        .map(|((who, cores), views)| Timing {
             who,
             cores,
             views: views.iter().map(medians).collect(),
@@ -141,12 +141,12 @@ pub(crate) fn time(
         .collect())
 }
 
-/// Of what the rounds took, by each clock.
+/// Returns the median of the rounds by each clock.
 fn medians(rounds: &Vec<Times>) -> Times {
     Clock::ALL.map(|clock| median(rounds.iter().map(|times| times[clock.number()]).collect()))
 }
 
-/// The value in the middle, or between the two in the middle; NaN where there is none.
+/// Returns the median; NaN if empty.
 fn median(mut values: Vec<f64>) -> f64 {
     if values.is_empty() {
         return f64::NAN;

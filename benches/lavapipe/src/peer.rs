@@ -1,29 +1,29 @@
-//! The other side as seen from here: a process that draws on demand.
+//! Client of a drawing process.
 
 use crate::clock::Times;
 use crate::ours::Picture;
-use crate::serve::What;
+use crate::serve::DrawSet;
 use anyhow::{Context, Result};
 use std::ffi::OsString;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// The driver's own switch for the threads that paint. With 0 its one thread for commands paints, too.
+/// The driver's variable for its number of rasterizer threads. With 0 its command thread rasterizes.
 const DRIVER_THREADS: &str = "LP_NUM_THREADS";
 
-/// A process that draws, and the pipes to it.
+/// A drawing process with its pipes.
 pub(crate) struct Peer {
-    /// Cores that it may use.
+    /// Number of cores that it may use.
     pub(crate) cores: usize,
-    /// The driver, as it calls itself.
+    /// Name of the driver.
     pub(crate) driver: String,
     process: Child,
-    /// Taken when it is to end.
-    ask: Option<ChildStdin>,
+    /// Closed to end the process.
+    commands: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
 }
 
-/// What a picture cost.
+/// Cost of a picture.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Cost {
     pub(crate) times: Times,
@@ -32,7 +32,7 @@ pub(crate) struct Cost {
 }
 
 impl Peer {
-    /// Starts this program once more, to draw with so many cores of `all`.
+    /// Starts this program again as a drawing process with `cores` of `all` cores.
     pub(crate) fn start(arguments: &[OsString], cores: usize, all: usize) -> Result<Peer> {
         let mut command = Command::new(std::env::current_exe()?);
         command
@@ -42,34 +42,34 @@ impl Peer {
         if cores == 1 {
             command.env(DRIVER_THREADS, "0");
         } else {
-            anyhow::ensure!(cores == all, "the driver takes one core or all");
+            anyhow::ensure!(cores == all, "the driver uses one core or all, not {cores} of {all}");
             command.env_remove(DRIVER_THREADS);
         }
-        // Without it the driver complains; there is no window that it would be needed for.
+        // Without it the driver prints a warning, though no window is needed.
         if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
             command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
         }
         let mut process = command.spawn()?;
-        let ask = process.stdin.take();
-        let mut answers = BufReader::new(process.stdout.take().context("a pipe")?);
+        let commands = process.stdin.take();
+        let mut answers = BufReader::new(process.stdout.take().context("the drawing process has no standard output")?);
         let mut driver = String::new();
         answers.read_line(&mut driver)?;
         anyhow::ensure!(
             !driver.is_empty(),
-            "nothing can be drawn with the software driver: see above"
+            "the drawing process failed to start; its error is above"
         );
         Ok(Peer {
             cores,
             driver: driver.trim().to_owned(),
             process,
-            ask,
+            commands,
             answers,
         })
     }
 
     /// Draws a view.
-    pub(crate) fn draw(&mut self, what: What, view: usize) -> Result<Cost> {
-        self.say(&format!("draw {} {view}", what.name()))?;
+    pub(crate) fn draw(&mut self, draw_set: DrawSet, view: usize) -> Result<Cost> {
+        self.send(&format!("draw {} {view}", draw_set.name()))?;
         let mut line = String::new();
         self.answers.read_line(&mut line)?;
         let mut numbers = line.split_whitespace();
@@ -81,26 +81,26 @@ impl Peer {
         })
     }
 
-    /// What was drawn last.
+    /// Returns the last picture.
     pub(crate) fn picture(&mut self, size: [u32; 2]) -> Result<Picture> {
-        self.say("picture")?;
+        self.send("picture")?;
         let mut bytes = vec![0; 3 * size[0] as usize * size[1] as usize];
         self.answers.read_exact(&mut bytes)?;
         Ok(bytes)
     }
 
-    fn say(&mut self, line: &str) -> Result<()> {
-        let ask = self.ask.as_mut().context("it was told to end")?;
-        writeln!(ask, "{line}")?;
-        Ok(ask.flush()?)
+    fn send(&mut self, line: &str) -> Result<()> {
+        let commands = self.commands.as_mut().context("the drawing process has been closed")?;
+        writeln!(commands, "{line}")?;
+        Ok(commands.flush()?)
     }
 }
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        // It ends when nobody can ask any more.
-        self.ask = None;
-        // If it ended badly it has said so itself.
+        // The process ends when its standard input is closed.
+        self.commands = None;
+        // If it failed, it has already printed the error.
         let _ = self.process.wait();
     }
 }

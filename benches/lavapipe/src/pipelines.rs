@@ -1,13 +1,13 @@
-//! How the card is told to draw: one pipeline for each class of faces, and one for the sky.
+//! Render pipelines: one for each class of faces, and one for the sky.
 
 use crate::plan::Instance;
 use crate::stock::Class;
 use crate::weld::Vertex;
 use wgpu::{BindGroupLayout, Device, RenderPipeline, ShaderModule, TextureFormat, VertexBufferLayout};
 
-/// Opaque faces are encoded by the shader, once for each face.
+/// Target of opaque faces: the shader encodes sRGB once per face.
 pub(crate) const COLOR: TextureFormat = TextureFormat::Rgba8Unorm;
-/// The same bytes as light, for glass.
+/// The same bytes as linear light, for blending glass.
 pub(crate) const LIGHT: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
@@ -22,18 +22,18 @@ impl Pipelines {
     pub(crate) fn new(device: &Device, lens: &BindGroupLayout) -> Pipelines {
         let shader = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
         let faces = Class::ALL.map(|class| {
-            let look = PipelineLook {
+            let options = PipelineOptions {
                 entries: [if class.glass { "glass" } else { "opaque" }, "painted"],
                 takes_vertices: true,
                 culls_backs: !class.double_sided,
                 glass: class.glass,
                 writes_depth: !class.glass,
-                // At equal depth what was drawn first stays.
+                // At equal depth the first face wins.
                 passes: wgpu::CompareFunction::Greater,
             };
-            look.build(device, &shader, lens)
+            options.build(device, &shader, lens)
         });
-        let sky = PipelineLook {
+        let sky = PipelineOptions {
             entries: ["everywhere", "sky"],
             takes_vertices: false,
             culls_backs: false,
@@ -48,19 +48,19 @@ impl Pipelines {
     }
 }
 
-/// In what pipelines differ.
-struct PipelineLook {
-    /// Of the vertex and the sector shader.
+/// Differences between pipelines.
+struct PipelineOptions {
+    /// Entry points of the vertex and the fragment shader.
     entries: [&'static str; 2],
     takes_vertices: bool,
     culls_backs: bool,
-    /// Blended over what is there.
+    /// Whether it blends over the target.
     glass: bool,
     writes_depth: bool,
     passes: wgpu::CompareFunction,
 }
 
-impl PipelineLook {
+impl PipelineOptions {
     fn build(&self, device: &Device, shader: &ShaderModule, lens: &BindGroupLayout) -> RenderPipeline {
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: None,

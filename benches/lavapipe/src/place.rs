@@ -1,4 +1,4 @@
-//! A scene from a file, and where it is looked at from.
+//! A scene from a file with surveyed views.
 
 use anyhow::{Context, Result};
 use enfilade::{Geometry, Method, Scene, View, survey};
@@ -6,16 +6,16 @@ use enfilade_import::{ReadOptions, read};
 use std::path::Path;
 
 /// A scene of one sector, and views in its open space.
-pub(crate) struct Place {
+pub(crate) struct SurveyedScene {
     pub(crate) scene: Scene,
     pub(crate) views: Vec<View>,
 }
 
-impl Place {
-    /// Reads a file as one room, and surveys it as `enfilade look FILE --flat --survey N` does.
+impl SurveyedScene {
+    /// Reads a file as one sector, and surveys it as `enfilade look FILE --flat --survey N` does.
     ///
-    /// Doors and mirrors are what their meshes are then: both sides have the very same triangles to draw.
-    pub(crate) fn open(file: &Path, views: usize, size: [u32; 2]) -> Result<Place> {
+    /// Doors and mirrors are ordinary meshes then: both renderers draw the same triangles.
+    pub(crate) fn open(file: &Path, views: usize, size: [u32; 2]) -> Result<SurveyedScene> {
         let options = ReadOptions {
             flat: true,
             ..ReadOptions::default()
@@ -27,20 +27,20 @@ impl Place {
             .collect();
         anyhow::ensure!(
             !views.is_empty(),
-            "{} has no open space to look at",
+            "{} has no open space for cameras",
             file.display()
         );
-        Ok(Place { scene, views })
+        Ok(SurveyedScene { scene, views })
     }
 
-    /// What its one sector is made of.
+    /// Returns the geometry of the only sector.
     pub(crate) fn geometry(&self) -> Result<&Geometry> {
-        let only = self.scene.sectors().next().context("a scene of no sector")?;
-        let geometry = self.scene.geometry(only).context("a sector without a geometry")?;
+        let only = self.scene.sectors().next().context("the scene has no sector")?;
+        let geometry = self.scene.geometry(only).context("the sector has no geometry")?;
         Ok(geometry)
     }
 
-    /// The same, as a method sees it.
+    /// Returns the scene with another method.
     pub(crate) fn seen_by(&self, method: Method) -> Result<Scene> {
         Ok(self.scene.with_method(method, Method::DEFAULT_LIMIT)?)
     }

@@ -1,18 +1,18 @@
-//! What is drawn in one picture: chosen on the CPU, in as few draws as neighbours allow.
+//! The draw calls of one picture: culled on the CPU and merged where neighbours allow.
 
 use crate::lens::Lens;
-use crate::stock::{Class, Piece, Placed, Stock};
+use crate::stock::{Class, Piece, ItemDraw, Stock};
 use bytemuck::{Pod, Zeroable};
 use enfilade::VisibleSet;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-/// The place of a copy relative to the eye: three rows of four.
+/// Transform of an instance relative to the eye: three rows of four.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Instance([[f32; 4]; 3]);
 
-/// One draw.
+/// A draw call.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Draw {
     pub(crate) class: Class,
@@ -20,21 +20,21 @@ pub(crate) struct Draw {
     pub(crate) instances: Range<u32>,
 }
 
-/// The draws of a picture. Kept between pictures, so that nothing is allocated.
+/// The draw calls of a picture. Reused between pictures to avoid allocation.
 #[derive(Default)]
 pub(crate) struct Plan {
-    /// The first is that of all shapes that stand in one place only.
+    /// The first belongs to all shapes without instances.
     pub(crate) instances: Vec<Instance>,
-    /// Before the sky.
+    /// DrawStats before the sky.
     pub(crate) opaque: Vec<Draw>,
-    /// After the sky, far to near; each with the square of its item's distance.
+    /// DrawStats after the sky, far to near, with the squared distance of the item.
     pub(crate) glass: Vec<(f64, Draw)>,
-    /// Copies of each shape.
+    /// Instances of each shape.
     copies: Vec<Vec<Instance>>,
 }
 
 impl Plan {
-    /// Every item whose box meets the frustum.
+    /// Adds every item whose bounds intersect the frustum.
     pub(crate) fn frustum(&mut self, stock: &Stock, lens: &Lens) {
         self.start(stock, lens);
         for placed in &stock.items {
@@ -45,8 +45,8 @@ impl Plan {
         self.finish(stock);
     }
 
-    /// What a look found: of large items those clusters that may be seen.
-    pub(crate) fn seen(&mut self, stock: &Stock, lens: &Lens, set: &VisibleSet) {
+    /// Adds the visible items; of large items the visible clusters.
+    pub(crate) fn visible(&mut self, stock: &Stock, lens: &Lens, set: &VisibleSet) {
         self.start(stock, lens);
         for item in set.items() {
             let placed = &stock.items[item.item.0 as usize];
@@ -63,13 +63,13 @@ impl Plan {
         self.finish(stock);
     }
 
-    /// Triangles in all draws.
+    /// Returns the number of triangles in all draw calls.
     pub(crate) fn triangles(&self) -> u64 {
         let of = |draw: &Draw| (draw.indices.len() / 3 * draw.instances.len()) as u64;
         self.draws().map(of).sum()
     }
 
-    /// All draws, in order.
+    /// Returns all draw calls, in order.
     pub(crate) fn draws(&self) -> impl Iterator<Item = &Draw> {
         self.opaque.iter().chain(self.glass.iter().map(|(_, draw)| draw))
     }
@@ -83,7 +83,7 @@ impl Plan {
             .push(Instance(lens.relative(&DMat3::IDENTITY, DVec3::ZERO)));
     }
 
-    fn add_whole(&mut self, stock: &Stock, lens: &Lens, placed: &Placed) {
+    fn add_whole(&mut self, stock: &Stock, lens: &Lens, placed: &ItemDraw) {
         let shape = &stock.shapes[placed.shape];
         for piece in &shape.whole {
             self.add(lens, placed, piece);
@@ -95,8 +95,8 @@ impl Plan {
         }
     }
 
-    /// Adds a draw of its own, but for opaque pieces of copies: they wait for each other.
-    fn add(&mut self, lens: &Lens, placed: &Placed, piece: &Piece) {
+    /// Adds a draw call; opaque instances are collected to be drawn together.
+    fn add(&mut self, lens: &Lens, placed: &ItemDraw, piece: &Piece) {
         let mut draw = Draw {
             class: piece.class,
             indices: piece.indices.clone(),
@@ -137,7 +137,7 @@ impl Plan {
     }
 }
 
-/// Makes one draw of those that follow each other.
+/// Merges consecutive draw calls with adjacent indices.
 fn join(draws: &mut Vec<Draw>) {
     draws.dedup_by(|next, last| {
         let follows = last.class == next.class && last.indices.end == next.indices.start;
@@ -167,7 +167,7 @@ mod tests {
             [1.0, 1.0, 0.0],
             [-1.0, 1.0, 0.0],
         ];
-        Mesh::triangles(&corners, &[0, 1, 2, 0, 2, 3], material).expect("a sound square")
+        Mesh::triangles(&corners, &[0, 1, 2, 0, 2, 3], material).expect("a valid square")
     }
 
     #[test]
@@ -185,7 +185,7 @@ mod tests {
         builder.item("a copy behind", copied, at(5.0));
         builder.item("near pane", glass, at(-2.0));
         builder.item("far pane", glass, at(-3.0));
-        let geometry = Arc::new(builder.build().expect("a sound geometry"));
+        let geometry = Arc::new(builder.build().expect("valid geometry"));
         let stock = Stock::new(&geometry);
         let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 64]);
         let lens = Lens::new(&view);
@@ -207,10 +207,10 @@ mod tests {
 
         let mut scene = SceneBuilder::new();
         scene.add("yard", geometry, Method::ZBuffer);
-        let scene = scene.build().expect("a sound scene");
+        let scene = scene.build().expect("a valid scene");
         let mut viewer = Viewer::new();
         let set = viewer.look(&scene, &view);
-        plan.seen(&stock, &lens, set);
+        plan.visible(&stock, &lens, set);
         let seen: Vec<ItemId> = set.items().iter().map(|item| item.item).collect();
         assert_eq!(
             seen,

@@ -1,35 +1,35 @@
-//! The tables.
+//! Result tables.
 
 use crate::clock::Clock;
-use crate::measure::{Drawn, Taken, Who};
-use crate::serve::What;
+use crate::measure::{DrawStats, Timing, Renderer};
+use crate::serve::DrawSet;
 use enfilade::Method;
 
-/// What was found out about a scene.
+/// Results of one scene.
 pub(crate) struct Report {
-    /// The file's name without its ending.
+    /// File name without extension.
     pub(crate) name: String,
     pub(crate) items: usize,
     pub(crate) triangles: u64,
-    pub(crate) drawn: Vec<Drawn>,
-    pub(crate) taken: Vec<Taken>,
+    pub(crate) drawn: Vec<DrawStats>,
+    pub(crate) taken: Vec<Timing>,
 }
 
 impl Report {
-    /// The fastest of ours, and on how many cores it is.
+    /// Returns the fastest of Enfilade's methods, with its number of cores and its time.
     fn best(&self, clock: Clock) -> Option<(Method, usize, f64)> {
         let ours = self.taken.iter().filter_map(|taken| match taken.who {
-            Who::Ours(method) => Some((method, taken.cores, taken.median(clock))),
-            Who::Driver(_) => None,
+            Renderer::Enfilade(method) => Some((method, taken.cores, taken.median(clock))),
+            Renderer::Driver(_) => None,
         });
         ours.min_by(|a, b| a.2.total_cmp(&b.2))
     }
 
-    fn drawn(&self, what: What) -> Option<&Drawn> {
-        self.drawn.iter().find(|drawn| drawn.what == what)
+    fn drawn(&self, draw_set: DrawSet) -> Option<&DrawStats> {
+        self.drawn.iter().find(|drawn| drawn.draw_set == draw_set)
     }
 
-    /// Prints the scene's own table: one row for each side.
+    /// Prints the table of the scene: one row for each renderer.
     pub(crate) fn print(&self, seen_by: Method) {
         println!(
             "\n{}: {} items, {} triangles",
@@ -38,20 +38,20 @@ impl Report {
         for drawn in &self.drawn {
             let [mean, most] = drawn.differing.map(|part| 100.0 * part);
             println!(
-                "    {}: {} triangles in {} draws (medians); {mean:.3} % of the pixels differ from ours, {most:.3} % at most",
-                chosen(drawn.what, seen_by),
+                "    {}: {} triangles in {} draws (medians); {mean:.3} % of the pixels differ from Enfilade's, {most:.3} % at most",
+                chosen(drawn.draw_set, seen_by),
                 drawn.triangles,
                 drawn.draws
             );
         }
         println!(
             "    {:44}{:>6}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}",
-            "drawn by", "cores", "ms", "least", "most", "of ours", "CPU ms", "of ours"
+            "renderer", "cores", "ms", "min", "max", "ratio", "CPU ms", "ratio"
         );
         for taken in &self.taken {
             let who = match taken.who {
-                Who::Ours(method) => format!("ours, {method}"),
-                Who::Driver(what) => format!("lavapipe, {}", chosen(what, seen_by)),
+                Renderer::Enfilade(method) => format!("Enfilade, {method}"),
+                Renderer::Driver(draw_set) => format!("lavapipe, {}", chosen(draw_set, seen_by)),
             };
             let [least, most] =
                 [f64::min, f64::max].map(|pick| taken.by(Clock::Wall).into_iter().fold(f64::NAN, pick));
@@ -63,30 +63,30 @@ impl Report {
         }
     }
 
-    /// Milliseconds, and how many times the best of ours they are.
-    fn beside_best(&self, taken: &Taken, clock: Clock) -> (f64, f64) {
+    /// Returns the milliseconds, and their ratio to the fastest of Enfilade's methods.
+    fn beside_best(&self, taken: &Timing, clock: Clock) -> (f64, f64) {
         let ms = taken.median(clock);
         (ms, ms / self.best(clock).map_or(f64::NAN, |(.., best)| best))
     }
 }
 
-fn chosen(what: What, seen_by: Method) -> String {
-    match what {
-        What::Frustum => "what is in the frustum".to_owned(),
-        What::Collector => format!("what {seen_by} sees, looking included"),
+fn chosen(draw_set: DrawSet, seen_by: Method) -> String {
+    match draw_set {
+        DrawSet::Frustum => "items in the frustum".to_owned(),
+        DrawSet::Visible => format!("visible items by {seen_by}, look included"),
     }
 }
 
 /// Prints one row for each scene, as Markdown.
 pub(crate) fn print_summary(reports: &[Report], cores: &[usize], clock: Clock) {
-    let columns = What::ALL
+    let columns = DrawSet::ALL
         .iter()
-        .flat_map(|&what| cores.iter().map(move |&cores| (what, cores)));
-    let columns: Vec<(What, usize)> = columns.collect();
+        .flat_map(|&draw_set| cores.iter().map(move |&cores| (draw_set, cores)));
+    let columns: Vec<(DrawSet, usize)> = columns.collect();
     let unit = if clock == Clock::Wall { "ms" } else { "CPU ms" };
     print!("\n| scene | triangles | in the frustum | seen | ours, best, cores | {unit} |");
-    for (what, cores) in &columns {
-        let title = if *what == What::Frustum {
+    for (draw_set, cores) in &columns {
+        let title = if *draw_set == DrawSet::Frustum {
             "lavapipe"
         } else {
             "look + lavapipe"
@@ -102,19 +102,19 @@ pub(crate) fn print_summary(reports: &[Report], cores: &[usize], clock: Clock) {
             continue;
         };
         let [frustum, seen] =
-            What::ALL.map(|what| report.drawn(what).map_or(f64::NAN, |drawn| drawn.triangles));
+            DrawSet::ALL.map(|draw_set| report.drawn(draw_set).map_or(f64::NAN, |drawn| drawn.triangles));
         print!(
             "| {} | {} | {frustum:.0} | {seen:.0} | {method}, {cores} | {best:.1} |",
             report.name, report.triangles
         );
-        for (what, cores) in &columns {
+        for (draw_set, cores) in &columns {
             let mut taken = report.taken.iter();
-            let taken = taken.find(|taken| taken.who == Who::Driver(*what) && taken.cores == *cores);
+            let taken = taken.find(|taken| taken.who == Renderer::Driver(*draw_set) && taken.cores == *cores);
             let (ms, of_ours) = taken.map_or((f64::NAN, f64::NAN), |taken| report.beside_best(taken, clock));
             print!(" {ms:.1} ({of_ours:.2}x) |");
         }
         let differing = report
-            .drawn(What::Frustum)
+            .drawn(DrawSet::Frustum)
             .map_or(f64::NAN, |drawn| drawn.differing[0]);
         println!(" {:.3} % |", 100.0 * differing);
     }

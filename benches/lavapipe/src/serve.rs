@@ -1,40 +1,40 @@
-//! The process that draws with the software driver. The driver asks the environment once how many threads to start, so
-//! each number of threads needs a process of its own; they are asked in turn, and idle in between.
+//! The drawing process with the software driver. The driver reads its number of threads from the environment once, so
+//! each number needs a separate process. The processes work in turn, and are idle in between.
 
 use crate::clock::timed;
 use crate::gpu::Gpu;
 use crate::lens::Lens;
-use crate::place::Place;
+use crate::place::SurveyedScene;
 use crate::plan::Plan;
 use crate::stock::Stock;
 use anyhow::{Context, Result, bail};
 use enfilade::{Method, Scene, Viewer};
 use std::io::{BufRead, Write};
 
-/// What is handed to the driver.
+/// The items passed to the driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum What {
-    /// Every item whose box meets the frustum.
+pub(crate) enum DrawSet {
+    /// Every item whose bounds intersect the frustum.
     Frustum,
-    /// What a look of ours finds, looked for anew each time.
-    Collector,
+    /// The visible items, computed anew for each picture.
+    Visible,
 }
 
-impl What {
-    pub(crate) const ALL: [What; 2] = [What::Frustum, What::Collector];
+impl DrawSet {
+    pub(crate) const ALL: [DrawSet; 2] = [DrawSet::Frustum, DrawSet::Visible];
 
-    /// What it is called between the processes.
+    /// Name in the commands between the processes.
     pub(crate) fn name(self) -> &'static str {
         match self {
-            What::Frustum => "frustum",
-            What::Collector => "seen",
+            DrawSet::Frustum => "frustum",
+            DrawSet::Visible => "seen",
         }
     }
 }
 
-/// Everything that one drawing process holds.
+/// State of a drawing process.
 struct Server {
-    place: Place,
+    place: SurveyedScene,
     scene: Scene,
     stock: Stock,
     gpu: Gpu,
@@ -42,14 +42,14 @@ struct Server {
     plan: Plan,
 }
 
-/// Says its driver's name, then answers lines, until there are no more:
+/// Writes the driver's name, then executes commands from standard input until it ends:
 ///
-/// * `draw frustum 3` draws the fourth view, and answers `milliseconds (by each clock) triangles draws`;
-/// * `picture` answers the bytes of what was drawn last.
+/// * `draw frustum 3` draws the fourth view; the reply is `milliseconds (by each clock) triangles draws`;
+/// * `picture` replies with the bytes of the last picture.
 pub(crate) fn serve(
-    place: Place,
+    place: SurveyedScene,
     seen_by: Method,
-    asked: impl BufRead,
+    commands: impl BufRead,
     mut answer: impl Write,
 ) -> Result<()> {
     let stock = Stock::new(place.geometry()?);
@@ -64,20 +64,20 @@ pub(crate) fn serve(
     };
     writeln!(answer, "{}", server.gpu.name)?;
     answer.flush()?;
-    for line in asked.lines() {
+    for line in commands.lines() {
         let line = line?;
         match line.split(' ').collect::<Vec<_>>()[..] {
-            ["draw", what, view] => {
-                let what = What::ALL.into_iter().find(|known| known.name() == what);
-                let what = what.context("what is to be drawn?")?;
+            ["draw", draw_set, view] => {
+                let draw_set = DrawSet::ALL.into_iter().find(|known| known.name() == draw_set);
+                let draw_set = draw_set.context("unknown draw set")?;
                 let view = view.parse()?;
-                let (done, [wall, cpu]) = timed(|| server.draw(what, view));
+                let (done, [wall, cpu]) = timed(|| server.draw(draw_set, view));
                 done?;
                 let [triangles, draws] = [server.plan.triangles(), server.plan.draws().count() as u64];
                 writeln!(answer, "{wall} {cpu} {triangles} {draws}")?;
             }
             ["picture"] => answer.write_all(&server.gpu.picture()?)?,
-            _ => bail!("what does `{line}` mean?"),
+            _ => bail!("unknown command `{line}`"),
         }
         answer.flush()?;
     }
@@ -85,15 +85,15 @@ pub(crate) fn serve(
 }
 
 impl Server {
-    /// From the view to the finished picture.
-    fn draw(&mut self, what: What, view: usize) -> Result<()> {
-        let view = self.place.views.get(view).context("there are fewer views")?;
+    /// Draws a view, from culling to the finished picture.
+    fn draw(&mut self, draw_set: DrawSet, view: usize) -> Result<()> {
+        let view = self.place.views.get(view).context("view index out of range")?;
         let lens = Lens::new(view);
-        match what {
-            What::Frustum => self.plan.frustum(&self.stock, &lens),
-            What::Collector => {
+        match draw_set {
+            DrawSet::Frustum => self.plan.frustum(&self.stock, &lens),
+            DrawSet::Visible => {
                 let set = self.viewer.look(&self.scene, view);
-                self.plan.seen(&self.stock, &lens, set);
+                self.plan.visible(&self.stock, &lens, set);
             }
         }
         self.gpu.draw(&self.plan, &lens)

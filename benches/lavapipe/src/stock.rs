@@ -1,14 +1,14 @@
-//! Everything that may be drawn, in one vertex and one index buffer.
+//! All geometry of a scene in one vertex and one index buffer.
 //!
-//! What stands in one place only is moved there beforehand, sorted by place, so that neighbours that are drawn together
-//! are one draw; what stands in several is kept once and drawn as instances.
+//! Unique items are stored in scene space, sorted along a space-filling curve, so that neighbours drawn together are
+//! one draw call; meshes with several items are stored once and drawn as instances.
 
-use crate::weld::{Look, Vertex, Weld};
+use crate::weld::{Shade, Vertex, Weld};
 use enfilade::{Aabb, Alpha, Geometry, Item, ItemId, Mesh};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-/// Which pipeline a face needs.
+/// Class of faces that share a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Class {
     pub(crate) glass: bool,
@@ -40,39 +40,39 @@ impl Class {
     }
 }
 
-/// Faces of one class that follow each other in the index buffer.
+/// Faces of one class, consecutive in the index buffer.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
     pub(crate) class: Class,
     pub(crate) indices: Range<u32>,
 }
 
-/// An item, or what several are copies of.
+/// A unique item, or the mesh of several instances.
 #[derive(Debug, Default)]
 pub(crate) struct Shape {
-    /// All of it: one piece for each class.
+    /// The whole mesh: one piece for each class.
     pub(crate) whole: Vec<Piece>,
-    /// One for each cluster of the mesh.
+    /// One piece for each cluster of the mesh.
     pub(crate) clusters: Vec<Piece>,
 }
 
-/// How an item is drawn.
+/// Shape and transform of an item.
 #[derive(Clone, Copy)]
-pub(crate) struct Placed {
-    /// Its number among the shapes.
+pub(crate) struct ItemDraw {
+    /// Index of its shape.
     pub(crate) shape: usize,
-    /// Where the instance is; `None`: its vertices are where they belong.
+    /// Transform of the instance; `None` if its vertices are in scene space.
     pub(crate) at: Option<(DMat3, DVec3)>,
     pub(crate) bounds: Aabb,
 }
 
-/// Buffers, and what is where in them.
+/// Buffers and their contents.
 pub(crate) struct Stock {
     pub(crate) vertices: Vec<Vertex>,
     pub(crate) indices: Vec<u32>,
     pub(crate) shapes: Vec<Shape>,
     /// By [`ItemId`].
-    pub(crate) items: Vec<Placed>,
+    pub(crate) items: Vec<ItemDraw>,
 }
 
 impl Stock {
@@ -87,7 +87,7 @@ impl Stock {
         for id in by_place(geometry) {
             let item = geometry.item(id);
             let (matrix, translation) = place(item);
-            // Mirrored copies show their faces the other way round, so each is a shape of its own.
+            // Mirrored instances have reversed winding, so each is a separate shape.
             let instanced = copies[item.mesh.0 as usize] > 1 && !item.transform().mirrors();
             let shape = if instanced {
                 let known = &mut shared[item.mesh.0 as usize];
@@ -95,7 +95,7 @@ impl Stock {
             } else {
                 builder.add(geometry, id, matrix, translation)
             };
-            items[id.0 as usize] = Some(Placed {
+            items[id.0 as usize] = Some(ItemDraw {
                 shape,
                 at: instanced.then_some((matrix, translation)),
                 bounds: item.bounds,
@@ -105,7 +105,7 @@ impl Stock {
     }
 }
 
-/// The linear part and the translation of an item's place.
+/// Returns the linear part and the translation of an item's transform.
 fn place(item: &Item) -> (DMat3, DVec3) {
     let [x, y, z, translation] = item
         .sector_from_item
@@ -113,7 +113,7 @@ fn place(item: &Item) -> (DMat3, DVec3) {
     (DMat3::from_cols(x, y, z), translation)
 }
 
-/// Items along a curve that keeps neighbours together (Morton's).
+/// Returns the items along a Morton curve, which keeps neighbours together.
 fn by_place(geometry: &Geometry) -> Vec<ItemId> {
     let bounds = geometry.bounds();
     let code = |item: &Item| {
@@ -131,7 +131,7 @@ fn by_place(geometry: &Geometry) -> Vec<ItemId> {
     order
 }
 
-/// Index buffers of each class, to be joined, and pieces that count within them.
+/// Index buffers of each class, to be concatenated, and pieces with offsets within them.
 #[derive(Default)]
 struct Builder {
     weld: Weld,
@@ -140,7 +140,7 @@ struct Builder {
 }
 
 impl Builder {
-    /// Adds an item's mesh, moved. Gives the shape's number.
+    /// Adds an item's mesh, transformed; returns the index of the shape.
     fn add(&mut self, geometry: &Geometry, id: ItemId, matrix: DMat3, translation: DVec3) -> usize {
         let mesh = geometry.mesh_of(id);
         let mirrored = matrix.determinant() < 0.0;
@@ -160,7 +160,7 @@ impl Builder {
             };
             let start = self.indices[class.number()].len() as u32;
             for face in cluster.faces.clone() {
-                // A cut-out has no texture here, so it is painted whole, as on the other side.
+                // Alpha-tested materials have no texture here, so they are opaque, as in Enfilade's pictures.
                 let [r, g, b, a] = material.base_color;
                 let color = [r, g, b, if class.glass { a } else { 1.0 }];
                 self.face(class, mesh, face, &moved, mirrored, color);
@@ -181,7 +181,7 @@ impl Builder {
         self.shapes.len() - 1
     }
 
-    /// Adds the triangles of a face; none where it has no area.
+    /// Adds the triangles of a face; none if it has no area.
     fn face(
         &mut self,
         class: Class,
@@ -198,15 +198,15 @@ impl Builder {
         let Some(normal) = sum.try_normalize() else {
             return;
         };
-        let look = Look::new(if mirrored { -normal } else { normal }, color);
+        let shade = Shade::new(if mirrored { -normal } else { normal }, color);
         for [a, b, c] in fan() {
             let at_corners = if mirrored { [a, c, b] } else { [a, b, c] };
             let positions = at_corners.map(|corner| at(corner).as_vec3().into());
-            self.indices[class.number()].extend(self.weld.triangle(at_corners, positions, look));
+            self.indices[class.number()].extend(self.weld.triangle(at_corners, positions, shade));
         }
     }
 
-    fn finish(self, items: Vec<Placed>) -> Stock {
+    fn finish(self, items: Vec<ItemDraw>) -> Stock {
         let mut starts = [0; Class::ALL.len()];
         for class in 1..starts.len() {
             starts[class] = starts[class - 1] + self.indices[class - 1].len() as u32;

@@ -1,61 +1,62 @@
-//! Flat faces that share their corners, as an index buffer wants them.
+//! Flat-shaded faces with shared vertices.
 //!
-//! A face's normal and colour are those of its first corner: shaders are told not to interpolate them. So a corner serves
-//! as the first of faces in one plane only, but as the second or third of any; nearly no corner is needed twice.
+//! A face's normal and colour are those of its first vertex, because shaders do not interpolate them. So a vertex can
+//! be the first of faces with one normal and colour only, but the second or third of any; few vertices need duplicates.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// A corner, 28 bytes.
+/// A vertex, 28 bytes.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Vertex {
     pub(crate) position: [f32; 3],
-    /// Of the faces whose first corner this is, in steps of 1/32767; the last is unused.
+    /// Normal of the faces whose first vertex this is, in steps of 1/32767; the last component is unused.
     pub(crate) normal: [i16; 4],
     /// Their linear colour and coverage, in steps of 1/65535.
     pub(crate) color: [u16; 4],
 }
 
-/// A normal and a colour, as they are stored.
+/// A normal and a colour in vertex format.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Look {
+pub(crate) struct Shade {
     normal: [i16; 4],
     color: [u16; 4],
 }
 
-impl Look {
-    pub(crate) fn new(normal: DVec3, color: [f32; 4]) -> Look {
+impl Shade {
+    pub(crate) fn new(normal: DVec3, color: [f32; 4]) -> Shade {
         let normal = (normal * 32767.0).round();
-        Look {
+        Shade {
             normal: [normal.x as i16, normal.y as i16, normal.z as i16, 0],
             color: color.map(|part| (part.clamp(0.0, 1.0) * 65535.0).round() as u16),
         }
     }
 }
 
-/// Corners as they are gathered.
+/// Vertices under construction.
 #[derive(Default)]
 pub(crate) struct Weld {
     pub(crate) vertices: Vec<Vertex>,
-    /// Who the first corner is of; `None`: of nobody yet.
-    looks: Vec<Option<Look>>,
-    /// The vertices at each corner of the mesh at hand: the first, and those that were needed besides.
+    /// Shade of the faces whose first vertex this is; `None` if not the first of any yet.
+    shades: Vec<Option<Shade>>,
+    /// The vertices at each corner of the current mesh: the first, and its duplicates.
     places: HashMap<u32, Vec<u32>>,
 }
 
 impl Weld {
-    /// The corners of another mesh follow: nothing is shared with those before.
+    /// Starts the next mesh; it shares no vertices with those before.
     pub(crate) fn start(&mut self) {
         self.places.clear();
     }
 
-    /// The indices of a triangle, turned so that its first corner has its look. `at`: the mesh's numbers of its corners.
-    pub(crate) fn triangle(&mut self, at: [u32; 3], positions: [[f32; 3]; 3], look: Look) -> [u32; 3] {
-        let found = (0..3).find_map(|turn| Some((turn, self.first(at[turn], positions[turn], look)?)));
+    /// Returns the indices of a triangle, rotated so that its first vertex has its shade. `at` holds the mesh's corner
+    /// indices.
+    pub(crate) fn triangle(&mut self, at: [u32; 3], positions: [[f32; 3]; 3], shade: Shade) -> [u32; 3] {
+        let found = (0..3).find_map(|turn| Some((turn, self.first(at[turn], positions[turn], shade)?)));
         let (turn, first) = found.unwrap_or_else(|| (0, self.add(at[0], positions[0])));
-        self.looks[first as usize] = Some(look);
+        self.shades[first as usize] = Some(shade);
         let [second, third] = [1, 2].map(|after| {
             let corner = (turn + after) % 3;
             self.any(at[corner], positions[corner])
@@ -63,26 +64,26 @@ impl Weld {
         [first, second, third]
     }
 
-    /// The looks are written into the vertices.
+    /// Writes the shades into the vertices and returns them.
     pub(crate) fn finish(mut self) -> Vec<Vertex> {
-        for (vertex, look) in self.vertices.iter_mut().zip(&self.looks) {
-            if let Some(Look { normal, color }) = *look {
+        for (vertex, shade) in self.vertices.iter_mut().zip(&self.shades) {
+            if let Some(Shade { normal, color }) = *shade {
                 (vertex.normal, vertex.color) = (normal, color);
             }
         }
         self.vertices
     }
 
-    /// A vertex at a corner that is of this look, or of nobody yet.
-    fn first(&mut self, at: u32, position: [f32; 3], look: Look) -> Option<u32> {
+    /// Returns a vertex at a corner that has this shade, or none yet.
+    fn first(&mut self, at: u32, position: [f32; 3], shade: Shade) -> Option<u32> {
         let Some(here) = self.places.get(&at) else {
             return Some(self.add(at, position));
         };
-        let fits = |vertex: &&u32| self.looks[**vertex as usize].is_none_or(|found| found == look);
+        let fits = |vertex: &&u32| self.shades[**vertex as usize].is_none_or(|found| found == shade);
         here.iter().find(fits).copied()
     }
 
-    /// A vertex at a corner, whatever its look.
+    /// Returns a vertex at a corner, whatever its shade.
     fn any(&mut self, at: u32, position: [f32; 3]) -> u32 {
         match self.places.get(&at) {
             Some(here) => here[0],
@@ -97,7 +98,7 @@ impl Weld {
             normal: [0; 4],
             color: [0; 4],
         });
-        self.looks.push(None);
+        self.shades.push(None);
         self.places.entry(at).or_default().push(vertex);
         vertex
     }
@@ -123,29 +124,29 @@ mod tests {
                     corner(x, y + 1),
                 ];
                 for at in [[a, b, c], [a, c, d]] {
-                    // Each triangle is of a plane of its own.
-                    let look = Look::new(
+                    // Each triangle has a different plane.
+                    let shade = Shade::new(
                         DVec3::new(f64::from(expected.len() as u32) / 1000.0, 0.0, 1.0),
                         [0.5; 4],
                     );
                     expected.push((
-                        weld.triangle(at, at.map(|at| [at as f32, 0.0, 0.0]), look),
+                        weld.triangle(at, at.map(|at| [at as f32, 0.0, 0.0]), shade),
                         at,
-                        look,
+                        shade,
                     ));
                 }
             }
         }
         let vertices = weld.finish();
-        for (indices, at, look) in expected {
-            assert_eq!(vertices[indices[0] as usize].normal, look.normal);
+        for (indices, at, shade) in expected {
+            assert_eq!(vertices[indices[0] as usize].normal, shade.normal);
             let [a, b, c] = indices.map(|index| vertices[index as usize].position[0] as u32);
             assert!(
                 [[a, b, c], [b, c, a], [c, a, b]].contains(&at),
                 "a triangle must not be turned over"
             );
         }
-        // Twice as many triangles as corners: so many firsts are needed.
+        // There are twice as many triangles as corners, so as many first vertices are needed.
         assert!(
             vertices.len() < (side * side * 2 + 2 * side) as usize,
             "{}",

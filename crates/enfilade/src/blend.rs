@@ -1,13 +1,13 @@
-//! In which order to blend glass: for engines that draw items, not samples.
+//! Sorts transparent items back to front, for engines that draw items rather than samples.
 //!
-//! Glass behind an opening comes before the glass of the sector that the opening is in. Within a passage, of two boxes
-//! that a plane across an axis parts, the one on the far side of it from the eye comes first: nothing in it can lie over the
-//! other. Boxes that overlap cannot be told apart so: the one whose middle is farther comes first, and where what is in
-//! them crosses, no order of items is right. Pictures drawn here are sorted sample by sample instead.
+//! Items behind an opening come before the items of the sector that the opening is in. Within a passage, if an
+//! axis-aligned plane separates two boxes, the one on the far side from the eye comes first: nothing in it can overlap
+//! the other on the screen. Boxes that intersect are sorted by the distance of their centres; where their geometry
+//! intersects, no order of items is right. [`Viewer::draw`](crate::Viewer::draw) sorts sample by sample instead.
 //! Source: the planes are those of Schumacker and others, Study for Applying Computer-Generated Images to Visual
 //!     Simulation, 1969, with boxes for clusters; sorted as Kahn, Topological Sorting of Large Networks, 1962.
-//! Cost: O(n²) for n items of glass in one passage.
-//! Right for boxes that do not overlap, unless they cover each other in a cycle: then some two of those are not.
+//! Cost: O(n²) for n transparent items in one passage.
+//! Exact for disjoint boxes that do not overlap in a cycle; in a cycle at least one pair is in the wrong order.
 
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
@@ -16,7 +16,10 @@ use crate::scene::Scene;
 use crate::visible::{VisibleItem, VisibleSet};
 
 impl VisibleSet {
-    /// The items with glass ([`VisibleItem::blends`]) in the order in which to blend them, after everything opaque.
+    /// Returns the alpha-blended items ([`VisibleItem::blends`]) back to front: draw them in this order, after all
+    /// opaque items.
+    #[doc(alias = "transparency")]
+    #[doc(alias = "back to front")]
     pub fn blend_order(&self, scene: &Scene) -> Vec<VisibleItem> {
         let mut glass: Vec<VisibleItem> = self.items().iter().filter(|item| item.blends).copied().collect();
         let depth_first = self.children_first();
@@ -30,12 +33,12 @@ impl VisibleSet {
         glass
     }
 
-    /// For each passage its place in an order in which those behind its openings come before it.
+    /// Returns, for each passage, its rank in an order in which children come before their parent.
     fn children_first(&self) -> Vec<u32> {
         let mut places = vec![0; self.passages().len()];
         let mut next = 0;
         let mut ancestors: Vec<PassageId> = Vec::new();
-        // They are listed as they were entered, each after its parent and next to its brothers' descendants.
+        // Passages are listed in depth-first order: each after its parent, followed by its own descendants.
         for (id, passage) in (0..).map(PassageId).zip(self.passages()) {
             while let Some(last) = ancestors.pop_if(|last| Some(*last) != passage.parent) {
                 places[last.0 as usize] = next;
@@ -51,7 +54,7 @@ impl VisibleSet {
     }
 }
 
-/// Sorts the items of one passage.
+/// Sorts the items of one passage back to front.
 fn far_to_near(items: &mut [VisibleItem], passage: &Passage, geometry: &Geometry) {
     let eye = passage.eye();
     let away = |bounds: &Aabb| -> f64 {
@@ -68,7 +71,7 @@ fn far_to_near(items: &mut [VisibleItem], passage: &Passage, geometry: &Geometry
         .iter()
         .map(|item| (*item, geometry.item(item.item).bounds))
         .collect();
-    // How many of those that are left must come before each.
+    // For each item, the number of remaining items that must come before it.
     let must_come_first = |a: &Aabb, b: &Aabb| may_lie_over(b, a, eye) && !may_lie_over(a, b, eye);
     let mut waits: Vec<usize> = sorted
         .iter()
@@ -76,7 +79,7 @@ fn far_to_near(items: &mut [VisibleItem], passage: &Passage, geometry: &Geometry
         .collect();
     let mut left: Vec<usize> = (0..sorted.len()).collect();
     for place in items {
-        // The farthest that nothing must come before; in a cycle, the farthest.
+        // The farthest item that has no predecessor left; in a cycle, the farthest.
         let next = left.iter().position(|&number| waits[number] == 0).unwrap_or(0);
         let next = left.remove(next);
         *place = sorted[next].0;
@@ -86,8 +89,8 @@ fn far_to_near(items: &mut [VisibleItem], passage: &Passage, geometry: &Geometry
     }
 }
 
-/// May something in `a` lie over something in `b`, as seen from an eye? Not if a plane parts them, with `b` on the eye's
-/// side.
+/// Returns `true` if geometry in `a` may overlap geometry in `b` on the screen and be in front of it: unless an
+/// axis-aligned plane separates them with `b` on the eye's side.
 fn may_lie_over(a: &Aabb, b: &Aabb, eye: [f64; 3]) -> bool {
     !(0..3).any(|axis| {
         let beyond = a.min[axis] >= b.max[axis] && eye[axis] <= f64::from(a.min[axis]);
@@ -112,10 +115,10 @@ mod tests {
         };
         assert!(may_lie_over(&small, &long, [0.0; 3]));
         assert!(!may_lie_over(&long, &small, [0.0; 3]));
-        // Between the two neither lies over the other.
+        // With the eye between the two, neither overlaps the other.
         let between = [0.0, 1.0, -3.5];
         assert!(!may_lie_over(&small, &long, between) && !may_lie_over(&long, &small, between));
-        // What overlaps may do either.
+        // Boxes that intersect may overlap either way.
         assert!(may_lie_over(&long, &long, between));
     }
 }

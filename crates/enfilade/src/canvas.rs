@@ -1,98 +1,104 @@
-//! Receives what is seen.
+//! The trait that receives the visible surface as rows of spans.
 
 use crate::geometry::Owner;
 use crate::passage::{Passage, PassageId};
 
-/// Receives what is seen, a row of spans at a time: an image, a list of items, a picture of the overdraw.
+/// A render target that receives the visible surface one row of spans at a time: an image, an item list, an overdraw
+/// map.
+#[doc(alias = "render target")]
+#[doc(alias = "framebuffer")]
 pub trait Canvas {
-    /// The rows that follow are seen through this passage.
+    /// Announces the passage that the following rows belong to.
     ///
-    /// Called again when painting comes back from behind an opening, to put glass over what was seen there.
+    /// Called again when drawing returns from behind an opening, to blend this passage's transparent faces over the
+    /// rest.
     fn enter(&mut self, id: PassageId, passage: &Passage);
 
-    /// Spans of row `y`, none of which overlap, left to right. Glass comes after all that is behind it.
+    /// Receives the spans of row `y`, left to right, without overlap. Transparent spans come after everything behind
+    /// them.
     fn row(&mut self, y: u16, spans: &[Span]);
 
-    /// Should covers count how they came to their answer? Then [`Canvas::work`] gets it.
+    /// Whether covers count their tests per sample and pass the counts to [`Canvas::work`]. Default `false`.
     fn wants_work(&self) -> bool {
         false
     }
 
-    /// Row `y` from column `x0` on: how many faces were tested at each sample, and the number of the batch that its
-    /// owner came with, counted from 1 through the passage (0: nothing is seen there).
+    /// Receives the test counts of row `y` from column `x0` on: per sample the number of faces `tested`, and the number
+    /// of the `batch` that brought its owner, counted from 1 within the passage (0: no owner).
     fn work(&mut self, y: u16, x0: u16, tested: &[u16], batch: &[u32]) {
         let _ = (y, x0, tested, batch);
     }
 
-    /// Should covers show what they know when all that hides is in them? Then [`Canvas::cover`] gets it.
+    /// Whether covers report their state to [`Canvas::cover`] once all occluders are in them. Default `false`.
     fn wants_cover(&self) -> bool {
         false
     }
 
-    /// What the cover of the passage at hand knows of the samples of row `y` that are in its aperture, left to right. A
-    /// passage farther on comes later, within the samples through which it is seen: what it knows takes the place of
-    /// what its parent knew there.
+    /// Receives the state of the current passage's cover for the samples of row `y` inside its aperture, left to right.
+    ///
+    /// A passage behind an opening comes later and reports the samples of that opening again; its state replaces that
+    /// of its parent there.
     fn cover(&mut self, y: u16, spans: &[CoverSpan]) {
         let _ = (y, spans);
     }
 }
 
-/// Samples of one row of which a cover knows one thing.
+/// Samples of one row that belong to the same cell of a cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoverSpan {
-    /// The first column.
+    /// First column.
     pub x0: u16,
-    /// The column after the last.
+    /// Last column + 1.
     pub x1: u16,
-    /// The number of the cover's cell that knows it (a face's samples, a cell of a pyramid, a sub-tile, a leaf of a
-    /// tree), the same in all its rows; other passages use the same numbers.
+    /// Number of the cover's cell (the samples of a face, a Hi-Z cell, a sub-tile or a tree leaf). It is the same in
+    /// all rows of the cell; other passages use the same numbers again.
     pub cell: u32,
-    /// What hides here.
+    /// The occluder in this cell.
     pub by: HiddenBy,
-    /// 1 / distance along the line of sight, at the first and the last sample: what is farther is hidden. 0 where
-    /// nothing is.
+    /// Reversed depth (1 / distance along the view direction) at the first and the last sample; anything farther is
+    /// hidden. 0 if nothing is.
     pub rev_depth: [f32; 2],
 }
 
-/// What hides in a cell of a cover.
+/// What occludes a cell of a cover.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum HiddenBy {
-    /// Nothing.
+    /// The cell has no occluder.
     Nothing,
-    /// A face, or an occluder, alone; by a number that is the same wherever it hides.
+    /// A single face or occluder, by a number that is the same in all cells.
     One(u32),
-    /// Several faces, each at samples of its own.
+    /// Several faces, each at different samples.
     Several,
-    /// Layers of a masked buffer: the reference, which holds for a whole sub-tile.
+    /// The reference layer of a masked depth buffer, which applies to the whole sub-tile.
     Reference,
-    /// The working layer, which holds for the samples of the mask.
+    /// The working layer of a masked depth buffer, which applies to the samples in the mask.
     Working,
 }
 
-/// What a cover divides the screen into.
+/// How a cover divides the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CoverShape {
-    /// Spans of rows, one face each.
+    /// Spans of rows, each with one face.
     Spans,
-    /// Cells of 8×8 samples, and those of 2×2 cells above.
+    /// A Hi-Z pyramid: cells of 8×8 samples, with a cell for each 2×2 of them above.
     Pyramid,
-    /// Sub-tiles of 8×4 samples in two layers.
+    /// Sub-tiles of 8×4 samples with two depth layers each.
     Tiles,
-    /// Convex polygons, parted by planes through the eye.
+    /// A tree of convex polygons, split by planes through the eye.
     Tree,
 }
 
-/// Samples of one row that one face, or a closed opening, owns.
+/// Consecutive samples of one row with the same owner: a face or a closed opening.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
-    /// The first column.
+    /// First column.
     pub x0: u16,
-    /// The column after the last.
+    /// Last column + 1.
     pub x1: u16,
-    /// What is seen.
+    /// The face or opening that is visible at these samples.
     pub owner: Owner,
-    /// Is it glass, or a cut-out, painted over what is behind it?
+    /// Whether the face is alpha-blended or alpha-tested, to be drawn over what is behind it.
     pub see_through: bool,
 }

@@ -1,8 +1,8 @@
-//! What tests of SIMD share: numbers by chance, and all levels that the machine has.
+//! Support for SIMD tests: random numbers, and all SIMD levels of this machine.
 
 use fearless_simd::Level;
 
-/// Numbers that look random; the same for the same seed.
+/// A pseudo-random number generator; the same seed gives the same numbers.
 pub(crate) struct Dice(u64);
 
 impl Dice {
@@ -10,7 +10,7 @@ impl Dice {
         Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
     }
 
-    /// From −`most` to `most`.
+    /// Returns a number from −`most` to `most`.
     pub(crate) fn within(&mut self, most: f64) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -18,7 +18,7 @@ impl Dice {
         most * ((self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
     }
 
-    /// The same, and now and then no number, or one that is not finite, or nothing at all.
+    /// As [`Dice::within`], but sometimes NaN, infinite, zero or huge.
     pub(crate) fn odd(&mut self, most: f64) -> f64 {
         match (self.within(1.0) * 40.0) as i32 {
             39 => f64::NAN,
@@ -31,7 +31,7 @@ impl Dice {
     }
 }
 
-/// All SIMD levels that this machine has.
+/// Returns all SIMD levels of this machine.
 pub(crate) fn levels() -> Vec<Level> {
     let best = Level::new();
     let mut levels = vec![best, Level::baseline()];

@@ -1,4 +1,4 @@
-//! What one sector reports through one passage.
+//! The output of one sector for one passage: items, openings and transparent samples.
 
 use crate::aperture::Rows;
 use crate::canvas::{Canvas, Span};
@@ -7,66 +7,69 @@ use crate::passage::PassageId;
 use crate::visible::VisibleSet;
 use std::cmp::Reverse;
 
-/// Gathers what a sector sees through one passage; cleared for each.
+/// Collects what a sector reports for one passage: visible items, visible openings and transparent samples.
+///
+/// The viewer passes an empty collector to [`Sector::gather`](crate::Sector::gather) and
+/// [`Sector::draw`](crate::Sector::draw). Report each item and each opening once.
 #[derive(Debug, Default)]
 pub struct Collector {
     pub(crate) items: Vec<CollectedItem>,
     pub(crate) openings: Vec<CollectedOpening>,
-    /// For each opening its place in `openings`, if it is there: else any number.
+    /// For each opening its index in `openings`. Entries of openings that are not reported are stale: compare the id.
     places: Vec<u32>,
     pub(crate) clusters: Vec<u32>,
     pub(crate) glass: Vec<GlassSample>,
-    /// The same, while what is behind the openings is painted.
+    /// The samples of `glass` as spans; filled when the viewer goes on to draw behind the openings.
     pub(crate) panes: Panes,
-    /// Samples that opaque faces own.
+    /// Number of samples that opaque faces own.
     pub(crate) samples_owned: u64,
-    /// Is every sample of glass wanted, or only which glass is seen?
+    /// Whether every transparent sample is needed (drawing), or only the faces that have one (culling).
     pub(crate) paints: bool,
-    /// Buffers to work with, and rows to fill.
+    /// Scratch buffers, and spare rows for reuse.
     pub(crate) report: ReportBuffers,
     pub(crate) spare_rows: Vec<Rows>,
 }
 
-/// What covers work with to report; kept from one passage to the next.
+/// Scratch buffers of covers for reporting; reused from passage to passage.
 #[derive(Debug, Default)]
 pub(crate) struct ReportBuffers {
     pub(crate) owners: Vec<(ItemId, u32)>,
-    /// Faces and clusters that are in `owners` already, each at a place that its number says; others come there too, and
-    /// take the place over. Faces by the lower halves of their samples.
+    /// Direct-mapped caches of the faces and clusters that `owners` already holds, indexed by their number modulo the
+    /// size; a colliding entry replaces the old one. Faces are stored by the lower half of their samples' owner.
     pub(crate) faces: Vec<u32>,
     pub(crate) clusters: Vec<(ItemId, u32)>,
     pub(crate) row: Vec<(u16, u16, Owner)>,
     pub(crate) spans: Vec<Span>,
 }
 
-/// An item that may be seen, and which of its clusters.
+/// An item that may be visible, with its visible clusters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CollectedItem {
     pub(crate) item: ItemId,
-    /// A run of [`Collector::clusters`]; empty where the item has only one, or it is not known which are seen.
+    /// Range of [`Collector::clusters`]; empty if the item has one cluster only, or the visible ones are unknown.
     pub(crate) clusters: [u32; 2],
 }
 
-/// An opening that may be seen, and the samples it owns, where the method knows them.
+/// An opening that may be visible, with the samples it owns if the method knows them.
 #[derive(Debug)]
 pub(crate) struct CollectedOpening {
     pub(crate) opening: OpeningId,
     pub(crate) rows: Option<Rows>,
 }
 
-/// A sample at which glass, or a cut-out, is in front of what hides.
+/// A sample of an alpha-blended or alpha-tested face in front of all opaque faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GlassSample {
     pub(crate) y: u16,
     pub(crate) x: u16,
-    /// Bits of the reversed depth: they sort as the reversed depth does.
+    /// Bits of the reversed depth; positive floats and their bits have the same order.
     pub(crate) rev_depth: u32,
     pub(crate) item: ItemId,
     pub(crate) face: u32,
 }
 
 impl Collector {
-    /// Reports an item. Report each once.
+    /// Reports an item that may be visible, with all its clusters. Report each item once.
     pub fn item(&mut self, item: ItemId) {
         self.items.push(CollectedItem {
             item,
@@ -74,7 +77,9 @@ impl Collector {
         });
     }
 
-    /// Reports an opening, and the samples it owns where they are known. Report each once.
+    /// Reports an opening that may be visible, with the samples it owns, if known. Report each opening once.
+    ///
+    /// With `None` the clip region behind the opening is its projected outline within the aperture.
     pub fn opening(&mut self, opening: OpeningId, rows: Option<Rows>) {
         let number = usize::from(opening.0);
         if self.places.len() <= number {
@@ -84,7 +89,7 @@ impl Collector {
         self.openings.push(CollectedOpening { opening, rows });
     }
 
-    /// Adds samples `x0..x1` of row `y` to those that an opening owns; rows come top to bottom.
+    /// Adds samples `x0..x1` of row `y` to those that an opening owns. Call with rows from top to bottom.
     pub(crate) fn add_to_opening(&mut self, opening: OpeningId, y: u16, x0: u16, x1: u16) {
         let place = self
             .places
@@ -100,8 +105,10 @@ impl Collector {
         }
     }
 
-    /// Reports that glass, or a cut-out, is in front at a sample; `rev_depth` is 1 / distance along the line of
-    /// sight. It is painted after what is seen through the openings.
+    /// Reports a sample (x, y) of an alpha-blended or alpha-tested face that no opaque face hides; `rev_depth` is 1 /
+    /// distance along the view direction.
+    ///
+    /// The viewer draws these samples far to near, after everything visible through the openings.
     #[inline]
     pub fn glass(&mut self, x: u16, y: u16, rev_depth: f32, item: ItemId, face: u32) {
         let same = |last: &GlassSample| last.item == item && last.face == face;
@@ -116,7 +123,8 @@ impl Collector {
         }
     }
 
-    /// The clusters of the reported items, in order, each once; of items reported whole, all.
+    /// Returns the clusters of the reported items, sorted and without repeats if the items are; all clusters of an item
+    /// that was reported as a whole.
     pub(crate) fn clusters_of_items(&self, owners: &dyn Owners) -> impl Iterator<Item = (ItemId, u32)> {
         self.items.iter().flat_map(|seen| {
             let some = &self.clusters[seen.clusters[0] as usize..seen.clusters[1] as usize];
@@ -132,7 +140,7 @@ impl Collector {
         })
     }
 
-    /// Reports what was gathered through the same passage.
+    /// Reports the items and clusters that an earlier look gathered through passage `id`.
     pub(crate) fn report_again(&mut self, set: &VisibleSet, id: PassageId) {
         let first = set.items.partition_point(|item| item.passage < id);
         for item in set.items[first..].iter().take_while(|item| item.passage == id) {
@@ -145,7 +153,7 @@ impl Collector {
         }
     }
 
-    /// Only the items that were gathered are left, to be painted.
+    /// Clears everything but the items, so that they can be drawn.
     pub(crate) fn keep_items_alone(&mut self) {
         self.recycle();
         self.glass.clear();
@@ -153,7 +161,7 @@ impl Collector {
         self.paints = true;
     }
 
-    /// Takes the rows of openings that nobody follows, to be filled anew.
+    /// Moves the rows of openings that will not be followed to the spare rows.
     pub(crate) fn recycle(&mut self) {
         for mut rows in self.openings.drain(..).filter_map(|opening| opening.rows) {
             rows.clear();
@@ -172,21 +180,21 @@ impl Collector {
     }
 }
 
-/// Glass as rows of spans, in the order in which it is painted: far smaller than its samples.
+/// Transparent samples as rows of spans in drawing order: much smaller than the samples.
 #[derive(Debug, Default)]
 pub(crate) struct Panes {
     spans: Vec<Span>,
-    /// Of each layer of a row the row's number, and where its spans end.
+    /// For each layer of a row, the row number and the end of its spans.
     layers: Vec<(u16, usize)>,
 }
 
 impl Panes {
-    /// Takes samples of glass: at each place the farthest comes first, of equally near ones the one with the highest
-    /// number, so that the lowest ends in front.
+    /// Sorts transparent samples into layers. At each sample the farthest comes first; at equal depth the highest
+    /// (item, face) comes first, so that the lowest is drawn last.
     pub(crate) fn fill(&mut self, glass: &mut [GlassSample]) {
         self.clear();
         glass.sort_unstable_by_key(|g| (g.y, g.x, g.rev_depth, Reverse((g.item, g.face))));
-        // Layer by layer: the k-th farthest glass of each sample of a row is painted in one go.
+        // Layer by layer: the k-th farthest transparent faces of a row's samples are drawn together.
         for row in glass.chunk_by(|a, b| a.y == b.y) {
             for layer in 0.. {
                 let start = self.spans.len();
@@ -219,7 +227,7 @@ impl Panes {
         self.layers.is_empty()
     }
 
-    /// Paints the glass over what is behind it.
+    /// Draws the transparent spans over what the canvas already holds.
     pub(crate) fn paint(&self, canvas: &mut dyn Canvas) {
         let mut start = 0;
         for &(y, end) in &self.layers {
@@ -229,7 +237,7 @@ impl Panes {
     }
 }
 
-/// Turns owners, in any order and with repeats, into items with their clusters.
+/// Reports (item, cluster) pairs, in any order and with repeats, as items with their clusters.
 pub(crate) fn report_owners(met: &mut Vec<(ItemId, u32)>, owners: &dyn Owners, seen: &mut Collector) {
     met.sort_unstable();
     met.dedup();
@@ -246,29 +254,29 @@ pub(crate) fn report_owners(met: &mut Vec<(ItemId, u32)>, owners: &dyn Owners, s
     }
 }
 
-/// Clusters that a walk found, in the order in which they came: mostly item after item.
+/// Clusters found by a traversal, in order of discovery: mostly item after item.
 #[derive(Debug, Default)]
 pub(crate) struct FoundClusters {
     runs: Vec<Run>,
     clusters: Vec<u32>,
 }
 
-/// Clusters of one item that came one after the other.
+/// Clusters of one item that were found in succession.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     item: ItemId,
     clusters: [u32; 2],
-    what: What,
+    kind: RunKind,
 }
 
-/// What stands together in a run.
+/// How the clusters of a run are tested.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum What {
-    /// Clusters that are asked about one by one.
+enum RunKind {
+    /// Each cluster is tested.
     Each,
-    /// Those of a node of the item's mesh.
+    /// The clusters of a node of the item's mesh are tested together.
     Group(u32),
-    /// All that the item has, without being written down.
+    /// All clusters of the item, which are not listed.
     Whole,
 }
 
@@ -276,28 +284,28 @@ impl FoundClusters {
     pub(crate) fn push(&mut self, item: ItemId, cluster: u32) {
         let end = self.clusters.len() as u32;
         match self.runs.last_mut() {
-            Some(last) if last.item == item && last.what == What::Each => last.clusters[1] += 1,
+            Some(last) if last.item == item && last.kind == RunKind::Each => last.clusters[1] += 1,
             _ => self.runs.push(Run {
                 item,
                 clusters: [end, end + 1],
-                what: What::Each,
+                kind: RunKind::Each,
             }),
         }
         self.clusters.push(cluster);
     }
 
-    /// The clusters of a node of the item's mesh, to be kept or forgotten together.
+    /// Adds the clusters of a node of the item's mesh, to be kept or removed together.
     pub(crate) fn push_group(&mut self, item: ItemId, node: u32, clusters: &[u32]) {
         let start = self.clusters.len() as u32;
         self.clusters.extend_from_slice(clusters);
         self.runs.push(Run {
             item,
             clusters: [start, self.clusters.len() as u32],
-            what: What::Group(node),
+            kind: RunKind::Group(node),
         });
     }
 
-    /// Takes what another walk found of those items that `wanted` says yes of; of that nothing is left.
+    /// Moves the runs of all items for which `wanted` returns `true` from `found` to `self`; clears `found`.
     pub(crate) fn take_in(&mut self, found: &mut FoundClusters, mut wanted: impl FnMut(ItemId) -> bool) {
         for same in found.runs.chunk_by(|a, b| a.item == b.item) {
             if !wanted(same[0].item) {
@@ -320,18 +328,18 @@ impl FoundClusters {
         self.runs.push(Run {
             item,
             clusters: [end; 2],
-            what: What::Whole,
+            kind: RunKind::Whole,
         });
     }
 
-    /// Forgets the clusters that `stays` says no of; groups and items that are whole stay so.
+    /// Removes the clusters for which `stays` returns `false`; groups and whole items are kept.
     pub(crate) fn retain(&mut self, mut stays: impl FnMut(ItemId, u32) -> bool) {
         let mut kept = 0;
         for run in &mut self.runs {
             let [first, end] = std::mem::replace(&mut run.clusters, [kept; 2]);
             for place in first..end {
                 let cluster = self.clusters[place as usize];
-                if run.what != What::Each || stays(run.item, cluster) {
+                if run.kind != RunKind::Each || stays(run.item, cluster) {
                     self.clusters[kept as usize] = cluster;
                     kept += 1;
                 }
@@ -340,24 +348,25 @@ impl FoundClusters {
         }
         self.clusters.truncate(kept as usize);
         self.runs
-            .retain(|run| run.what == What::Whole || run.clusters[0] < run.clusters[1]);
+            .retain(|run| run.kind == RunKind::Whole || run.clusters[0] < run.clusters[1]);
     }
 
-    /// Forgets the groups that `stays` says no of, by node.
+    /// Removes the groups for which `stays` returns `false` for the item and the node.
     pub(crate) fn retain_groups(&mut self, mut stays: impl FnMut(ItemId, u32) -> bool) {
-        self.runs.retain(|run| match run.what {
-            What::Group(node) => stays(run.item, node),
-            What::Each | What::Whole => true,
+        self.runs.retain(|run| match run.kind {
+            RunKind::Group(node) => stays(run.item, node),
+            RunKind::Each | RunKind::Whole => true,
         });
     }
 
-    /// Reports items with their clusters, in order; nothing is left.
+    /// Reports all items with their clusters, sorted by item; clears `self`.
     pub(crate) fn report(&mut self, geometry: &Geometry, seen: &mut Collector) {
         self.runs.sort_unstable_by_key(|run| (run.item, run.clusters[0]));
         for same in self.runs.chunk_by(|a, b| a.item == b.item) {
             let item = same[0].item;
             let start = seen.clusters.len();
-            if geometry.mesh_of(item).clusters().len() > 1 && !same.iter().any(|run| run.what == What::Whole)
+            if geometry.mesh_of(item).clusters().len() > 1
+                && !same.iter().any(|run| run.kind == RunKind::Whole)
             {
                 for run in same {
                     let [first, end] = run.clusters.map(|place| place as usize);
@@ -376,7 +385,7 @@ impl FoundClusters {
 }
 
 impl Owner {
-    /// The item, unless it is an opening.
+    /// Returns the item of a face; `None` for an opening.
     pub fn item(self) -> Option<ItemId> {
         match self {
             Owner::Face(item, _) => Some(item),

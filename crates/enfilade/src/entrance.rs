@@ -1,12 +1,12 @@
-//! Where sight enters a sector: the outline of the last opening, in the sector's own space.
+//! The entrance of a passage: the outline of its last opening, in the space of its sector.
 
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use glam::DVec3;
 
-/// Corners that are kept. Passages are many; of an outline of more, the box around it is.
+/// Maximum number of corners stored, because passages are many; a larger outline is replaced by its AABB.
 const MAX_CORNERS: usize = 8;
 
-/// The outline of the last opening on the way, or a box around it.
+/// The outline of the last opening of a passage, or its AABB.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entrance {
     corners: [DVec3; MAX_CORNERS],
@@ -15,7 +15,7 @@ pub(crate) struct Entrance {
 }
 
 impl Entrance {
-    /// That of an opening, seen from where it leads.
+    /// Returns the outline of an opening, transformed to the sector behind it.
     pub(crate) fn new(outline: &ConvexPolygon, there_from_here: &Transform) -> Entrance {
         let there = |&corner: &[f32; 3]| DVec3::from(there_from_here.point_f64(corner));
         let mut corners = [DVec3::ZERO; MAX_CORNERS];
@@ -38,12 +38,12 @@ impl Entrance {
         }
     }
 
-    /// Points that hold all of it between them.
+    /// Returns the corners; their convex hull contains the whole outline.
     pub(crate) fn corners(&self) -> &[DVec3] {
         &self.corners[..self.count]
     }
 
-    /// The triangles that the outline is made of, as it is drawn; `None` where it had too many corners.
+    /// Returns the outline as a triangle fan, as it is rasterized; `None` if it has more than 8 corners.
     pub(crate) fn triangles(&self) -> Option<impl Iterator<Item = [DVec3; 3]>> {
         let corners = self.corners();
         let pairs = corners[1..].windows(2);

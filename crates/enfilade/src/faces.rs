@@ -1,4 +1,4 @@
-//! Batches of faces, as orders hand them out and covers take them.
+//! Batches of faces: orders emit them, covers rasterize or test them.
 
 use crate::geom::Step;
 use crate::geometry::{Alpha, Geometry, ItemId, OpeningId};
@@ -7,60 +7,63 @@ use crate::opening_view::OpeningView;
 use crate::passage::Passage;
 use glam::{DAffine3, DVec3};
 
-/// Faces of one mesh, one transform and one material, as plain arrays.
+/// A batch of faces with one mesh, one transform and one material, as plain arrays.
+#[doc(alias = "triangles")]
+#[doc(alias = "polygons")]
 #[derive(Clone, Copy, Debug)]
 pub struct Faces<'a> {
-    /// What they belong to.
+    /// The cluster or opening that the faces belong to.
     pub source: FaceSource,
-    /// The number of the first face among all faces of the sector; the others follow.
+    /// Number of the first face among all faces of the sector; the faces are numbered consecutively.
     pub(crate) first_owner: u32,
-    /// The number of the first face of the whole item: what to subtract from a number to get the item's face.
+    /// Number of the item's first face: subtract it from a face's number to get the index in the item's mesh.
     pub(crate) item_start: u32,
-    /// The positions that the faces use, in their own space.
+    /// The positions that the faces use, in object space.
     pub(crate) positions: &'a [[f32; 3]],
-    /// What to subtract from a corner to get its place in `positions`.
+    /// Subtract this from a corner to get its index in `positions`.
     pub(crate) first_position: u32,
-    /// The corners of all faces.
+    /// The corner indices of all faces.
     pub(crate) corners: &'a [u32],
-    /// Where each face's corners begin, counted from `starts[0]`, and the end; `None`: every three.
+    /// Start of each face in `corners`, relative to `starts[0]`, and the end; `None` for triangles.
     pub(crate) starts: Option<&'a [u32]>,
-    /// For each corner, the face of the batch across the edge that begins there, or [`NONE`](crate::mesh::NONE); empty
-    /// where it is not known.
+    /// For each corner, the face of the batch across the edge that starts there, or [`NONE`](crate::mesh::NONE); empty
+    /// if unknown.
     pub(crate) neighbours: &'a [u8],
-    /// From the space of the positions to (X, Y, W).
+    /// Transform from the space of the positions to (X, Y, W).
     pub(crate) screen_from_local: &'a DAffine3,
-    /// Does the item's place turn left hands into right ones? The front stays the front. A place that flattens does
-    /// not.
+    /// Whether the item's transform is mirrored (negative determinant), which flips the winding test but not the front.
+    /// A singular transform is not mirrored.
     pub(crate) mirrored: bool,
-    /// Seen from both sides?
+    /// Whether the faces are visible from both sides (no back-face culling).
     pub(crate) double_sided: bool,
-    /// Opaque faces hide; others are kept out of every cover.
+    /// Alpha mode. Opaque faces are occluders; others are not inserted into covers.
     pub(crate) alpha: Alpha,
-    /// Do they hide also where a method chooses what does?
+    /// Whether these faces may be selected as occluders.
     pub(crate) can_occlude: bool,
-    /// Only what is on the inner side of all of these is meant: faces cut by a tree keep their outlines and planes.
+    /// Clip planes: only the part on the inner side of all of them counts. Faces split by a tree keep their outlines
+    /// and planes.
     pub(crate) cuts: &'a [Cut],
 }
 
-/// A plane that cuts faces: what lies at n · (X, Y, W) ≥ d is left. The other half is cut by −n and −d, so that every
-/// sample belongs to exactly one of the two.
+/// A plane that clips faces to n · (X, Y, W) ≥ d. The other half uses −n and −d, so every sample belongs to exactly one
+/// half.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cut {
     pub(crate) normal: DVec3,
     pub(crate) distance: f64,
 }
 
-/// What faces belong to.
+/// The source of a batch of faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaceSource {
-    /// A cluster of an item, by its place in the mesh's clusters.
+    /// A cluster of an item, by its index in [`Mesh::clusters`](crate::Mesh::clusters).
     Item(ItemId, u32),
-    /// An opening: one face, seen however near it is.
+    /// An opening: one face, not clipped at the near plane.
     Opening(OpeningId),
 }
 
 impl<'a> Faces<'a> {
-    /// A cluster of an item.
+    /// Returns the faces of a cluster of an item.
     pub(crate) fn of_cluster(
         geometry: &'a Geometry,
         item: ItemId,
@@ -89,7 +92,7 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// Opaque triangles seen from their front, of no item.
+    /// Returns a batch of opaque, one-sided triangles without an item.
     pub(crate) fn of_triangles(
         positions: &'a [[f32; 3]],
         corners: &'a [u32],
@@ -113,7 +116,7 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// One face of an item, or what `cuts` leave of it.
+    /// Returns one face of an item, clipped by `cuts`.
     pub(crate) fn of_face(
         geometry: &'a Geometry,
         item: ItemId,
@@ -134,7 +137,7 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// An opening, as a face.
+    /// Returns an opening as a face.
     pub(crate) fn of_opening(
         geometry: &'a Geometry,
         opening: OpeningId,
@@ -163,7 +166,7 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// Hands out the openings that may be in view, each as a face: of many, those of the parts of the sector that are.
+    /// Calls `each` with each opening that may be in view, as a face. Culls openings by a tree over their boxes.
     pub(crate) fn of_openings(geometry: &Geometry, passage: &Passage, mut each: impl FnMut(&Faces)) {
         if passage.flat || geometry.openings().is_empty() {
             return;
@@ -180,10 +183,11 @@ impl<'a> Faces<'a> {
         });
     }
 
-    /// The sign that the determinant of three corners as (X, Y, W) has where a face is seen from its front; 0 where faces
-    /// are seen from both sides.
+    /// Returns the sign of the determinant of a front-facing face's first three corners as (X, Y, W); 0 for
+    /// double-sided faces.
     ///
-    /// Told from the two maps apart, for the product of a flattening one has none but by rounding.
+    /// Computed from the two transforms separately: the determinant of a singular product has a random sign from
+    /// rounding.
     #[inline(always)]
     pub(crate) fn front(&self, passage: &Passage) -> f64 {
         let turned = self.mirrored != (passage.screen_from_sector.matrix3.determinant() < 0.0);
@@ -194,24 +198,24 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// The same faces, but only what `cuts` leave of them.
+    /// Returns the same faces clipped by `cuts`.
     pub(crate) fn cut(self, cuts: &'a [Cut]) -> Faces<'a> {
         Faces { cuts, ..self }
     }
 
-    /// How many faces there are.
+    /// Returns the number of faces.
     pub(crate) fn count(&self) -> usize {
         self.starts
             .map_or(self.corners.len() / 3, |starts| starts.len() - 1)
     }
 
-    /// Is it one face alone? Then only its own corners are worth a look.
+    /// Whether the batch has a single face. If so, only the face's own corners are worth transforming.
     #[inline(always)]
     pub(crate) fn is_lone(&self) -> bool {
         self.count() == 1
     }
 
-    /// Calls `each` with a face's number and its corners' places in `positions`.
+    /// Calls `each` with a face's number and its corners' indices in `positions`.
     #[inline(always)]
     pub(crate) fn for_each(&self, mut each: impl FnMut(u32, &[u32])) {
         match self.starts {

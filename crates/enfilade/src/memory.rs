@@ -1,4 +1,4 @@
-//! The working memory of one camera.
+//! Buffers and temporal coherence of one viewer.
 
 use crate::aperture::Rows;
 use crate::collector::{GlassSample, ReportBuffers};
@@ -9,28 +9,31 @@ use crate::threads;
 use glam::DVec3;
 use std::any::{Any, TypeId};
 
-/// What looking needs besides the scene: buffers, reused passage after passage, and what the last look saw.
+/// The working memory of a [`Viewer`](crate::Viewer): buffers reused from passage to passage, and what the last look
+/// saw.
+///
+/// A custom sector can keep its buffers here too: see [`Memory::take`].
 pub struct Memory {
-    /// A handful: searched one by one.
+    /// One buffer per type. There are only a handful, so search is linear.
     scratch: Vec<(TypeId, Box<dyn Any + Send>)>,
     pub(crate) marks: Marks,
     pub(crate) recall: Recall,
-    /// Rows of samples to be filled anew.
+    /// Empty rows for reuse.
     pub(crate) spare_rows: Vec<Rows>,
-    /// Room for samples of glass.
+    /// Empty buffer for transparent samples.
     pub(crate) spare_glass: Vec<GlassSample>,
     pub(crate) spare_report: ReportBuffers,
-    /// Counts of the look at hand.
+    /// Counters of the current look.
     pub stats: Stats,
-    /// May what the last look saw be seen first? It changes the cost, never the answer.
+    /// Whether to test the clusters that were visible in the last look first. Default `true`; affects speed only.
     pub coherence: bool,
-    /// How many occluders methods take that choose them; `None`: as many as suits each.
+    /// Maximum number of occluders per passage, for methods that select them; `None`: each method's default.
     pub(crate) occluders: Option<u32>,
-    /// Columns and rows of covers of lower resolution than the screen; `None`: that of the screen.
+    /// Columns and rows of the covers if lower than the screen's resolution; `None`: that of the screen.
     pub(crate) cover_size: Option<[u32; 2]>,
-    /// May looks use all threads of the pool that they run in?
+    /// Whether looks may use all threads of the current pool.
     pub(crate) parallel: bool,
-    /// Does the canvas want to know how covers came to their answer?
+    /// Whether the canvas wants the test counts of covers ([`Canvas::wants_work`](crate::Canvas::wants_work)).
     pub(crate) trace: bool,
 }
 
@@ -54,7 +57,9 @@ impl Default for Memory {
 }
 
 impl Memory {
-    /// Takes the one buffer of a type out, to be put back by [`Memory::put_back`]: so that two may be in use.
+    /// Takes the buffer of type `T` out of the memory, or creates one. Return it by [`Memory::put_back`].
+    ///
+    /// Taking it out allows a sector to use several buffers at a time.
     pub fn take<T: Default + Send + 'static>(&mut self) -> Box<T> {
         let place = self
             .scratch
@@ -64,18 +69,18 @@ impl Memory {
         kept.and_then(|any| any.downcast().ok()).unwrap_or_default()
     }
 
-    /// How many threads may work on a passage at once.
+    /// Returns the number of threads that may work on a passage.
     pub(crate) fn threads(&self) -> usize {
         if self.parallel { threads::count() } else { 1 }
     }
 
-    /// Keeps a buffer for the next passage.
+    /// Stores a buffer for the next [`Memory::take`] of its type.
     pub fn put_back<T: Send + 'static>(&mut self, scratch: Box<T>) {
         self.scratch.push((TypeId::of::<T>(), scratch));
     }
 }
 
-/// Which items were met in the walk at hand.
+/// Marks the items found in the current traversal.
 #[derive(Default)]
 pub(crate) struct Marks {
     walk: u32,
@@ -83,7 +88,7 @@ pub(crate) struct Marks {
 }
 
 impl Marks {
-    /// A new walk over a sector of `items` items.
+    /// Begins a traversal of a sector with `items` items.
     pub(crate) fn begin(&mut self, items: usize) {
         if self.last_met.len() < items {
             self.last_met.resize(items, 0);
@@ -94,29 +99,29 @@ impl Marks {
         });
     }
 
-    /// Was the item not met before in this walk?
+    /// Marks an item; returns `true` if it was not marked in this traversal.
     pub(crate) fn first_time(&mut self, item: ItemId) -> bool {
         std::mem::replace(&mut self.last_met[item.0 as usize], self.walk) != self.walk
     }
 }
 
-/// The clusters of items that the last look saw, by chain of portals. What a look does not visit again is forgotten, so that
-/// this stays as small as what one look sees.
+/// Temporal coherence: the clusters that were visible in the last look, by chain of portals. Chains that a look does
+/// not visit again are forgotten, so the size stays that of one look.
 #[derive(Default)]
 pub(crate) struct Recall {
     /// Sorted by chain.
-    last: Vec<Remembered>,
-    now: Vec<Remembered>,
-    /// Lists to be filled anew.
+    last: Vec<PassageRecord>,
+    now: Vec<PassageRecord>,
+    /// Empty lists for reuse.
     spare: Vec<Vec<(ItemId, u32)>>,
 }
 
-/// What was seen through a passage, and from where.
-struct Remembered {
+/// The clusters that were visible through a passage, with the eye position and direction.
+struct PassageRecord {
     chain: u64,
     eye: DVec3,
     back: DVec3,
-    /// In order, each once.
+    /// Sorted, without repeats.
     clusters: Vec<(ItemId, u32)>,
 }
 
@@ -124,13 +129,16 @@ impl Recall {
     pub(crate) fn begin_look(&mut self) {
         std::mem::swap(&mut self.last, &mut self.now);
         let forgotten = self.now.drain(..).map(|remembered| remembered.clusters);
-        // Those that were lent have left nothing behind.
+        // Lists that are lent have been replaced by empty ones.
         self.spare.extend(forgotten.filter(|list| list.capacity() > 0));
         self.last.sort_unstable_by_key(|remembered| remembered.chain);
     }
 
-    /// What the last look saw through the same portals, if the eye has hardly moved since: from elsewhere most of it
-    /// is hidden, and seeing it first would cost more than it hides. `size` is that of the sector. To be given back.
+    /// Returns the clusters that were visible through the same chain of portals in the last look; empty if the eye
+    /// moved or turned too far since. From elsewhere most of them are hidden, so testing them first would cost more
+    /// than it saves.
+    ///
+    /// `size` is the longest side of the sector. Return the list by [`Recall::give_back`] or [`Recall::remember`].
     pub(crate) fn seen_last(&mut self, passage: &Passage, size: f32) -> Vec<(ItemId, u32)> {
         const STEP: f64 = 0.02;
         const TURN: f64 = 0.8;
@@ -146,7 +154,7 @@ impl Recall {
         clusters
     }
 
-    /// An empty list; to be given back.
+    /// Returns an empty list. Return it by [`Recall::give_back`] or [`Recall::remember`].
     pub(crate) fn list(&mut self) -> Vec<(ItemId, u32)> {
         let mut list = self.spare.pop().unwrap_or_default();
         list.clear();
@@ -157,7 +165,7 @@ impl Recall {
         self.spare.push(list);
     }
 
-    /// Remembers what is seen now, and takes `used` back.
+    /// Stores the clusters that are visible now, in the list `used`.
     pub(crate) fn remember(
         &mut self,
         passage: &Passage,
@@ -167,7 +175,7 @@ impl Recall {
         used.clear();
         used.extend(clusters);
         let (eye, back) = passage.stance();
-        self.now.push(Remembered {
+        self.now.push(PassageRecord {
             chain: passage.chain,
             eye,
             back,

@@ -1,11 +1,11 @@
-//! An opening's outline as the eye of one passage meets it.
+//! The view of an opening's outline from the eye of one passage.
 //!
-//! An opening is one-sided: it is looked through from its front. An eye exactly in its plane counts as in front, so that
+//! An opening is one-sided: it is visible from its front only. An eye exactly in its plane counts as in front, so that
 //! no frame is lost while a camera crosses a doorway or touches a mirror:
-//! * inside the outline, the eye looks through the opening in every direction that leads to the back;
-//! * outside the outline, it sees the opening edge-on, which owns no sample.
+//! * inside the outline, the opening covers every direction that leads to the back;
+//! * outside the outline, the opening is edge-on and owns no sample.
 //!
-//! "In the plane" means as near to it as its own corners are, plus 2⁻⁴⁰ of the coordinates for rounding.
+//! "In the plane" means within the opening's own deviation from flatness, plus 2⁻⁴⁰ of the coordinates for rounding.
 
 use crate::geom::{Aabb, ConvexPolygon};
 use crate::passage::Passage;
@@ -13,18 +13,18 @@ use glam::{DAffine3, DMat3, DVec3};
 
 /// An opening that faces the eye.
 pub(crate) struct OpeningView<'a> {
-    /// The corners that are rasterized, counter-clockwise from the front.
+    /// The corners to rasterize, counter-clockwise when seen from the front.
     pub(crate) positions: &'a [[f32; 3]],
-    /// From the space of `positions` to (X, Y, W).
+    /// Transform from the space of `positions` to (X, Y, W).
     pub(crate) screen_from_local: DAffine3,
-    /// Whether the eye is in the opening; `positions` then stand for all directions that lead to the back.
+    /// Whether the eye is in the opening; `positions` then cover all directions that lead to the back.
     pub(crate) holds_eye: bool,
-    /// Whether the eye is in the opening, or so little in front that orders may compute that it is behind. Nothing hides
-    /// such an opening.
+    /// Whether the eye is in the opening, or so little in front of it that orders may compute that it is behind. No
+    /// occluder hides such an opening.
     pub(crate) touches_eye: bool,
 }
 
-/// A square around the eye in the plane of the opening that holds it.
+/// A square around the eye in the plane of the opening that contains it.
 const SQUARE: [[f32; 3]; 4] = [
     [-1.0, -1.0, 0.0],
     [1.0, -1.0, 0.0],
@@ -32,22 +32,22 @@ const SQUARE: [[f32; 3]; 4] = [
     [-1.0, 1.0, 0.0],
 ];
 
-/// Half the side of that square, and how far before the eye it is, in near distances. All of it is nearer than anything
-/// visible, and directions within 2⁻³⁰ of the plane are not told from those along it.
+/// Half the side of that square, and its distance in front of the eye, both in near distances. The square is nearer
+/// than anything visible; directions within 2⁻³⁰ of the plane count as parallel to it.
 const SQUARE_SIZE: f64 = 1.0 / (1 << 10) as f64;
 const SQUARE_DISTANCE: f64 = SQUARE_SIZE / (1 << 30) as f64;
 
-/// Rounding of a distance from a plane, relative to the coordinates that it is computed from.
+/// Rounding error of the distance from a plane, relative to the coordinates that it is computed from.
 const ROUNDING: f64 = 1.0 / (1_u64 << 40) as f64;
 
 impl<'a> OpeningView<'a> {
-    /// The corners of the face where the opening holds the eye, and where they begin and end.
+    /// Corner indices and face starts of the square that replaces an outline that contains the eye.
     pub(crate) const SQUARE_FACE: (&'static [u32], &'static [u32]) = (&[0, 1, 2, 3], &[0, 4]);
 
-    /// Returns `None` where the opening faces away from the eye of `passage` or is seen edge-on.
+    /// Returns `None` if the opening faces away from the eye of `passage` or is edge-on.
     pub(crate) fn new(passage: &Passage, outline: &'a ConvexPolygon) -> Option<OpeningView<'a>> {
         let eye = DVec3::from(passage.eye());
-        let place = EyePlace::of(outline, eye);
+        let place = EyePosition::of(outline, eye);
         match place.side {
             EyeSide::Front => Some(OpeningView {
                 positions: outline.corners(),
@@ -65,7 +65,7 @@ impl<'a> OpeningView<'a> {
         }
     }
 
-    /// The corners as (X, Y, W).
+    /// Returns the corners as (X, Y, W).
     pub(crate) fn corners(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.positions.iter().map(|&corner| {
             self.screen_from_local
@@ -73,7 +73,7 @@ impl<'a> OpeningView<'a> {
         })
     }
 
-    /// The plane n · (X, Y, W) = d of the opening; n has length 1 and points away from the eye, and d ≥ 0.
+    /// Returns the plane n · (X, Y, W) = d of the opening; n has length 1 and points away from the eye, and d ≥ 0.
     pub(crate) fn plane(&self) -> (DVec3, f64) {
         // Newell's sum, relative to one corner so that outlines far away keep their precision.
         let mut corners = self.corners();
@@ -94,7 +94,7 @@ impl<'a> OpeningView<'a> {
     }
 }
 
-/// Where an eye is relative to an opening.
+/// The side of an opening that the eye is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum EyeSide {
     Front,
@@ -105,14 +105,14 @@ enum EyeSide {
     Back,
 }
 
-/// Where an eye is relative to an opening, and whether orders may disagree on that.
-struct EyePlace {
+/// The side of an opening that the eye is on, and whether orders may disagree about it.
+struct EyePosition {
     side: EyeSide,
     touches: bool,
 }
 
-impl EyePlace {
-    fn of(outline: &ConvexPolygon, eye: DVec3) -> EyePlace {
+impl EyePosition {
+    fn of(outline: &ConvexPolygon, eye: DVec3) -> EyePosition {
         let normal = outline.normal_f64();
         let corner = |at: usize| DVec3::from(outline.corners()[at].map(f64::from));
         let count = outline.corners().len();
@@ -133,7 +133,7 @@ impl EyePlace {
             } else {
                 EyeSide::Back
             };
-            return EyePlace { side, touches: false };
+            return EyePosition { side, touches: false };
         }
         let is_inside = |tolerance: f64| {
             (0..count).all(|at| {
@@ -150,14 +150,15 @@ impl EyePlace {
         } else {
             EyeSide::EdgeOn
         };
-        EyePlace {
+        EyePosition {
             side,
             touches: is_inside(order_tolerance),
         }
     }
 }
 
-/// A box around openings, widened so that it contains every eye that touches one of them.
+/// Whether the eye may touch one of the openings in a box. The box is widened by their maximum deviation from flatness
+/// and by rounding.
 pub(crate) fn may_touch_eye(bounds: &Aabb, eye: DVec3) -> bool {
     let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
     let magnitude = min.abs().max(max.abs()).max(eye.abs()).max_element();
@@ -166,8 +167,8 @@ pub(crate) fn may_touch_eye(bounds: &Aabb, eye: DVec3) -> bool {
     eye.cmpge(min - margin).all() && eye.cmple(max + margin).all()
 }
 
-/// Maps [`SQUARE`] to just before the eye. Its axes come from the linear part alone, for the eye is the origin of screen
-/// space, so nothing is lost to cancellation however far from the sector's origin it is.
+/// Maps [`SQUARE`] to just in front of the eye. Uses only the linear part of the transform, because the eye is the
+/// origin of (X, Y, W) space: nothing cancels, however far the eye is from the sector's origin.
 fn screen_from_square(passage: &Passage, outline: &ConvexPolygon) -> DAffine3 {
     let normal = outline.normal_f64();
     let [u, v] = {
@@ -188,7 +189,7 @@ mod tests {
 
     #[track_caller]
     fn check(outline: &ConvexPolygon, eye: [f64; 3], side: EyeSide) {
-        assert_eq!(EyePlace::of(outline, DVec3::from(eye)).side, side, "{eye:?}");
+        assert_eq!(EyePosition::of(outline, DVec3::from(eye)).side, side, "{eye:?}");
     }
 
     #[test]

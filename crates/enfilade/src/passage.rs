@@ -1,4 +1,4 @@
-//! One way from the eye into a sector, through zero or more portals.
+//! A chain of portals from the eye into a sector, with its clip region and transform.
 
 use crate::aperture::{Aperture, CellRoom, Rect, Rows};
 use crate::entrance::Entrance;
@@ -12,52 +12,57 @@ use crate::view::View;
 use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// A passage of a look, by its place in [`VisibleSet::passages`](crate::VisibleSet::passages).
+/// Identifies a passage of a look: its index in [`VisibleSet::passages`](crate::VisibleSet::passages).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PassageId(pub u32);
 
-/// One way from the eye into a sector, through zero or more portals: the state of the recursion, the record an
-/// engine draws from, and the answer to "which rooms are seen".
+/// A chain of zero or more portals from the eye into a sector, with its clip region and view matrix.
+///
+/// An engine draws each passage with its own view matrix ([`Passage::eye_from_sector`]) and scissor
+/// ([`Passage::aperture`]).
+#[doc(alias = "portal path")]
+#[doc(alias = "clip view")]
 #[derive(Clone, Debug)]
 pub struct Passage {
-    /// The passage one step nearer to the eye; `None` for the one that the eye stands in.
+    /// The passage one portal nearer to the eye; `None` for the eye's own sector.
     pub parent: Option<PassageId>,
-    /// The portal through which it leaves its parent.
+    /// The portal from the parent; `None` for the eye's own sector.
     pub portal: Option<PortalId>,
-    /// The sector it leads into.
+    /// The sector at the end of the chain.
     pub sector: SectorId,
-    /// Portals followed on the way, 0 where the eye stands.
+    /// Number of portals in the chain; 0 for the eye's own sector.
     pub crossings: u16,
-    /// What is promised of what is reported through it: by its sector and all on the way to it together.
+    /// The combined contract of the sectors on the chain, including this one ([`Contract::combined_with`]).
     pub contract: Contract,
-    /// The part of the screen that is left.
+    /// The clip region: the screen area visible through all portals of the chain.
     pub aperture: Aperture,
-    /// What is nearer than this along the line of sight neither is seen nor hides.
+    /// Near-plane distance, in scene units; geometry in front of it is neither visible nor an occluder.
     pub near: f32,
-    /// The whole screen, in pixels.
+    /// Size of the whole screen, in pixels.
     pub(crate) size: [u32; 2],
-    /// Are openings plain holes?
+    /// Whether no portal is followed and openings are empty holes (`Scene::without_portals`).
     pub(crate) flat: bool,
-    /// Is what is seen anywhere in a pixel asked for, not only what is seen in its middle?
+    /// Whether to compute visibility for any sample position in a pixel, not for the pixel centre only.
     pub(crate) any_place: bool,
-    /// Names the chain of portals: equal for the same way in the next frame.
+    /// Hash of the chain of portals: the same chain has the same hash in the next frame.
     pub(crate) chain: u64,
-    /// What boxes are asked about at, known once a look.
+    /// SIMD level of box tests; looked up once per look.
     pub(crate) level: Level,
     eye_from_sector: DAffine3,
     screen_from_eye: DMat3,
     pub(crate) screen_from_sector: DAffine3,
-    /// What lies beyond the last portal: n · (X, Y, W) ≥ d, with d ≥ 0.
+    /// Entry plane (oblique near plane): the sector's side is n · (X, Y, W) ≥ d, with d ≥ 0.
     pub(crate) entry: Option<(DVec3, f64)>,
-    /// Where sight enters the sector; `None` where the eye stands in it.
+    /// Outline of the last opening, in the space of the sector; `None` for the eye's own sector.
     pub(crate) entrance: Option<Entrance>,
 }
 
-/// How far beyond the plane of the last portal a face must be, relatively: what lies in it is not beyond it.
+/// Minimum distance of a face from the eye to be behind the entry plane, relative to the plane: faces in the plane are
+/// not behind it.
 pub(crate) const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 18) as f64;
 
 impl Passage {
-    /// The passage that the eye stands in.
+    /// Returns the passage of the eye's own sector.
     pub(crate) fn at_the_eye(view: &View, sector: SectorId, flat: bool) -> Passage {
         let (eye_from_sector, screen_from_eye) = (view.eye_from_sector(), view.screen_from_eye());
         Passage {
@@ -81,7 +86,7 @@ impl Passage {
         }
     }
 
-    /// What is left behind an opening of this passage's sector; `None` where no sample is.
+    /// Returns the passage behind an opening of this passage's sector; `None` if its clip region has no sample.
     pub(crate) fn through(
         &self,
         own_id: PassageId,
@@ -115,14 +120,14 @@ impl Passage {
         })
     }
 
-    /// The name of the way that goes on through a portal.
+    /// Returns the hash of this chain extended by a portal.
     pub(crate) fn chain_through(&self, portal: PortalId) -> u64 {
         next_chain(self.chain, portal)
     }
 
-    /// The same passage for a sector with this contract. What is `painted` has samples, whatever a method promises of
-    /// the places between them.
-    pub(crate) fn held_to(self, own: Contract, painted: bool) -> Passage {
+    /// Returns the passage with the contract of its sector applied. When `painted`, visibility is computed for samples
+    /// only, even if the method is strict.
+    pub(crate) fn with_contract(self, own: Contract, painted: bool) -> Passage {
         Passage {
             contract: match self.parent {
                 Some(_) => self.contract.combined_with(own),
@@ -133,7 +138,8 @@ impl Passage {
         }
     }
 
-    /// The same passage on a screen of fewer pixels, here cells: what any place in them shows is asked for.
+    /// Returns the passage at a lower resolution, whose pixels are cells; visibility is computed for any position in a
+    /// cell.
     pub(crate) fn in_cells(&self, cells: [u32; 2], room: &mut CellRoom) -> Passage {
         let scale = [0, 1].map(|axis| f64::from(cells[axis]) / f64::from(self.size[axis]));
         let scaling = DMat3::from_diagonal(DVec3::new(scale[0], scale[1], 1.0));
@@ -155,7 +161,7 @@ impl Passage {
         }
     }
 
-    /// The same passage with another aperture.
+    /// Returns the passage with another aperture.
     pub(crate) fn with_aperture(&self, aperture: Aperture) -> Passage {
         Passage {
             parent: self.parent,
@@ -178,40 +184,42 @@ impl Passage {
         }
     }
 
-    /// From the space of the sector to eye space: x right, y up, z back.
+    /// Returns the view matrix of this passage, from the space of the sector to eye space: x right, y up, z back.
+    #[doc(alias = "view matrix")]
     pub fn eye_from_sector(&self) -> Transform {
         Transform(self.eye_from_sector)
     }
 
-    /// Is the sector seen mirrored?
+    /// Returns `true` if the chain mirrors the sector (negative determinant), which flips the winding of its faces.
     pub fn mirrored(&self) -> bool {
         self.eye_from_sector().mirrors()
     }
 
-    /// Lengths in eye space for one in the space of the sector.
+    /// Returns the scale from the space of the sector to eye space.
     pub(crate) fn eye_scale(&self) -> f64 {
         self.eye_from_sector.matrix3.x_axis.length()
     }
 
-    /// How far rounding may move a corner in the space of (X, Y, W): more the farther the eye is from the sector's
-    /// origin, for its coordinates there cancel.
+    /// Returns the maximum rounding error of a corner in (X, Y, W) space. It grows with the eye's distance from the
+    /// sector's origin, because coordinates cancel there.
     pub(crate) fn corner_rounding(&self) -> f64 {
         const ROUNDING: f64 = 1.0 / (1_u64 << 50) as f64;
         ROUNDING * self.screen_from_sector.translation.length()
     }
 
-    /// The eye's place in the space of the sector; behind a portal, where it would stand there.
+    /// Returns the eye position in the space of the sector, transformed through the portals of the chain.
     pub fn eye(&self) -> [f64; 3] {
         eye_in(&self.screen_from_sector).into()
     }
 
-    /// Where the eye stands, and against the line of sight, in the space of the sector.
+    /// Returns the eye position and the unit vector against the view direction, both in the space of the sector.
     pub(crate) fn stance(&self) -> (DVec3, DVec3) {
         let back = self.eye_from_sector.matrix3.transpose() * DVec3::Z;
         (eye_in(&self.screen_from_sector), back.normalize_or_zero())
     }
 
-    /// May any part of a box, given in another space, be in the view's frustum and beyond the last portal?
+    /// Returns `true` if any part of an AABB, given in another space, may be in the view frustum and behind the entry
+    /// plane.
     pub(crate) fn frustum_meets(&self, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
         let limits = Rect {
             x0: 0,
@@ -222,20 +230,24 @@ impl Passage {
         Region::in_rect(self, limits, f64::from(self.near), screen_from_local, bounds).is_some()
     }
 
-    /// May any part of a box in the space of the sector be seen through the passage, were nothing in its way?
+    /// Returns `true` if any part of an AABB in the space of the sector may be visible through the passage, ignoring
+    /// occluders; `true` when unsure.
     pub fn may_show(&self, bounds: &Aabb) -> bool {
         Region::of(self, &self.screen_from_sector, bounds).is_some()
     }
 
-    /// By how many pixels a point of an item moves on the screen, at most, where it is moved by one unit of the item's space
-    /// somewhere within `bounds`, a box of that space; 0 where none of the box may be seen.
+    /// Returns how many pixels a point within `bounds` moves on the screen, at most, per unit of movement in the item's
+    /// space; use it to select a LOD by its geometric error.
+    ///
+    /// `bounds` is an AABB in the item's space. Returns 0 if no part of it can be visible.
     pub fn pixels_per_unit(&self, sector_from_item: &Transform, bounds: &Aabb) -> f64 {
         let screen_from_item = self.screen_from(sector_from_item);
         let Some(Region { rect, nearest, .. }) = Region::of(self, &screen_from_item, bounds) else {
             return 0.0;
         };
         let rows = screen_from_item.matrix3.transpose();
-        // The screen place (X, Y) / W moves by (dX − x dW, dY − y dW) / W: most at a corner, for it is convex in x and y.
+        // The screen position (X, Y) / W moves by (dX − x dW, dY − y dW) / W: most at a corner, because this is convex
+        // in x and y.
         let stretch = [
             [rect.x0, rect.y0],
             [rect.x1, rect.y0],
@@ -253,19 +265,19 @@ impl Passage {
         stretch * f64::from(nearest).min(1.0 / f64::from(self.near))
     }
 
-    /// Where the eye stands in the space of the sector, and the direction in which it sees the place (x, y) of the
-    /// screen, in pixels: of a length of 1 along the line of sight, in units at the eye.
+    /// Returns the ray through screen position (x, y), in pixels: origin (the eye) and direction, both in the space of
+    /// the sector. The direction has length 1 along the view direction, measured in eye space.
     pub fn ray(&self, [x, y]: [f64; 2]) -> [[f64; 3]; 2] {
         let back = self.screen_from_sector.matrix3.inverse();
         [self.eye(), (back * DVec3::new(x, y, 1.0)).into()]
     }
 
-    /// An opening of a geometry as the eye meets it; `None` where it faces away or is seen edge-on.
+    /// Returns the view of an opening of a geometry; `None` if it faces away or is edge-on.
     pub(crate) fn view_of<'a>(&self, geometry: &'a Geometry, opening: OpeningId) -> Option<OpeningView<'a>> {
         OpeningView::new(self, &geometry.openings()[usize::from(opening.0)].outline)
     }
 
-    /// What of the aperture is left behind an opening of the sector.
+    /// Returns the clip region behind an opening of the sector.
     #[cfg(test)]
     pub(crate) fn aperture_behind(
         &self,
@@ -277,7 +289,7 @@ impl Passage {
         self.aperture.behind(view.corners(), rows, any_place)
     }
 
-    /// What is seen of a box around openings, which have no near limit.
+    /// Projects an AABB around openings, which have no near plane.
     pub(crate) fn region_around_openings(&self, bounds: &Aabb) -> Option<Region> {
         const AT_THE_EYE: f64 = 1e-30;
         let (rect, from_here) = (self.aperture.rect(), &self.screen_from_sector);
@@ -291,32 +303,32 @@ impl Passage {
         Region::in_rect(self, rect, AT_THE_EYE, from_here, bounds).filter(|region| !region.rect.is_empty())
     }
 
-    /// Whether any part of a region around openings comes before the near distance: nothing can hide that part, and covers
-    /// need not know what is so near.
+    /// Whether any part of a region around openings is in front of the near plane: nothing can hide that part, so
+    /// covers need not store depths this near.
     pub(crate) fn is_before_near(&self, region: &Region) -> bool {
         f64::from(region.nearest) * f64::from(self.near) >= 1.0
     }
 
-    /// Pixels that stand for a distance of 1 across the line of sight, at a distance of 1 along it.
+    /// Returns the focal length in pixels: the screen size of one unit at distance 1 along the view direction.
     pub(crate) fn focal(&self) -> f64 {
         self.screen_from_eye.x_axis.x
     }
 
-    /// From an item's space to (X, Y, W).
+    /// Returns the transform from an item's space to (X, Y, W).
     pub(crate) fn screen_from(&self, sector_from_item: &Transform) -> DAffine3 {
         self.screen_from_sector * sector_from_item.0
     }
 }
 
-/// The name of a chain of portals that is one longer; never that of the chain itself.
+/// Returns the hash of a chain extended by a portal. It differs from the hash of the chain itself.
 pub(crate) fn next_chain(chain: u64, portal: PortalId) -> u64 {
-    // Mixed before the portal comes in: portal 1 after sector 0 is not portal 0 after sector 1.
+    // Mixed before the portal is added: portal 1 after sector 0 is not portal 0 after sector 1.
     let mix = |name: u64| name.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
-    // The complement, for portal 0 must change the name of sector 0.
+    // The complement, because portal 0 must change the hash of sector 0.
     mix(mix(chain) ^ !u64::from(portal.0))
 }
 
-/// Where the eye stands in the space that `screen_from_local` maps from; the origin where that is flattened.
+/// Returns the eye position in the space that `screen_from_local` maps from; the origin if the map is singular.
 pub(crate) fn eye_in(screen_from_local: &DAffine3) -> DVec3 {
     let back = screen_from_local.matrix3.inverse() * -screen_from_local.translation;
     if back.is_finite() { back } else { DVec3::ZERO }
@@ -340,7 +352,7 @@ mod tests {
         let mut ways: Vec<u64> = (0..30).collect();
         for _ in 0..3 {
             for &way in &ways {
-                assert!(names.insert(way), "{way} is the name of two ways");
+                assert!(names.insert(way), "two portal chains share the hash {way}");
             }
             ways = ways
                 .iter()

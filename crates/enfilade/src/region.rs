@@ -1,4 +1,4 @@
-//! A box in space, as a passage sees it.
+//! Projection of an AABB through a passage: screen rectangle and nearest depth.
 
 mod eight;
 
@@ -11,50 +11,50 @@ use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, f64x8};
 use glam::{DAffine3, DVec3};
 
-/// How much of something can be seen.
+/// How much of a region is visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Visibility {
-    /// Nothing of it.
+    /// No part is visible.
     Hidden,
-    /// Some of it, or one cannot say.
+    /// Some part may be visible, or the cover cannot decide.
     Partial,
-    /// All of it, and so all of what is in it.
+    /// All of it is visible, and so is everything inside it.
     Full,
 }
 
-/// A box in space, as a passage sees it: the samples it may touch, and how near it comes.
+/// The projection of an AABB through a passage: the samples it may touch, and its nearest depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
-    /// The samples inside the aperture's rectangle that any part of the box may own.
+    /// Samples inside the aperture's rectangle that any part of the box may own.
     pub rect: Rect,
-    /// Reversed depth (1 / distance along the line of sight) of its nearest corner, rounded up; infinite where the box
-    /// reaches before the near distance.
+    /// Reversed depth (1 / distance along the view direction) of the nearest corner, rounded up; infinite if the box
+    /// crosses the near plane.
     pub nearest: f32,
     /// The box itself.
     pub(crate) volume: Volume,
 }
 
-/// A box in the space of (X, Y, W), where the eye is the origin: a corner, and the edges that leave it.
+/// A parallelepiped in (X, Y, W) space, with the eye at the origin: a corner, and the three edges from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
     pub(crate) origin: DVec3,
     pub(crate) sides: [DVec3; 3],
 }
 
-/// By how much reversed depth is rounded up in queries, relatively: more than covers lose (2⁻²⁴), less than what the
-/// reference calls equal (2⁻¹⁶).
+/// Relative factor by which queries round reversed depth up: larger than the rounding of covers (2⁻²⁴), smaller than
+/// the tolerance of the reference (2⁻¹⁶).
 const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
 impl Region {
-    /// What `passage` sees of a box given in another space; `None` where no sample of the aperture's rectangle can
-    /// show any of it.
+    /// Projects an AABB, given in another space, through `passage`; `None` if no sample of the aperture's rectangle can
+    /// show any part of it.
     pub(crate) fn of(passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Region> {
         let near = f64::from(passage.near);
         Region::in_rect(passage, passage.aperture.rect(), near, screen_from_local, bounds)
             .filter(|region| !region.rect.is_empty())
     }
 
-    /// As [`Region::of`], in another rectangle, from another distance on, and also where no sample shows any of it.
+    /// As [`Region::of`], but clipped to `limits` and `near`, and also returns regions with an empty rectangle.
     pub(crate) fn in_rect(
         passage: &Passage,
         limits: Rect,
@@ -67,7 +67,7 @@ impl Region {
         }
         let volume = Volume::new(screen_from_local, bounds);
         let (level, entry) = (passage.level, passage.entry);
-        let Touched { min, max, nearest } =
+        let ScreenBounds { min, max, nearest } =
             dispatch!(level, simd => volume.touched(simd, &limits, near, entry))?;
         let rect = if passage.any_place {
             Rect::touched(min, max, &limits)
@@ -93,8 +93,8 @@ impl Volume {
         }
     }
 
-    /// What of the screen it may touch, in pixels; `None` where that is nothing of `limits`. All eight corners at once;
-    /// the specification is `touched_one_by_one`, in the tests.
+    /// Returns the screen bounds and the nearest depth; `None` if the box is outside `limits`. Computes all eight
+    /// corners at once; the specification is `touched_one_by_one`, in the tests.
     #[inline(always)]
     fn touched<S: Simd>(
         &self,
@@ -102,7 +102,7 @@ impl Volume {
         limits: &Rect,
         near: f64,
         entry: Option<(DVec3, f64)>,
-    ) -> Option<Touched> {
+    ) -> Option<ScreenBounds> {
         let x = along(
             simd,
             self.origin.x,
@@ -125,7 +125,7 @@ impl Volume {
             self.sides[2].z,
         );
         let zero = f64x8::splat(simd, 0.0);
-        // From the middle of the rectangle, so that its sides stand at ±half.
+        // Relative to the centre of the rectangle, so that its sides are at ±half.
         let [middle, half] = middle_and_half(limits);
         let from_middle = [x - w * middle[0], y - w * middle[1]];
         let [right, below] = [w * half[0], w * half[1]];
@@ -157,20 +157,20 @@ impl Volume {
             (min, max) = ([least_of(x), least_of(y)], [greatest_of(x), greatest_of(y)]);
         } else {
             for axis in 0..2 {
-                // w lies between these two, whatever x and y are.
+                // w is between these two for all x and y.
                 let [close, far] = [nearest_w, greatest[2]];
                 min[axis] = middle[axis] + least[axis] / if least[axis] < 0.0 { close } else { far };
                 max[axis] = middle[axis] + greatest[axis] / if greatest[axis] > 0.0 { close } else { far };
             }
         }
-        Some(Touched {
+        Some(ScreenBounds {
             min,
             max,
             nearest: nearest(nearest_w, near),
         })
     }
 
-    /// The eight corners; bit k of a corner's place says that side k leads to it.
+    /// Returns the eight corners; bit k of a corner's index is set if side k is added.
     pub(crate) fn corners(&self) -> [DVec3; 8] {
         let Volume {
             origin,
@@ -190,15 +190,15 @@ impl Volume {
     }
 }
 
-/// Where on the screen something may be, in pixels, and how near it comes.
+/// Screen bounds, in pixels, and nearest reversed depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Touched {
+struct ScreenBounds {
     min: [f64; 2],
     max: [f64; 2],
     nearest: f32,
 }
 
-/// The middle of a rectangle, and half of its sides.
+/// Returns the centre and the half extent of a rectangle.
 #[inline(always)]
 fn middle_and_half(limits: &Rect) -> [[f64; 2]; 2] {
     let Rect { x0, y0, x1, y1 } = *limits;
@@ -208,8 +208,8 @@ fn middle_and_half(limits: &Rect) -> [[f64; 2]; 2] {
     ]
 }
 
-/// What is seen in the rectangle has |x| ≤ half · w, so w is at least |x| / half: a ceiling overhead comes no nearer
-/// than where it enters the picture, however far behind the eye its box reaches.
+/// Returns a lower bound of w inside the rectangle. There |x| ≤ half · w, so w ≥ |x| / half: a ceiling overhead comes
+/// no nearer than where it enters the picture, however far behind the eye its box reaches.
 #[inline(always)]
 fn nearest_w(least: &[f64; 3], greatest: &[f64; 3], near: f64, half: &[f64; 2]) -> f64 {
     let mut nearest_w = greater(least[2], near);
@@ -228,7 +228,7 @@ fn nearest(nearest_w: f64, near: f64) -> f32 {
     }
 }
 
-/// One coordinate of the eight corners of a box, in the order of [`Volume::corners`].
+/// Returns one coordinate of a box's eight corners, in the order of [`Volume::corners`].
 #[inline(always)]
 fn along<S: Simd>(simd: S, origin: f64, x: f64, y: f64, z: f64) -> f64x8<S> {
     let (xy, far) = (x + y, origin + z);
@@ -236,7 +236,7 @@ fn along<S: Simd>(simd: S, origin: f64, x: f64, y: f64, z: f64) -> f64x8<S> {
     f64x8::from_slice(simd, &from) + f64x8::from_slice(simd, &[0.0, x, y, xy, 0.0, x, y, xy])
 }
 
-/// The least of eight numbers that are some.
+/// Returns the minimum of eight numbers, ignoring NaN.
 #[inline(always)]
 fn least_of<S: Simd>(values: f64x8<S>) -> f64 {
     let mut least: [f64; 8] = values.into();
@@ -251,7 +251,7 @@ fn least_of<S: Simd>(values: f64x8<S>) -> f64 {
     least[0]
 }
 
-/// The greatest of eight numbers that are some.
+/// Returns the maximum of eight numbers, ignoring NaN.
 #[inline(always)]
 fn greatest_of<S: Simd>(values: f64x8<S>) -> f64 {
     let mut greatest: [f64; 8] = values.into();

@@ -1,4 +1,4 @@
-//! What every piece of the world can do.
+//! The trait that every sector implements, and the types of its ray casts and contracts.
 
 use crate::canvas::Canvas;
 use crate::collector::Collector;
@@ -8,136 +8,154 @@ use crate::memory::Memory;
 use crate::passage::Passage;
 use std::fmt;
 
-/// A piece of the world with its own way of being seen.
+/// A region of the scene that computes its own visibility: a [`Geometry`](crate::Geometry) with a
+/// [`Method`](crate::Method), or a custom sector added by
+/// [`SceneBuilder::add_custom`](crate::SceneBuilder::add_custom).
 ///
-/// It knows its openings, not where they lead: it never follows one. Source: Boreskov, Using portals to create
-/// aggregate scenes ("a sector draws itself inside a given polygon of the picture plane").
+/// A sector knows its openings but not where they lead; the [`Viewer`](crate::Viewer) follows the portals. Positions,
+/// boxes and rays are in the space of the sector, in scene units. Source: Boreskov, Using portals to create aggregate
+/// scenes ("a sector draws itself inside a given polygon of the picture plane").
+#[doc(alias = "cell")]
+#[doc(alias = "zone")]
+#[doc(alias = "room")]
 pub trait Sector: Send + Sync {
-    /// The smallest box around everything in it, in its own space.
+    /// Returns the AABB of all geometry in the sector.
     fn bounds(&self) -> Aabb;
 
-    /// The holes one can look through.
+    /// Returns the openings; an [`OpeningId`](crate::OpeningId) is an index into this slice.
     fn openings(&self) -> &[Opening];
 
-    /// What it promises of what it reports.
+    /// Returns the contract that [`Sector::gather`] and [`Sector::draw`] fulfil.
     fn contract(&self) -> Contract;
 
-    /// Does [`Sector::draw`] paint what [`Sector::gather`] reported just before through the same passage, and
-    /// nothing else? So does a method that knows what may be seen but not where.
+    /// Whether [`Sector::draw`] draws only the items that [`Sector::gather`] reported just before for the same passage.
+    /// Default `false`. Methods that compute which items are visible, but not at which samples, return `true`.
     fn draws_what_was_gathered(&self, _memory: &Memory) -> bool {
         false
     }
 
-    /// Reports every item and opening that may be seen through `passage`.
+    /// Reports every item and every opening that may be visible through `passage` to `seen`.
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector);
 
-    /// Paints what is seen through `passage`: opaque faces at once, samples of glass into `seen`, to be painted
-    /// after what is behind the openings. Reports as [`Sector::gather`] does; what that reported is in `seen` if it is
-    /// to be painted ([`Sector::draws_what_was_gathered`]).
+    /// Emits the opaque spans visible through `passage` to `canvas`, and reports items and openings to `seen` as
+    /// [`Sector::gather`] does.
+    ///
+    /// Alpha-blended and alpha-tested samples go to `seen` ([`Collector::glass`]); the viewer draws them after
+    /// everything behind the openings. If [`Sector::draws_what_was_gathered`] returns `true`, `seen` already holds the
+    /// gathered items.
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas);
 
-    /// The first face along a ray, seen from whichever side.
+    /// Returns the first face along a ray, whichever side of the face the ray comes from.
     fn cast(&self, ray: &Ray) -> Option<Hit>;
 
-    /// How a face looks.
+    /// Returns normal, position, color and alpha of a face.
     fn surface(&self, item: ItemId, face: u32) -> Surface;
 
-    /// Goes through its order alone, holding nothing against a cover: what the order costs. Gives the number of faces
-    /// handed out; 0 where it has no order.
+    /// Runs the traversal order through `passage` without a cover, to measure what the order alone costs.
+    ///
+    /// Returns the number of faces emitted. Default 0, for sectors without an order.
     fn walk(&self, _passage: &Passage, _memory: &mut Memory) -> u64 {
         0
     }
 
-    /// What was built to see it.
+    /// Returns statistics of the structures that were built for this sector. Default: all zero.
     fn build_stats(&self) -> BuildStats {
         BuildStats::default()
     }
 
-    /// Memory in bytes.
+    /// Returns the memory used by the sector, in bytes. Default 0.
     fn bytes(&self) -> u64 {
         0
     }
 
-    /// How many items it has, for who counts them: those below this number. 0 where it does not say; nor need it where it is a
-    /// geometry that a method sees, as of which [`Scene::geometry`](crate::Scene::geometry) tells.
+    /// Returns the number of items; their ids are 0 up to this number, exclusive. Default 0 (unknown).
+    ///
+    /// Used for counting, and only for custom sectors: for others
+    /// [`Scene::geometry`](crate::Scene::geometry) has the items.
     fn item_count(&self) -> u32 {
         0
     }
 
-    /// How people call an item; empty where it has no name.
+    /// Returns the name of an item for display. Default: empty (no name).
     fn item_name(&self, _item: ItemId) -> String {
         String::new()
     }
 
-    /// The box around an item, in the space of the sector; empty where it does not say.
+    /// Returns the AABB of an item, in the space of the sector. Default: empty (unknown).
     fn item_bounds(&self, _item: ItemId) -> Aabb {
         Aabb::EMPTY
     }
 
-    /// The triangles of some of an item's clusters, or with none of all; 0 where it does not say.
+    /// Returns the number of triangles in the given clusters of an item, or in all of them if `_clusters` is empty.
+    /// Default 0 (unknown).
     fn item_triangles(&self, _item: ItemId, _clusters: &[u32]) -> u64 {
         0
     }
 }
 
-/// What a method built over the faces of a sector.
+/// Statistics of the structures that a method built over the faces of a sector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BuildStats {
-    /// Faces after splitting; those of the sector where nothing is split.
+    /// Number of faces after splitting; the sector's number of faces if the method splits none.
     pub faces: u64,
-    /// How often a face was split.
+    /// Number of face splits.
     pub splits: u64,
-    /// Levels of the deepest tree; 0 where there is none.
+    /// Levels of the deepest tree; 0 if the method builds none.
     pub depth: u32,
 }
 
-/// A half-line in the space of a sector.
+/// A ray: a half-line in the space of a sector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it begins.
+    /// Start point.
     pub origin: [f32; 3],
-    /// Where it goes; need not have unit length.
+    /// Direction, of any length above zero; [`Hit::distance`] is measured in this length.
     pub direction: [f32; 3],
 }
 
-/// Where a ray meets a face.
+/// The intersection of a ray with a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// The item met.
+    /// The item that was hit.
     pub item: ItemId,
-    /// The face of the item's mesh.
+    /// Index of the face in the item's mesh.
     pub face: u32,
-    /// The distance, in lengths of the ray's direction; above zero.
+    /// Distance from the ray's origin, in lengths of the ray's direction; above zero.
     pub distance: f64,
-    /// Did the ray come from behind the face?
+    /// Whether the ray hit the back of the face.
     pub from_behind: bool,
 }
 
-/// How a face looks.
+/// Surface attributes of a face: position, normal, color and alpha mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Unit normal in the space of the sector; it points to the front. Zero for a face without area.
+    /// Unit normal on the front side, in the space of the sector; zero for a degenerate face.
     pub normal: [f32; 3],
-    /// A point of the face, in the space of the sector.
+    /// A point on the face, in the space of the sector.
     pub point: [f32; 3],
     /// Red, green, blue and coverage, linear, 0 to 1.
     pub color: [f32; 4],
-    /// What light does with it.
+    /// Whether the face is opaque, alpha-tested or alpha-blended.
     pub alpha: Alpha,
 }
 
-/// What a method promises of its visible set.
+/// The guarantee that a method gives for its visible set.
+///
+/// A *sample* is a pixel centre, or the position given by [`View::sample`](crate::View::sample). A face owns a sample
+/// if it is the nearest opaque face there.
+#[doc(alias = "guarantee")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Contract {
-    /// It may be wrong; the method's docs say on which scenes.
+    /// The set may miss visible items; the method's docs say in which scenes.
     Approximate,
-    /// Everything that owns a sample, or is glass in front of one, is in it; it may hold more.
+    /// The set holds every item that owns a sample, or is transparent in front of one. It may also hold hidden items.
     Conservative,
-    /// As conservative, for samples at any place in the pixels.
+    /// Conservative for samples at any position in the pixels, so at any resolution.
     Strict,
-    /// Everything that owns a sample, or is glass in front of one, and nothing that cannot be seen at any.
+    /// The set holds every item that owns a sample, or is transparent in front of one, and no item that is hidden at
+    /// all samples.
     Exact,
 }
 
@@ -147,9 +165,11 @@ impl Contract {
         self != Contract::Approximate
     }
 
-    /// What is promised of what two sectors report together, one seen through an opening of the other: the weaker, and
-    /// of exact and strict neither. A strict parent opens more than is seen, an exact one only what the middles of pixels
-    /// show.
+    /// Returns the contract of two sectors together, where one is visible through an opening of the other.
+    ///
+    /// Two equal contracts give the same contract; [`Contract::Approximate`] with any other gives `Approximate`; all
+    /// other pairs give [`Contract::Conservative`]. Exact and strict combine to neither: a strict parent opens a larger
+    /// clip region than is visible, and an exact one opens only what pixel centres show.
     #[must_use]
     pub fn combined_with(self, other: Contract) -> Contract {
         match (self, other) {

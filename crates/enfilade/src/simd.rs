@@ -1,22 +1,22 @@
-//! Which SIMD instructions are used: the best that the machine has, or a lower level that the caller chose.
+//! Run-time SIMD level: the best of this machine, or a lower one that the caller selects.
 
 use fearless_simd::Level;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
-/// Why a SIMD level cannot be used.
+/// Why a SIMD level cannot be selected; returned by [`use_simd_level`].
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SimdLevelError {
-    /// No machine has a level of that name.
+    /// No SIMD level has this name.
     #[error("there is no SIMD level `{0}`; this machine has {there}", there = listed())]
     Unknown(String),
-    /// Other machines have it.
+    /// The level exists on other machines only.
     #[error("this machine has no {0}; it has {there}", there = listed())]
     NotHere(&'static str),
 }
 
-/// The levels of all machines, the best of each kind first.
+/// The levels of all machines, best first within each architecture.
 const NAMES: [&str; 7] = [
     "avx512",
     "avx2",
@@ -27,28 +27,30 @@ const NAMES: [&str; 7] = [
     "scalar",
 ];
 
-/// What was chosen: a place in [`here`]. The best until then.
+/// Index into [`here`] of the selected level; 0 is the best.
 static CHOSEN: AtomicUsize = AtomicUsize::new(0);
 
-/// The name of the SIMD level in use, chosen once at run time; it changes the time, never a bit of the answer.
+/// Returns the name of the SIMD level in use, such as `"avx2"`. It affects speed only; results are bit-identical at all
+/// levels.
 pub fn simd_level() -> &'static str {
     name(level())
 }
 
-/// The names of the SIMD levels that can be used on this machine, the best first: that one is used unless another is
-/// chosen by [`use_simd_level`].
+/// Returns the names of the SIMD levels that this machine supports, best first. The first is used unless
+/// [`use_simd_level`] selects another.
 pub fn simd_levels() -> impl Iterator<Item = &'static str> {
     here().map(name)
 }
 
-/// Uses a lower SIMD level from here on, in the whole process: to find out what a machine without the better ones would
-/// take. Meant to be called once, before anything is built: what is there already keeps the level that it was made with.
+/// Selects a SIMD level for the whole process, for example to measure what a machine without AVX2 would achieve.
+///
+/// Call it once, before building scenes: structures that exist already keep the level they were built with.
 ///
 /// # Errors
-/// [`SimdLevelError`] for a name that is not one of [`simd_levels`].
+/// Returns a [`SimdLevelError`] if `wanted` is not one of [`simd_levels`].
 pub fn use_simd_level(wanted: &str) -> Result<(), SimdLevelError> {
     if let Some(place) = simd_levels().position(|name| name == wanted) {
-        // The place is all there is to know: nothing else is written that others must see with it.
+        // Relaxed: the index is all the shared state; no other memory is published with it.
         CHOSEN.store(place, Ordering::Relaxed);
         return Ok(());
     }
@@ -59,14 +61,14 @@ pub fn use_simd_level(wanted: &str) -> Result<(), SimdLevelError> {
     ))
 }
 
-/// The level that kernels are to run at.
+/// Returns the level for kernels.
 pub(crate) fn level() -> Level {
     let chosen = here().nth(CHOSEN.load(Ordering::Relaxed));
     chosen.unwrap_or_else(Level::new)
 }
 
-/// What the machine has, the best first, down to the level that the whole program was compiled for: below that nothing
-/// would change.
+/// Returns the levels of this machine, best first, down to the level that the program was compiled for; lower levels
+/// would change nothing.
 fn here() -> impl Iterator<Item = Level> {
     let best = Level::new();
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -75,7 +77,7 @@ fn here() -> impl Iterator<Item = Level> {
         best.as_sse4_2().map(Level::Sse4_2),
         best.as_sse2().map(Level::Sse2),
     ];
-    // Others have one level, which is known when they are compiled.
+    // Other architectures have a single level, known at compile time.
     #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
     let lower = [None::<Level>; 0];
     let lower = lower
@@ -125,13 +127,13 @@ mod tests {
         let places = names
             .iter()
             .map(|wanted| NAMES.iter().position(|name| name == wanted));
-        let places: Vec<usize> = places.map(|place| place.expect("it is known")).collect();
+        let places: Vec<usize> = places.map(|place| place.expect("level in NAMES")).collect();
         assert!(places.is_sorted_by(|a, b| a < b), "{names:?}");
     }
 
     #[test]
     fn what_is_not_there_is_refused_with_what_is() {
-        let refused = |wanted| use_simd_level(wanted).expect_err("it is not there").to_string();
+        let refused = |wanted| use_simd_level(wanted).expect_err("unsupported level").to_string();
         let best = simd_level();
         assert_eq!(
             refused("avx3"),

@@ -1,54 +1,57 @@
-//! What a look cost, counted.
+//! Counters of the work done by a look.
 
-/// What the last look or draw cost, counted. Nothing here depends on the clock.
+/// Counters of the last look or draw. They do not depend on time, so they are reproducible.
+#[doc(alias = "counters")]
+#[doc(alias = "statistics")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Stats {
-    /// Boxes (nodes, items, clusters) held against the aperture and the cover.
+    /// AABBs (tree nodes, items, clusters) tested against the clip region and the cover.
     pub boxes_tested: u64,
-    /// Those of them that the cover hid.
+    /// Tested AABBs that the cover hid.
     pub boxes_hidden: u64,
-    /// Batches of faces that covers took.
+    /// Batches of faces that covers rasterized.
     pub batches: u64,
-    /// Triangles set up, after those that hold no sample or face away were left out; of the masked cover all that it took.
+    /// Triangles set up, without those that cover no sample or face away. The masked depth buffer counts all triangles
+    /// that it received.
     pub triangles: u64,
-    /// Triangles hidden as a whole, before any of their samples was touched.
+    /// Triangles hidden as a whole, before any of their samples was visited.
     pub triangles_hidden: u64,
-    /// Samples that the other triangles cover, each triangle's counted; of the masked cover those of chosen occluders, and of
-    /// triangles that its kernels leave to f64.
+    /// Samples covered by the other triangles, summed over triangles. The masked depth buffer counts those of selected
+    /// occluders, and of triangles that its kernels leave to f64.
     pub samples: u64,
-    /// Clusters that were seen first because the last look saw them.
+    /// Clusters tested first because they were visible in the last look.
     pub clusters_primed: u64,
-    /// Occluders that covers took.
+    /// Occluders rasterized into covers.
     pub occluders: u64,
-    /// What s-buffers compared.
+    /// Span comparisons of s-buffers.
     pub spans: SpanStats,
-    /// Samples reported as owned by a face; each is shaded once.
+    /// Samples owned by a face; each is shaded once.
     pub samples_owned: u64,
 }
 
-/// How s-buffers found out which of two faces is before the other.
+/// Span comparisons of s-buffers, by how the nearer face was determined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SpanStats {
-    /// Spans that a face was held against.
+    /// Spans that a face was compared with.
     pub compared: u64,
-    /// Those of them whose answer was known from an earlier row.
+    /// Comparisons resolved by the cached result of an earlier row.
     pub by_cache: u64,
-    /// Those whose answer was that of the span to the left.
+    /// Comparisons resolved by the result of the span to the left.
     pub by_neighbour: u64,
-    /// Those whose answer was that of a face which shares an edge.
+    /// Comparisons resolved by the result of a face that shares an edge.
     pub by_adjacency: u64,
-    /// Those decided by how near the two faces come at all.
+    /// Comparisons resolved by the depth ranges of the two faces.
     pub by_range: u64,
-    /// Those decided by the side of a plane on which a face lies.
+    /// Comparisons resolved by the side of one face's plane that the other is on.
     pub by_plane: u64,
-    /// Those for which reversed depth was computed, because the faces may cross.
+    /// Comparisons resolved by computing the reversed depth, because the faces may intersect.
     pub by_depth: u64,
 }
 
 impl Stats {
-    /// Adds what another part of the same look cost.
+    /// Adds the counters of another part of the same look.
     pub(crate) fn add(&mut self, part: &Stats) {
         let Stats {
             boxes_tested,
@@ -80,7 +83,7 @@ impl Stats {
         self.samples_owned += samples_owned;
     }
 
-    /// Every counter with its name, in a fixed order.
+    /// Returns every counter with its name, in a fixed order.
     pub fn each(&self) -> [(&'static str, u64); 16] {
         [
             ("boxes_tested", self.boxes_tested),

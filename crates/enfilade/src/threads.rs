@@ -1,23 +1,24 @@
-//! The threads that work may be shared among: those of the rayon pool that one is in, or else of the global one.
+//! Parallel loops on the current rayon pool, or else the global one.
 //!
-//! Without the feature `rayon` there is one.
+//! Without the feature `rayon` everything runs on the calling thread.
 
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-/// How many there are.
+/// Returns the number of threads in the pool.
 #[cfg(feature = "rayon")]
 pub(crate) fn count() -> usize {
     rayon::current_num_threads()
 }
 
-/// How many there are.
+/// Returns the number of threads: 1.
 #[cfg(not(feature = "rayon"))]
 pub(crate) fn count() -> usize {
     1
 }
 
-/// Does some work on each of a list, which is told its place: each is taken by whatever thread is free.
+/// Calls `work` with the index and the element for each element of a list, on all threads of the pool. Each idle thread
+/// takes the next element.
 pub(crate) fn for_each<T: Send>(list: &mut [T], work: impl Fn(usize, &mut T) + Send + Sync) {
     #[cfg(feature = "rayon")]
     if count() > 1 {
@@ -29,7 +30,7 @@ pub(crate) fn for_each<T: Send>(list: &mut [T], work: impl Fn(usize, &mut T) + S
     }
 }
 
-/// Does two pieces of work, on two threads if `shared` and there are some.
+/// Runs two closures, on two threads if `shared` and the pool has several.
 pub(crate) fn join<A: Send, B: Send>(
     shared: bool,
     a: impl FnOnce() -> A + Send,

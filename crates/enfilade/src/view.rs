@@ -1,82 +1,95 @@
-//! The eye's place, lens and screen.
+//! The camera of a look: position, direction, projection and viewport.
 
 use crate::geom::{MAX_COORDINATE, is_in_range};
 use crate::scene::SectorId;
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
 
-/// Where an eye stands, where it looks, and the screen it sees on.
+/// A perspective camera: position, direction, vertical field of view, near plane and viewport size.
+///
+/// Space is right-handed; there is no far plane. [`View::new`] sets defaults; change the fields directly.
+#[doc(alias = "camera")]
+#[doc(alias = "frustum")]
+#[doc(alias = "viewport")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct View {
-    /// The sector that the eye stands in; `None`: found by [`Scene::locate`](crate::Scene::locate), which cannot tell
-    /// apart what lies in one place.
+    /// The sector that contains the eye. Default `None`: [`Scene::locate`](crate::Scene::locate) finds it by position,
+    /// which is ambiguous where sectors overlap.
     pub sector: Option<SectorId>,
-    /// The eye's place, in the space of the sector it stands in.
+    /// Eye position, in scene units, in the space of its sector.
     pub eye: [f32; 3],
-    /// A point that is seen in the middle of the screen.
+    /// Target point: it is projected to the centre of the screen. Must differ from `eye`.
     pub toward: [f32; 3],
-    /// A direction that is seen upright; where it lies along the line of sight another is taken.
+    /// Up vector, of any length. Default +y. If it is zero or parallel to the view direction, +z or +x is used instead.
     pub up: [f32; 3],
-    /// Vertical angle of the lens, in radians, above 0 and below π.
+    /// Vertical field of view, in radians, above 0 and below π. Default 60 degrees.
     pub fov_y: f32,
-    /// Columns and rows of the screen, 1 to [`View::MAX_PIXELS`] each. Sample (x, y) is at (x + ½, y + ½), moved by
-    /// `sample` and [`View::GENERIC_OFFSET`].
+    /// Viewport width and height, 1 to [`View::MAX_PIXELS`] pixels each. Sample (x, y) is at (x + ½, y + ½) plus
+    /// `sample` and [`View::GENERIC_OFFSET`], with y down.
     pub size: [u32; 2],
-    /// Where in each pixel its sample stands, from the pixel's middle, in pixels: −½ to ½. [`View::FOUR_SAMPLES`] are the
-    /// places of usual multisampling.
+    /// Sample position relative to the pixel centre, in pixels, −½ to ½ each. Default (0, 0). [`View::FOUR_SAMPLES`]
+    /// has the positions of usual 4x multisampling.
     pub sample: [f32; 2],
-    /// What is nearer than this along the line of sight neither is seen nor hides; above 0, in scene units.
+    /// Near-plane distance, in scene units, above 0. Geometry in front of this plane is neither visible nor an
+    /// occluder.
+    #[doc(alias = "near plane")]
     pub near: f32,
 }
 
-/// Why a view sees nothing.
+/// Why a view is invalid; returned by [`View::check`].
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ViewError {
-    /// A number is NaN or infinite.
+    /// A coordinate is NaN or infinite.
     #[error("{0} is not finite")]
     NotFinite(&'static str),
-    /// A point is beyond [`MAX_COORDINATE`].
-    #[error("{0} is farther out than {MAX_COORDINATE:e} units")]
+    /// A coordinate is beyond ±[`MAX_COORDINATE`].
+    #[error(
+        "{0} is farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to the origin"
+    )]
     TooFar(&'static str),
-    /// The eye looks at itself.
-    #[error("the eye and the point it looks toward are the same")]
+    /// `eye` and `toward` are equal.
+    #[error("the eye and its target point are the same; they must differ")]
     NoDirection,
-    /// The screen has no pixel, or too many.
-    #[error("a screen of {0}x{1} pixels; width and height must be from 1 to {most}", most = View::MAX_PIXELS)]
+    /// Width or height is 0 or above [`View::MAX_PIXELS`].
+    #[error("viewport of {0}x{1} pixels; width and height must be 1 to {max}", max = View::MAX_PIXELS)]
     Size(u32, u32),
-    /// The lens is closed or flat.
-    #[error("a lens of {0} degrees; it must be above 0 and below 180")]
+    /// `fov_y` is not above 0 and below π; the value is in degrees.
+    #[error("vertical field of view of {0} degrees; it must be above 0 and below 180")]
     Lens(f32),
-    /// The sample stands outside of its pixel.
-    #[error("a sample at ({0}, {1}) from the middle of its pixel; it must be from -0.5 to 0.5")]
+    /// `sample` is outside its pixel.
+    #[error("sample at ({0}, {1}) from the pixel centre; both must be from -0.5 to 0.5")]
     Sample(f32, f32),
-    /// The near distance is zero or negative.
-    #[error("a near distance of {0}; it must be above 0")]
+    /// `near` is zero, negative or not finite.
+    #[error("near-plane distance of {0}; it must be above 0 and finite")]
     Near(f32),
 }
 
 impl View {
-    /// The greatest width and height, in pixels.
+    /// Maximum viewport width and height, in pixels.
     pub const MAX_PIXELS: u32 = 16_384;
 
-    /// Where the samples of 4x multisampling stand.
+    /// Sample positions of 4x multisampling, for [`View::sample`]: in pixels from the pixel centre, x right, y down.
     ///
     /// Source: Microsoft, Direct3D 11.3 Functional Specification, 19.2.4.1, standard sample patterns.
     pub const FOUR_SAMPLES: [[f32; 2]; 4] =
         [[-0.125, -0.375], [0.375, -0.125], [-0.375, 0.125], [0.125, 0.375]];
 
-    /// How far samples are from where `sample` puts them, in pixels. Scenes are often modelled on a grid and viewed from
-    /// grid points: edges and planes through the eye would then pass exactly through samples, where rounding decides
-    /// which face covers a sample, and two neighbours may both leave it uncovered. With this offset, which is less than
-    /// the 1/256 pixel to which GPUs round vertices, samples are in general position.
+    /// Offset added to all sample positions, in pixels.
+    ///
+    /// Scenes are often modelled on a grid and viewed from grid points. Edges and planes through the eye would then
+    /// pass exactly through samples, where rounding decides which face covers a sample, and two neighbours may both
+    /// leave it uncovered. This offset, less than the 1/256 pixel to which GPUs round vertices, puts samples in general
+    /// position.
     ///
     /// Source: Edelsbrunner, Mücke, Simulation of Simplicity, ACM Transactions on Graphics 9, 1990, for the idea.
     pub const GENERIC_OFFSET: [f64; 2] = [0.001_131, 0.000_717];
 
-    /// A view with a lens of 60 degrees, y up, and near limit 10⁻³ of the distance from `eye` to `toward`, at most
-    /// 0.01.
+    /// Creates a view with a vertical field of view of 60 degrees, up +y, and `near` = 10⁻³ of the distance from `eye`
+    /// to `toward`, clamped to 10⁻⁶ to 0.01.
+    ///
+    /// `size` is the viewport's width and height in pixels.
     pub fn new(eye: [f32; 3], toward: [f32; 3], size: [u32; 2]) -> View {
         let distance = DVec3::from(eye.map(f64::from)).distance(DVec3::from(toward.map(f64::from))) as f32;
         View {
@@ -91,15 +104,15 @@ impl View {
         }
     }
 
-    /// Is everything in range?
+    /// Checks that all fields are in range.
     ///
     /// # Errors
-    /// One [`ViewError`] for the first broken rule.
+    /// Returns the [`ViewError`] of the first invalid field.
     pub fn check(&self) -> Result<(), ViewError> {
         let named = [
             ("the eye", self.eye),
-            ("the point looked toward", self.toward),
-            ("the up direction", self.up),
+            ("the target point", self.toward),
+            ("the up vector", self.up),
         ];
         if let Some((name, _)) = named
             .iter()
@@ -132,7 +145,7 @@ impl View {
         Ok(())
     }
 
-    /// Eye space: right, up, and back, from the eye.
+    /// Returns the view matrix. Eye space: x right, y up, z back, origin at the eye.
     pub(crate) fn eye_from_sector(&self) -> DAffine3 {
         let [eye, toward, up] = [self.eye, self.toward, self.up].map(|v| DVec3::from(v.map(f64::from)));
         let back = (eye - toward).normalize_or(DVec3::Z);
@@ -152,8 +165,8 @@ impl View {
         }
     }
 
-    /// From eye space to (X, Y, W): the pixel is (X / W, Y / W), y down, and W the distance along the line of
-    /// sight. Moved so that the samples stand in the middles of pixels, wherever the view has them.
+    /// Returns the projection from eye space to (X, Y, W): the pixel is (X / W, Y / W), y down, and W is the distance
+    /// along the view direction. Shifted so that samples are at pixel centres, wherever the view puts them.
     pub(crate) fn screen_from_eye(&self) -> DMat3 {
         let [width, height] = self.size.map(f64::from);
         let [dx, dy] = [0, 1].map(|axis| f64::from(self.sample[axis]) + View::GENERIC_OFFSET[axis]);
@@ -183,7 +196,7 @@ mod tests {
         assert!((middle.x + dx - 320.0).abs() < 1e-9 && (middle.y + dy - 240.0).abs() < 1e-9);
         assert!((distance - 109.0_f64.sqrt()).abs() < 1e-9);
         assert!(screen([4.0, 3.0, -7.0]).0.y < 240.0);
-        // A sample to the right and below sees what the middle of the pixel saw before: that moves left and up.
+        // A sample to the right and below shows what the pixel centre showed before: the picture moves left and up.
         let mut moved = view;
         moved.sample = [0.25, 0.5];
         let off = moved.screen_from_eye() * DVec3::NEG_Z - view.screen_from_eye() * DVec3::NEG_Z;

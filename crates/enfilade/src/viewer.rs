@@ -1,4 +1,4 @@
-//! The working memory of one camera, and how it follows openings from sector to sector.
+//! The viewer of one camera: follows openings from sector to sector and keeps the buffers between frames.
 
 use crate::canvas::{Canvas, Span};
 use crate::collector::{CollectedItem, CollectedOpening, Collector};
@@ -12,29 +12,36 @@ use crate::stats::Stats;
 use crate::view::View;
 use crate::visible::{VisibleItem, VisibleSet};
 
-/// Looks at scenes with one camera, and keeps what it learns from frame to frame.
+/// Computes what one camera sees, and keeps buffers and temporal coherence from frame to frame.
 ///
-/// Many viewers may look at one scene at once.
+/// Keep one viewer per camera. Several viewers can look at the same scene at the same time, from several threads.
+///
+/// [`Viewer::look`] returns the visible items; [`Viewer::draw`] also emits the picture.
+#[doc(alias = "culler")]
+#[doc(alias = "camera")]
 #[derive(Default)]
 pub struct Viewer {
     memory: Memory,
     set: VisibleSet,
-    /// What painting a set goes through, where that takes a second time.
+    /// The set of the second pass, where drawing needs one.
     painted: VisibleSet,
-    /// Passages whose openings are being followed, each behind an opening of the one before; empty between looks.
+    /// Stack of passages whose openings are being followed, each behind an opening of the one before; empty between
+    /// looks.
     entered: Vec<(PassageId, Collector)>,
     spare: Vec<Collector>,
     limits: Limits,
     cover_size: Option<[u32; 2]>,
 }
 
-/// Where following openings ends. What bites makes the set incomplete, and says so.
+/// Recursion limits of a look. If one is hit, [`VisibleSet::complete`] returns `false`.
+#[doc(alias = "recursion limit")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Limits {
-    /// Portals followed in a row, 0 to 65,535.
+    /// Maximum number of portals in a row from the eye, 0 to 65,535. Default 64.
+    #[doc(alias = "portal depth")]
     pub max_crossings: u16,
-    /// Passages of one look, at least 1.
+    /// Maximum number of passages of one look, at least 1. Default 65,536.
     pub max_passages: u32,
 }
 
@@ -48,61 +55,77 @@ impl Default for Limits {
 }
 
 impl Viewer {
-    /// A viewer that remembers nothing yet.
+    /// Creates a viewer with default settings and empty buffers.
     pub fn new() -> Viewer {
         Viewer::default()
     }
 
-    /// Where following openings ends.
+    /// Returns the recursion limits.
     pub fn limits(&self) -> Limits {
         self.limits
     }
 
-    /// Changes where following openings ends.
+    /// Sets the recursion limits.
     pub fn set_limits(&mut self, limits: Limits) {
         self.limits = limits;
     }
 
-    /// May what the last look saw be seen first? On unless told; it changes the cost, never the answer.
+    /// Sets whether the clusters that were visible in the last look are tested first. Default `true`.
+    ///
+    /// Affects speed only, never the result. Calling this forgets the last look.
+    #[doc(alias = "temporal coherence")]
     pub fn set_coherence(&mut self, coherence: bool) {
         self.memory.coherence = coherence;
         self.memory.recall.forget();
     }
 
-    /// May a look use all threads of the rayon pool that it is called in, or else of the global one? On unless told, as far as
-    /// the library has the feature `rayon`; in a pool of one thread it makes no difference. It changes the cost and what
-    /// [`Viewer::stats`] counts, never the answer.
+    /// Sets whether a look may use all threads of the current rayon pool (the one it is called in, else the global
+    /// one). Default `true`.
     ///
-    /// Off suits a program that looks by many viewers at once, or must not wait for its pool: while a look waits for other
-    /// threads, its own may be given other work of the pool, so hold no lock then that such work takes. Threads have buffers
-    /// of their own, all together about as large as those of one. Drawing is done by the caller's thread.
+    /// Has an effect with feature `rayon` and a pool of at least two threads. Affects speed and [`Viewer::stats`],
+    /// never the result.
+    ///
+    /// Turn it off in programs that look by many viewers in parallel, or must not wait for the pool. While a look waits
+    /// for other threads, rayon may run unrelated work of the pool on the calling thread; hold no lock that such work
+    /// takes. The threads' buffers together take about as much memory as those of one thread. Drawing uses the calling
+    /// thread only.
     pub fn set_parallel(&mut self, parallel: bool) {
         self.memory.parallel = parallel;
     }
 
-    /// How many occluders methods take that choose them, for each passage; `None`, as many as suits each method, unless
-    /// told. It changes what is called visible, never so that anything visible is missed. 0: trees leave out only what is
-    /// out of view; the masked buffer has the faces that it finds.
+    /// Sets the maximum number of occluders per passage, for methods that select occluders. Default `None`: a suitable
+    /// number for each method.
+    ///
+    /// Affects the number of hidden items in the set; no visible item is ever missed. With 0, trees cull by the clip
+    /// region only, and the masked depth buffer has only the faces that it finds during traversal.
     pub fn set_occluders(&mut self, occluders: Option<u32>) {
         self.memory.occluders = occluders;
     }
 
-    /// Columns and rows of the covers of methods that can do with fewer than the screen's
-    /// ([`Method::takes_cover_size`](crate::Method::takes_cover_size)); `None`, as many as the screen has, unless told.
-    /// The fewer, the less a look costs and the more it calls visible: such a method is conservative. Where it is none or
-    /// more than the screen has, the nearest that makes sense is taken.
+    /// Sets the resolution of the covers, in columns and rows, for methods that can use fewer samples than the screen
+    /// ([`Method::takes_cover_size`](crate::Method::takes_cover_size)). Default `None`: the resolution of the screen.
+    ///
+    /// A lower resolution is faster and reports more hidden items: such a method is conservative. Values are clamped to
+    /// 1 to the screen's size.
     pub fn set_cover_size(&mut self, cover_size: Option<[u32; 2]>) {
         self.cover_size = cover_size;
     }
 
-    /// What can be seen. A view that fails [`View::check`] sees nothing.
+    /// Computes the visible set of a view.
+    ///
+    /// Returns an empty set for a view that fails [`View::check`] or whose sector is not in the scene.
+    #[doc(alias = "cull")]
+    #[doc(alias = "visibility query")]
+    #[doc(alias = "occlusion query")]
+    #[doc(alias = "determine visibility")]
     pub fn look(&mut self, scene: &Scene, view: &View) -> &VisibleSet {
         self.shape_covers(view);
         self.run(scene, view, None);
         &self.set
     }
 
-    /// Paints what can be seen, and gives the set as [`Viewer::look`] does.
+    /// Draws a view to `canvas`, and returns its visible set as [`Viewer::look`] does.
+    #[doc(alias = "render")]
     pub fn draw(&mut self, scene: &Scene, view: &View, canvas: &mut dyn Canvas) -> &VisibleSet {
         self.shape_covers(view);
         let (memory, mut sectors) = (&self.memory, scene.sectors());
@@ -115,18 +138,18 @@ impl Viewer {
         &self.set
     }
 
-    /// What the last look saw.
+    /// Returns the visible set of the last look or draw.
     pub fn visible(&self) -> &VisibleSet {
         &self.set
     }
 
-    /// What the last look cost.
+    /// Returns the counters of the last look or draw.
     pub fn stats(&self) -> &Stats {
         &self.memory.stats
     }
 
-    /// Goes through the orders of the last look's passages once more, holding nothing against covers: what the orders
-    /// alone cost. Gives the number of faces handed out.
+    /// Runs the traversal orders through the last look's passages again, without covers, to measure what the orders
+    /// alone cost. Returns the number of faces emitted.
     pub fn walk(&mut self, scene: &Scene) -> u64 {
         let passages = self.set.passages.iter();
         passages
@@ -158,7 +181,7 @@ impl Viewer {
         look.begin(view);
     }
 
-    /// Paints the set of the look just done: the same passages, or what exact methods leave of their apertures.
+    /// Draws the set of the look just done: the same passages, with apertures that exact methods may shrink.
     fn paint(&mut self, scene: &Scene, view: &View, canvas: &mut dyn Canvas) {
         self.memory.trace = canvas.wants_work();
         self.memory.recall.begin_look();
@@ -184,21 +207,21 @@ impl Viewer {
     }
 }
 
-/// What is to be painted and nothing else.
+/// The passages and items to draw; nothing else is drawn.
 struct Gathered<'a> {
     set: &'a VisibleSet,
     by_chain: Vec<(u64, PassageId)>,
 }
 
 impl Gathered<'_> {
-    /// The passage of a chain of portals.
+    /// Returns the passage with this chain of portals.
     fn id(&self, chain: u64) -> Option<PassageId> {
         let place = self.by_chain.binary_search_by_key(&chain, |&(chain, _)| chain);
         place.ok().map(|place| self.by_chain[place].1)
     }
 }
 
-/// One look at work.
+/// The state of one look in progress.
 struct Look<'a> {
     scene: &'a Scene,
     limits: Limits,
@@ -228,9 +251,9 @@ impl Look<'_> {
         }
     }
 
-    /// Looks through a passage, and through every passage that its openings lead to.
+    /// Traverses a passage and, depth first, all passages behind its openings.
     ///
-    /// The stack is a `Vec`: limits allow 65,535 portals in a row, too many for the thread's own stack.
+    /// The stack is a `Vec`: the limits allow 65,535 portals in a row, too many for recursion on the thread's stack.
     fn go_through(&mut self, root: Passage) {
         // A custom sector may have panicked during the last look.
         self.entered.clear();
@@ -248,7 +271,7 @@ impl Look<'_> {
         }
     }
 
-    /// Gathers what is seen through a passage, and paints its opaque faces. Its openings are followed next.
+    /// Gathers the items visible through a passage, and draws its opaque faces. Its openings are followed next.
     fn pass(&mut self, passage: Passage) {
         let scene = self.scene;
         let own = match scene.method(passage.sector) {
@@ -258,7 +281,7 @@ impl Look<'_> {
         let id = PassageId(self.set.passages.len() as u32);
         self.set
             .passages
-            .push(passage.held_to(own, self.canvas.is_some()));
+            .push(passage.with_contract(own, self.canvas.is_some()));
         let sector = scene.sector(self.set.passage(id).sector);
         let mut seen = self.spare.pop().unwrap_or_default();
         self.lend(&mut seen);
@@ -285,7 +308,7 @@ impl Look<'_> {
         self.entered.push((id, seen));
     }
 
-    /// Paints the glass of the last passage entered over what was seen through its openings.
+    /// Draws the transparent faces of the last passage on the stack over what was visible through its openings.
     fn leave(&mut self) {
         let Some((id, seen)) = self.entered.pop() else {
             return;
@@ -299,14 +322,14 @@ impl Look<'_> {
         self.spare.push(seen);
     }
 
-    /// Lends what all passages share while they are looked through, or takes it back: many are on the way at once.
+    /// Swaps the shared buffers in or out: only the passage being gathered needs them, and the stack may be deep.
     fn lend(&mut self, seen: &mut Collector) {
         std::mem::swap(&mut seen.spare_rows, &mut self.memory.spare_rows);
         std::mem::swap(&mut seen.glass, &mut self.memory.spare_glass);
         std::mem::swap(&mut seen.report, &mut self.memory.spare_report);
     }
 
-    /// Tells the canvas which passage comes, by its place in the set that the caller gets.
+    /// Announces a passage to the canvas, by its index in the set that the caller gets.
     fn enter(&mut self, id: PassageId) {
         let id_in_answer = self.id_in_answer(id);
         if let Some(canvas) = self.canvas.as_deref_mut() {
@@ -314,14 +337,14 @@ impl Look<'_> {
         }
     }
 
-    /// The place of a passage in the set that the caller gets, which may be another than the one being painted.
+    /// Returns the index of a passage in the set that the caller gets, which may differ from the set being drawn.
     fn id_in_answer(&self, id: PassageId) -> PassageId {
         let gathered = self.gathered.as_ref();
         let same = gathered.and_then(|gathered| gathered.id(self.set.passage(id).chain));
         same.unwrap_or(id)
     }
 
-    /// Takes the items that a sector reported into the set.
+    /// Adds the items that a sector reported to the set.
     fn take_in(&mut self, id: PassageId, seen: &Collector) {
         let passage = &self.set.passages[id.0 as usize];
         let geometry = self.scene.geometry(passage.sector);
@@ -359,7 +382,8 @@ impl Look<'_> {
         }));
     }
 
-    /// The passage behind an opening that is open and may be followed; any other opening is painted as a face.
+    /// Returns the passage behind an opening if its portal is open and within the limits; otherwise draws the opening
+    /// as a face.
     fn follow(&mut self, id: PassageId, seen: CollectedOpening) -> Option<Passage> {
         let passage = self.set.passage(id);
         let way = self.scene.portal_of(passage.sector, seen.opening);
@@ -375,7 +399,7 @@ impl Look<'_> {
         }
         let portal = &self.scene.portals()[portal_id.0 as usize];
         let outline = &self.scene.sector(passage.sector).openings()[usize::from(seen.opening.0)].outline;
-        // Where the look before came to a limit, painting does not go on.
+        // Drawing stops where the look before hit a limit.
         let gathered = self.gathered.as_ref();
         if gathered.is_some_and(|gathered| gathered.id(passage.chain_through(portal_id)).is_none()) {
             self.paint_closed(id, seen);

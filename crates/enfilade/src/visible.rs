@@ -1,11 +1,18 @@
-//! The answer to a look.
+//! The result of a look: passages with their visible items.
 
 use crate::geometry::ItemId;
 use crate::passage::{Passage, PassageId};
 use crate::scene::Scene;
 use std::collections::BTreeSet;
 
-/// What can be seen: passages, and in each the items.
+/// The result of [`Viewer::look`](crate::Viewer::look): the passages from the eye into sectors, and the items visible
+/// through each.
+///
+/// Empty before the first look and for a view that fails [`View::check`](crate::View::check).
+#[doc(alias = "cull result")]
+#[doc(alias = "PVS")]
+#[doc(alias = "potentially visible set")]
+#[doc(alias = "draw list")]
 #[derive(Debug, Default)]
 pub struct VisibleSet {
     pub(crate) passages: Vec<Passage>,
@@ -14,50 +21,58 @@ pub struct VisibleSet {
     pub(crate) complete: bool,
 }
 
-/// An item that may be seen through a passage.
+/// An item that may be visible through a passage.
+///
+/// An item that is visible through two passages, such as a door and a mirror, has an entry for each.
+#[doc(alias = "visible object")]
+#[doc(alias = "draw call")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisibleItem {
-    /// The way it is seen.
+    /// The passage through which the item is visible.
     pub passage: PassageId,
-    /// The item, in the passage's sector.
+    /// The item in the passage's sector.
     pub item: ItemId,
-    /// The longer side of its box on the screen, in pixels, within the aperture.
+    /// Longer side of the item's screen-space bounding rectangle, clipped to the aperture, in pixels.
     pub size_px: u16,
-    /// Is any of what may be seen of it glass? Then it is to be blended over what is opaque: see
+    /// Whether any part that may be visible is alpha-blended; draw it in the transparent pass, sorted by
     /// [`VisibleSet::blend_order`].
     pub blends: bool,
     pub(crate) clusters: [u32; 2],
 }
 
 impl VisibleSet {
-    /// The ways from the eye into sectors; the first is the one that the eye stands in, and each comes after its
-    /// parent.
+    /// Returns the passages. The first is the one whose sector contains the eye; each comes after its parent.
     pub fn passages(&self) -> &[Passage] {
         &self.passages
     }
 
-    /// One passage.
+    /// Returns one passage.
+    ///
+    /// # Panics
+    /// If `id` is not from this set.
     pub fn passage(&self, id: PassageId) -> &Passage {
         &self.passages[id.0 as usize]
     }
 
-    /// What may be seen, passage after passage; within one, each item once.
+    /// Returns the items that may be visible, passage by passage; each item once per passage.
     pub fn items(&self) -> &[VisibleItem] {
         &self.items
     }
 
-    /// The clusters of an item's mesh that may be seen; empty stands for all.
+    /// Returns the clusters of an item's mesh that may be visible, as indices into
+    /// [`Mesh::clusters`](crate::Mesh::clusters). Empty means all clusters.
     pub fn clusters(&self, item: &VisibleItem) -> &[u32] {
         &self.clusters[item.clusters[0] as usize..item.clusters[1] as usize]
     }
 
-    /// Was every opening that is seen also followed? If not, a limit of the viewer stopped it.
+    /// Returns `true` if every visible open portal was followed; `false` if the viewer hit one of its
+    /// [`Limits`](crate::Limits), so that items may be missing.
     pub fn complete(&self) -> bool {
         self.complete
     }
 
-    /// Returns the name of each visible item, in the order of [`VisibleSet::items`]: an item that is visible through two
-    /// passages comes twice. The name is empty for items without one and for those of custom sectors.
+    /// Returns the name of each visible item, in the order of [`VisibleSet::items`]: an item that is visible through
+    /// two passages comes twice. The name is empty for items without one and for those of custom sectors.
     pub fn names<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = &'a str> {
         self.items.iter().map(|item| {
             let geometry = scene.geometry(self.passage(item.passage).sector);
@@ -65,7 +80,7 @@ impl VisibleSet {
         })
     }
 
-    /// Triangles of what is in the set: of a large item, those of the clusters that are seen.
+    /// Returns the number of triangles in the set: for a mesh of several clusters, those of the visible clusters.
     pub fn triangle_count(&self, scene: &Scene) -> u64 {
         let triangles = |item: &VisibleItem| {
             let sector = self.passage(item.passage).sector;
@@ -77,7 +92,7 @@ impl VisibleSet {
             if clusters.is_empty() {
                 mesh.triangle_count()
             } else {
-                // The item may be of another mesh by now.
+                // The item may have another mesh by now.
                 let known = clusters.iter().map(|&cluster| cluster as usize);
                 let known = known.filter(|&cluster| cluster < mesh.clusters().len());
                 known.map(|cluster| mesh.triangles_in(cluster)).sum()
@@ -86,8 +101,8 @@ impl VisibleSet {
         self.items.iter().map(triangles).sum()
     }
 
-    /// Items and triangles whose boxes meet the frustum, in the sectors that are seen, each item counted once: what
-    /// would be left to draw if nothing hid anything.
+    /// Returns the number of items in the frustum and their triangles, in the visible sectors, each item counted once:
+    /// the set that frustum culling without occlusion culling would draw.
     pub fn in_frustum(&self, scene: &Scene) -> (usize, u64) {
         let mut met = BTreeSet::new();
         let mut triangles = 0;

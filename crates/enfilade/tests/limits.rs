@@ -203,7 +203,7 @@ fn coordinates_beyond_the_bound_are_refused_wherever_they_come_in() {
     let view = View::new([far, 0.0, 0.0], [0.0; 3], [8, 8]);
     assert_eq!(view.check(), Err(ViewError::TooFar("the eye")));
     let view = View::new([0.0; 3], [far, 0.0, 0.0], [8, 8]);
-    assert_eq!(view.check(), Err(ViewError::TooFar("the point looked toward")));
+    assert_eq!(view.check(), Err(ViewError::TooFar("the target point")));
 
     let high = HeightField::new([2, 2], [1.0; 2], [0.0, 0.0, far, 0.0]);
     let height = HeightFieldError::TooFar {

@@ -1,67 +1,68 @@
-//! Aimed lines: through a whole chain of portals, by pushing a line that misses until it hits.
+//! Aims rays through a chain of portals, by moving a missing ray until it hits.
 //!
-//! A line is a point of the first winding and a point of the last. While it passes an edge on the wrong side, both points
-//! are pushed, each in its plane, to where it would pass the worst such edge on the right side and some way off: how far
-//! off is less with each push. For either point alone the lines that pass an edge well are a half of its plane, so this
-//! is the relaxation of linear inequalities, on two sets of them in turn; it finds bundles of lines far too thin for chance.
-//! Source: Agmon. The Relaxation Method for Linear Inequalities. Canadian Journal of Mathematics 6, 1954, section 4; that
-//! the side is a determinant, linear in each point: Teller 1992, section 4.1. To push both at once is ours.
-//! Cost: O(corners of the chain) a push, and no more than `PUSHES`.
-//! A guess: what it gives shows nothing before it has been walked, and where it gives none there may be lines.
+//! A ray is given by a point of the first winding and a point of the last. While it passes an edge on the wrong side,
+//! both points move within their planes to where the ray passes the worst such edge on the right side with a margin,
+//! which shrinks with each move. For either point alone, the rays that pass an edge with a margin form a half-plane. So
+//! this is the relaxation of linear inequalities, on two sets of them in turn. It finds bundles of rays far too thin
+//! for random sampling.
+//! Source: Agmon. The Relaxation Method for Linear Inequalities. Canadian Journal of Mathematics 6, 1954, section 4;
+//! the side as a determinant that is linear in each point: Teller 1992, section 4.1. Moving both points at once is new.
+//! Cost: O(corners of the chain) per move, at most `PUSHES` moves.
+//! Heuristic: a ray proves nothing before it has been traced, and a failure does not prove that no ray exists.
 
 use crate::bits::take;
-use crate::flow::Reached;
+use crate::flow::ChainEnd;
 use crate::known::{line_through, take_line};
 use crate::ways::Ways;
 use crate::winding::centre;
 use glam::DVec3;
 
-/// How often a line is pushed before it is given up: twice as many find a fiftieth of the rest.
+/// Maximum number of moves: twice as many find 2 % of the remaining rays.
 const PUSHES: usize = 64;
 
-/// How far off the edge the first push aims, of the smaller of the radii of the first and the last winding.
+/// Margin of the first move, relative to the smaller of the radii of the first and the last winding.
 const OFF: f64 = 0.5;
 
-/// What each push leaves of that.
+/// Factor of the margin from one move to the next.
 const CLOSER: f64 = 0.9;
 
-/// Aims a line from `way` at what its flow has come to; gives the ways that the line takes.
+/// Aims a ray from `way` at the end of a chain; returns the ways that the ray crosses.
 ///
-/// What the line shows is taken out of `asked`. So is the way that it was aimed at, hit or not, unless that is to be aimed
-/// at `twice` and this is the first time.
+/// Clears in `undecided` all ways that the ray proves visible. The target way is cleared too, hit or not, unless
+/// `twice` is set and this is the first chain that reaches it.
 pub(crate) fn aim(
     ways: &Ways,
     way: usize,
-    reached: &Reached,
+    chain: &ChainEnd,
     twice: bool,
-    asked: &mut [u64],
+    undecided: &mut [u64],
 ) -> Option<Vec<u32>> {
-    if !(twice && reached.first) {
-        take(asked, reached.way);
+    if !(twice && chain.first) {
+        take(undecided, chain.way);
     }
-    let line = aimed(ways, way, reached)?.1;
-    take_line(ways, way, &line, asked);
+    let line = aimed(ways, way, chain)?.1;
+    take_line(ways, way, &line, undecided);
     Some(line)
 }
 
-/// Two points of a line from `way` to what its flow has come to, and the ways that the line takes.
-pub(crate) fn aimed(ways: &Ways, way: usize, reached: &Reached) -> Option<([DVec3; 2], Vec<u32>)> {
-    let planes = [way, reached.way].map(|end| ways.all[end].plane.normal);
-    let [start, end] = push(reached, planes)?;
+/// Returns two points of a ray from `way` to the end of a chain, and the ways that the ray crosses.
+pub(crate) fn aimed(ways: &Ways, way: usize, chain: &ChainEnd) -> Option<([DVec3; 2], Vec<u32>)> {
+    let planes = [way, chain.way].map(|end| ways.all[end].plane.normal);
+    let [start, end] = push(chain, planes)?;
     Some(([start, end], line_through(ways, way, start, end)?))
 }
 
-/// Two points, one in the plane of the source and one in that of the target, whose line passes all edges well.
-fn push(reached: &Reached, [source_normal, target_normal]: [DVec3; 2]) -> Option<[DVec3; 2]> {
-    let mut start = centre(reached.source);
-    let mut end = centre(reached.target);
-    let mut off = OFF * radius(reached.source, start).min(radius(reached.target, end));
+/// Returns two points, in the planes of the source and the target, whose line passes all edges on the inner side.
+fn push(chain: &ChainEnd, [source_normal, target_normal]: [DVec3; 2]) -> Option<[DVec3; 2]> {
+    let mut start = centre(chain.source);
+    let mut end = centre(chain.target);
+    let mut off = OFF * radius(chain.source, start).min(radius(chain.target, end));
     for _ in 0..PUSHES {
         let along = end - start;
-        let Some([from, to]) = worst_edge(reached, start, along) else {
+        let Some([from, to]) = worst_edge(chain, start, along) else {
             return Some([start, end]);
         };
-        // How the side of the edge grows as either point moves.
+        // Gradients of the edge's side in either point.
         let by_end = within((from - start).cross(to - start), target_normal);
         let by_start = within((to - end).cross(from - end), source_normal);
         let edge = to - from;
@@ -77,16 +78,16 @@ fn push(reached: &Reached, [source_normal, target_normal]: [DVec3; 2]) -> Option
     None
 }
 
-/// The edge that a line passes farthest off on the wrong side, if there is one.
-fn worst_edge(reached: &Reached, start: DVec3, along: DVec3) -> Option<[DVec3; 2]> {
+/// Returns the edge that the line passes farthest outside, if any.
+fn worst_edge(chain: &ChainEnd, start: DVec3, along: DVec3) -> Option<[DVec3; 2]> {
     let mut worst = 0.0;
     let mut found = None;
-    for winding in reached.windings() {
+    for winding in chain.windings() {
         let mut before = winding[winding.len() - 1];
         for &corner in winding {
             let side = side(along, before - start, corner - start);
             if side <= 0.0 {
-                // Squared, how far the line passes from that of the edge.
+                // Squared distance between the line and the edge's line.
                 let off = side * side / along.cross(corner - before).length_squared();
                 if off >= worst {
                     (worst, found) = (off, Some([before, corner]));
@@ -98,12 +99,13 @@ fn worst_edge(reached: &Reached, start: DVec3, along: DVec3) -> Option<[DVec3; 2
     found
 }
 
-/// Six times a volume: positive where a line along `along` passes on the inner side of an edge, given from the line's start.
+/// Six times the volume of a tetrahedron: positive if a line along `along` passes on the inner side of an edge, whose
+/// ends are relative to the line's start.
 fn side(along: DVec3, from: DVec3, to: DVec3) -> f64 {
     along.dot(from.cross(to))
 }
 
-/// What of a vector runs in a plane.
+/// Projects a vector into a plane.
 fn within(vector: DVec3, normal: DVec3) -> DVec3 {
     vector - normal * normal.dot(vector)
 }

@@ -1,4 +1,4 @@
-//! A line of sight between two cells.
+//! Finds a line of sight between two cells.
 
 use crate::aim::aimed;
 use crate::bits::{ones, put, take};
@@ -6,17 +6,17 @@ use crate::flow::Flow;
 use crate::line::Witness;
 use crate::work::{PairsWork, Stage};
 
-/// Chains that are tried between two cells.
+/// Maximum number of portal chains to try between two cells.
 const CHAINS: usize = 200;
 
 impl PairsWork {
-    /// A line that one cell sees the other by, both below the number of cells and not the same. `None` where none is found,
-    /// though there may be one; and before [`Stage::Fixpoint`].
+    /// Returns a line of sight between two different cells, both below the number of cells. Returns `None` if no line
+    /// is found, though one may exist, and before [`Stage::Fixpoint`].
     pub fn line_between(&self, from: u32, to: u32) -> Option<Witness> {
         if self.stage() < Stage::Fixpoint {
             return None;
         }
-        // Sight has no direction, but chains are followed from one end.
+        // Visibility is symmetric, but chains start at one end and may find a line only from there.
         self.line_from(from, to).or_else(|| {
             let Witness {
                 origin,
@@ -40,24 +40,24 @@ impl PairsWork {
         for way in ways.out_of(from) {
             let first = &ways.all[way];
             if first.to == to {
-                // Cells next to each other: straight through what they share.
+                // Neighbours: straight through the shared portal.
                 return Some(Witness {
                     origin: first.centre.into(),
                     direction: first.plane.normal.into(),
                     cells: vec![from, to],
                 });
             }
-            let mut asked = vec![0; self.bound.words_in_row()];
+            let mut undecided = vec![0; self.bound.words_in_row()];
             ones(self.bound.row(way))
                 .filter(|&then| ways.all[then].to == to)
-                .for_each(|then| put(&mut asked, then));
+                .for_each(|then| put(&mut undecided, then));
             flow.run(
                 ways,
                 &self.bound,
                 &self.passages,
                 way,
-                &mut asked,
-                |asked, reached| {
+                &mut undecided,
+                |undecided, reached| {
                     chains += 1;
                     let line = aimed(ways, way, reached);
                     let line = line.filter(|(_, line)| line.contains(&(reached.way as u32)));
@@ -76,9 +76,9 @@ impl PairsWork {
                         });
                     }
                     if witness.is_some() || chains >= CHAINS {
-                        asked.fill(0);
+                        undecided.fill(0);
                     } else if !reached.first {
-                        take(asked, reached.way);
+                        take(undecided, reached.way);
                     }
                 },
             );

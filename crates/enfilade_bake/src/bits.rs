@@ -1,6 +1,6 @@
-//! Rows of bits: one set of small numbers for each of as many things.
+//! Bit matrices: one row of bits per way or cell, dense or packed.
 
-/// As many rows as columns or not, all empty at first; a row is whole words.
+/// A dense bit matrix, all zero at first. Each row starts at a word boundary.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct BitRows {
     rows: usize,
@@ -18,8 +18,8 @@ impl BitRows {
         }
     }
 
-    /// Returns the rows that [`pack`] wrote at the beginning of `words`, and the words after them; `None` where words are
-    /// missing, or bits are beyond the columns.
+    /// Reads rows that [`pack`] wrote at the beginning of `words`; returns them and the remaining words. Returns `None`
+    /// if words are missing or a bit beyond the columns is set.
     pub(crate) fn unpack(rows: usize, columns: usize, words: &[u64]) -> Option<(BitRows, &[u64])> {
         let mut unpacked = BitRows::new(rows, columns);
         let mut rest = words;
@@ -32,12 +32,12 @@ impl BitRows {
             rest = after;
         }
         let beyond = !0u64 << (columns % 64);
-        let is_clean = columns.is_multiple_of(64)
+        let is_within = columns.is_multiple_of(64)
             || unpacked
                 .words
                 .chunks(unpacked.words_in_row)
                 .all(|row| row[unpacked.words_in_row - 1] & beyond == 0);
-        is_clean.then_some((unpacked, rest))
+        is_within.then_some((unpacked, rest))
     }
 
     /// Returns the words of all rows.
@@ -77,24 +77,23 @@ impl BitRows {
         count(&self.words)
     }
 
-    /// All rows at once, to be filled side by side.
+    /// Returns the words of all rows, to be filled in parallel.
     pub(crate) fn rows_mut(&mut self) -> &mut [u64] {
         &mut self.words
     }
 }
 
-/// Rows of bits that are added one after another and then stay: of each only the words that are not zero, as [`pack`] writes
-/// them.
+/// An append-only bit matrix that stores only the nonzero words of each row, in the format of [`pack`].
 #[derive(Debug)]
 pub(crate) struct PackedRows {
     words_in_row: usize,
-    /// Where rows end among the words.
+    /// For each row, the index in `words` after its last word.
     ends: Vec<usize>,
     words: Vec<u64>,
 }
 
 impl PackedRows {
-    /// Without rows.
+    /// Creates a matrix without rows.
     pub(crate) fn new(columns: usize) -> PackedRows {
         PackedRows {
             words_in_row: columns.div_ceil(64),
@@ -103,7 +102,7 @@ impl PackedRows {
         }
     }
 
-    /// Returns so many rows from their words; `None` where those are too few or too many, or bits are beyond the columns.
+    /// Reads `rows` rows; returns `None` if there are too few or too many words or a bit beyond the columns is set.
     pub(crate) fn from_words(rows: usize, columns: usize, words: &[u64]) -> Option<PackedRows> {
         let mut packed = PackedRows::new(columns);
         let mut rest = words;
@@ -128,7 +127,7 @@ impl PackedRows {
         rest.is_empty().then_some(packed)
     }
 
-    /// Adds a row, given its words that are not zero, each with its number, rising.
+    /// Appends a row, given its nonzero words with their indices in ascending order.
     pub(crate) fn push(&mut self, row: &[(u32, u64)]) {
         let mut rest = row.iter().peekable();
         for group in 0..self.words_in_row.div_ceil(64) {
@@ -142,19 +141,19 @@ impl PackedRows {
         self.ends.push(self.words.len());
     }
 
-    /// Adds the rows of others with as many columns.
+    /// Appends all rows of `others`, which has the same number of columns.
     pub(crate) fn append(&mut self, others: &PackedRows) {
         let before = self.words.len();
         self.ends.extend(others.ends.iter().map(|end| before + end));
         self.words.extend_from_slice(&others.words);
     }
 
-    /// Returns the words of all rows.
+    /// Returns the words of all rows, packed.
     pub(crate) fn words(&self) -> &[u64] {
         &self.words
     }
 
-    /// Returns the words of a row that are not zero, each with its number.
+    /// Returns the nonzero words of a row, each with its index.
     pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (usize, u64)> + '_ {
         let start = if row == 0 { 0 } else { self.ends[row - 1] };
         let mut rest = &self.words[start..self.ends[row]];
@@ -166,7 +165,7 @@ impl PackedRows {
     }
 }
 
-/// Appends words without those that are zero: before each 64 one whose bits say which of them follow.
+/// Appends the nonzero words of `words`, with a word before each group of 64 whose bits mark the words that follow.
 pub(crate) fn pack(words: &[u64], packed: &mut Vec<u64>) {
     for group in words.chunks(64) {
         let mut present = 0;
@@ -194,12 +193,12 @@ pub(crate) fn count(row: &[u64]) -> usize {
     row.iter().map(|word| word.count_ones() as usize).sum()
 }
 
-/// The columns in a row, rising.
+/// Returns the columns set in a row, in ascending order.
 pub(crate) fn ones(row: &[u64]) -> impl Iterator<Item = usize> + '_ {
     row.iter().enumerate().flat_map(|(at, &word)| ones_of(at, word))
 }
 
-/// The columns in a row that are not in another, rising.
+/// Returns the columns set in `row` but not in `other`, in ascending order.
 pub(crate) fn ones_besides<'a>(row: &'a [u64], other: &'a [u64]) -> impl Iterator<Item = usize> + 'a {
     let words = row.iter().zip(other).enumerate();
     words.flat_map(|(at, (&word, &not))| ones_of(at, word & !not))

@@ -1,94 +1,94 @@
-//! Convex cells and the portals between them, checked.
+//! Convex cells and the portals between them, validated.
 
 use crate::winding::{newell, thickness};
 use glam::DVec3;
 use thiserror::Error;
 
-/// A hole between two cells.
+/// A convex opening between two cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Portal {
-    /// Its corners in order, in scene units; flat and convex. Seen from the first of the two cells they turn
-    /// clockwise: their counter-clockwise normal points into the second.
+    /// Corners in order, in scene units; flat and convex. The polygon is clockwise as seen from the first of the two
+    /// cells: its counter-clockwise normal points into the second cell.
     pub corners: Vec<[f64; 3]>,
-    /// The two cells, numbered from 0.
+    /// Indices of the two cells.
     pub cells: [u32; 2],
 }
 
-/// Cells, each the convex space that its portals and walls bound, and the portals between them.
+/// Convex cells, each bounded by its walls and portals, and the portals between them.
 ///
-/// The walls are not needed: what is no portal lets nothing through. A cell that is not quite convex (corners snapped
-/// to a grid) does no harm as long as a line of sight is what crosses each portal out of the cell it leaves, and enters
-/// no cell twice.
+/// Walls are not stored: everything that is not a portal is opaque. A slightly non-convex cell (corners snapped to a
+/// grid) is harmless as long as each line of sight leaves a cell only through portals that face outwards and enters no
+/// cell twice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
     count: u32,
     portals: Vec<Portal>,
 }
 
-/// Why cells and portals do not fit together.
+/// The rule that a portal breaks.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum CellsError {
-    /// Fewer than three corners.
+    /// A portal with fewer than three corners.
     #[error("portal {portal} has {corners} corners; at least 3 are needed")]
     TooFewCorners {
-        /// Which portal.
+        /// Index of the portal.
         portal: usize,
-        /// How many it has.
+        /// Number of its corners.
         corners: usize,
     },
-    /// A corner that is no place, or farther out than 10⁷ units.
-    #[error("portal {portal} has a corner at {at}; only numbers up to ten million are places")]
+    /// A coordinate that is NaN, infinite, or beyond ±10⁷ units.
+    #[error("portal {portal} has a corner coordinate of {at}; coordinates must be within ±10,000,000")]
     NoPlace {
-        /// Which portal.
+        /// Index of the portal.
         portal: usize,
-        /// The number.
+        /// The coordinate.
         at: f64,
     },
-    /// All corners in one line.
+    /// A portal whose corners are collinear.
     #[error("portal {portal} has no area")]
     NoArea {
-        /// Which portal.
+        /// Index of the portal.
         portal: usize,
     },
-    /// Corners too far from its plane.
-    #[error("portal {portal} is not flat: a corner is {off} units off its plane")]
+    /// A portal with a corner more than [`Cells::FLATNESS`] off its plane.
+    #[error("portal {portal} is not flat: a corner is {off:.3} units off its plane")]
     NotFlat {
-        /// Which portal.
+        /// Index of the portal.
         portal: usize,
-        /// How far a corner is off, in units.
+        /// Largest distance of a corner from the plane, in units.
         off: f64,
     },
-    /// A corner that turns the wrong way.
+    /// A portal with a reflex or repeated corner.
     #[error("portal {portal} is not convex at its corner {corner}")]
     NotConvex {
-        /// Which portal.
+        /// Index of the portal.
         portal: usize,
-        /// Which corner, from 0.
+        /// Index of the corner.
         corner: usize,
     },
-    /// A number that names no cell.
+    /// A cell index out of range.
     #[error("portal {portal} leads to cell {cell}, but there are only {cells}")]
     NoSuchCell {
-        /// Which portal.
+        /// Index of the portal.
         portal: usize,
-        /// What it names.
+        /// The cell index.
         cell: u32,
-        /// How many there are.
+        /// Number of cells.
         cells: u32,
     },
-    /// Both sides in one cell.
+    /// A portal with the same cell on both sides.
     #[error("portal {portal} leads from cell {cell} to itself")]
     SameCell {
-        /// Which portal.
+        /// Index of the portal.
         portal: usize,
-        /// Which cell.
+        /// Index of the cell.
         cell: u32,
     },
 }
 
 impl CellsError {
-    /// The portal that breaks the rule, counted from 0.
+    /// Returns the index of the portal that breaks the rule.
     pub fn portal(&self) -> usize {
         match *self {
             CellsError::TooFewCorners { portal, .. }
@@ -103,15 +103,14 @@ impl CellsError {
 }
 
 impl Cells {
-    /// How far corners may be off a portal's plane, and inside the line through their neighbours: 0.1 unit, what
-    /// compilers of maps that snap corners leave.
+    /// Tolerance of a portal's corners, in units: off its plane, and inside the line through the two neighbours. It
+    /// accepts what map compilers that snap corners leave.
     pub const FLATNESS: f64 = 0.1;
 
-    /// `count` cells and the portals between them.
+    /// Creates `count` cells with the portals between them.
     ///
     /// # Errors
-    ///
-    /// The first portal that is not flat, convex, of finite corners, and between two of the cells.
+    /// The first portal that is not a flat, convex polygon with coordinates within ±10⁷ between two different cells.
     pub fn new(count: u32, portals: Vec<Portal>) -> Result<Cells, CellsError> {
         for (number, portal) in portals.iter().enumerate() {
             check(number, portal, count)?;
@@ -119,18 +118,18 @@ impl Cells {
         Ok(Cells { count, portals })
     }
 
-    /// How many cells there are.
+    /// Returns the number of cells.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// The portals, in the order in which they were given.
+    /// Returns the portals in the order given to [`Cells::new`].
     pub fn portals(&self) -> &[Portal] {
         &self.portals
     }
 }
 
-/// How far out a corner may be, in units.
+/// Largest absolute coordinate of a corner, in units.
 const FARTHEST: f64 = 1e7;
 
 fn check(number: usize, portal: &Portal, cells: u32) -> Result<(), CellsError> {
@@ -173,7 +172,7 @@ fn check(number: usize, portal: &Portal, cells: u32) -> Result<(), CellsError> {
     for at in 0..corners.len() {
         let before = corners[(at + corners.len() - 1) % corners.len()];
         let [here, after] = [corners[at], corners[(at + 1) % corners.len()]];
-        // How far the corner stands inside the line through its neighbours.
+        // Signed distance of the corner outside the line through its neighbours, times the distance of those two.
         let inside = normal.dot((here - before).cross(after - before));
         if inside < -Cells::FLATNESS * (after - before).length() || here == after {
             return Err(CellsError::NotConvex {

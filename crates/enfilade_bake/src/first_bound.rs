@@ -1,10 +1,11 @@
-//! The first bound: what a flood through portals reaches that lie before one another.
+//! Upper bound by flood fill: ways reachable through portals that are in front of one another.
 //!
-//! A line that goes along one way, then along another, has some of the second before the first, and some of the first
-//! behind the second. The flood goes on through every way for which that holds.
+//! A ray that crosses one way and later another has part of the second in front of the first, and part of the first
+//! behind the second. The flood continues through each way that satisfies this for the source.
 //! Source: Teller, Séquin. Visibility Preprocessing for Interactive Walkthroughs. SIGGRAPH 1991, section 3.
-//! Cost: O(ways reached) each, most told by their spheres.
-//! Conservative: by the corners themselves, so that snapped ones count as they stand; exactly, where rounding could decide.
+//! Cost: O(ways reached) for each way; most tests are decided by bounding spheres.
+//! Conservative: tests the actual corners, so snapped ones count where they are, with exact arithmetic where rounding
+//! could decide.
 
 use crate::bits::{BitRows, ones, put};
 use crate::ways::{Way, Ways};
@@ -13,7 +14,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Fills the rows of some ways with those that a line may take after them.
+/// Fills the rows of ways `some` with the ways that a ray may cross after them.
 pub(crate) fn flood_from(ways: &Ways, some: Range<usize>, bound: &mut BitRows) {
     let words = bound.words_in_row();
     bound.rows_mut()[some.start * words..some.end * words]
@@ -22,7 +23,7 @@ pub(crate) fn flood_from(ways: &Ways, some: Range<usize>, bound: &mut BitRows) {
         .for_each(|(row, way)| flood(ways, way, row));
 }
 
-/// Takes out what the flood from the other end does not reach.
+/// Drops each pair that the flood from its other end did not reach.
 pub(crate) fn keep_symmetric(ways: &Ways, bound: &mut BitRows) {
     for way in 0..ways.count() {
         let back = ways.all[way].back as usize;
@@ -35,27 +36,27 @@ pub(crate) fn keep_symmetric(ways: &Ways, bound: &mut BitRows) {
     }
 }
 
-/// What the flood from one way reaches, into its row.
+/// Floods from one way into its row.
 fn flood(ways: &Ways, start: usize, row: &mut [u64]) {
     let source = &ways.all[start];
     let mut entered = vec![false; ways.cells()];
     entered[source.from as usize] = true;
     entered[source.to as usize] = true;
-    let mut waiting = vec![source.to];
-    while let Some(cell) = waiting.pop() {
+    let mut pending = vec![source.to];
+    while let Some(cell) = pending.pop() {
         for number in ways.out_of(cell) {
             let way = &ways.all[number];
             if way.to != source.from && is_before(source, way) && is_behind(way, source) {
                 put(row, number);
                 if !std::mem::replace(&mut entered[way.to as usize], true) {
-                    waiting.push(way.to);
+                    pending.push(way.to);
                 }
             }
         }
     }
 }
 
-/// Whether any of `other` may lie before `way`.
+/// Returns `true` if part of `other` may be in front of `way`.
 fn is_before(way: &Way, other: &Way) -> bool {
     let (middle, slack) = (way.plane.above(other.centre), way.plane.slack);
     if middle.abs() > other.radius + slack {
@@ -67,7 +68,7 @@ fn is_before(way: &Way, other: &Way) -> bool {
     })
 }
 
-/// Whether any of `other` may lie behind `way`: before it, seen from the other side.
+/// Returns `true` if part of `other` may be behind `way`.
 fn is_behind(way: &Way, other: &Way) -> bool {
     let (middle, slack) = (way.plane.above(other.centre), way.plane.slack);
     if middle.abs() > other.radius + slack {
@@ -79,7 +80,7 @@ fn is_behind(way: &Way, other: &Way) -> bool {
     })
 }
 
-/// Exactly, of any of the triangles that a way can be cut into from its first corner.
+/// Returns `true` if `point` is exactly above the plane of any triangle in the fan from the way's first corner.
 fn is_above_a_part(way: &Way, point: DVec3) -> bool {
     parts(way).any(|part| above_exactly(&part, point) > 0.0)
 }

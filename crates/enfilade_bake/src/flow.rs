@@ -1,117 +1,117 @@
-//! The flow: chains of ways, one by one, with what is left of the first seen from the last and of the last from the first.
+//! Recursive portal flow: follows chains of ways, clipping the source and the current way against each other.
 //!
-//! From one way the flow goes on through every way out of the cell it is in. The way is clipped to the planes between the
-//! source and the way before, then the source to those between it and the way before; a chain of which nothing is left
-//! ends. A chain goes on only while one of the ways that are still asked for may lie in it: most are known to be seen by
-//! a sampled line, or were decided from their own side.
-//! Source: Teller 1992, section 3.3; what is asked for, and the look ahead, are ours.
-//! Cost: chains grow with the openness of the world; each step clips two windings of a few corners.
-//! Conservative: windings are cut farther out than rounding can shift a plane. A cell is not entered twice, for a line
+//! The flow continues from a cell through every way out of it. It clips that way to the separating planes of the source
+//! and the previous way, then clips the source likewise. A chain ends when either winding is empty. A chain continues
+//! only while an undecided way may follow in it: most ways are proven visible by a sampled ray, or were decided from
+//! their own end.
+//! Source: Teller 1992, section 3.3; the set of undecided ways and the look-ahead are new.
+//! Cost: the number of chains grows with the openness of the world; each step clips two windings of a few corners.
+//! Conservative: each cut is made outside the plane by its rounding error. A chain enters no cell twice, because a ray
 //! leaves a convex cell for good.
 
 use crate::bits::{BitRows, has, put};
 use crate::passages::Passages;
 use crate::separators::Separators;
 use crate::ways::Ways;
-use crate::winding::{Left, clip};
+use crate::winding::{ClipResult, clip};
 use glam::DVec3;
 
 /// One way of a chain.
 #[derive(Debug, Default)]
 struct Step {
     way: usize,
-    /// What is left of it, seen from the source.
+    /// The part of the way visible from the source.
     pass: Vec<DVec3>,
-    /// What is left of the source, seen from here.
+    /// The part of the source visible from the way.
     source: Vec<DVec3>,
-    /// The planes between those two.
+    /// Separating planes of `source` and `pass`.
     planes: Separators,
-    /// What the chain may still see.
+    /// Words of the ways that may follow in the chain.
     may: Vec<u64>,
-    /// What of that is asked for: words that are not zero, with their numbers.
-    asked: Vec<(u32, u64)>,
+    /// The undecided ways among those: nonzero words with their indices.
+    undecided: Vec<(u32, u64)>,
     /// The next way to try out of the cell that `way` enters.
     next: usize,
 }
 
-/// A way that was asked for, at the end of a chain.
+/// An undecided way that a chain has reached.
 #[derive(Debug)]
-pub(crate) struct Reached<'a> {
+pub(crate) struct ChainEnd<'a> {
     pub(crate) way: usize,
-    /// Whether no chain has come to it before.
+    /// Whether this is the first chain that reaches it.
     pub(crate) first: bool,
-    /// What is left of the source, seen from the way.
+    /// The part of the source visible from the way.
     pub(crate) source: &'a [DVec3],
-    /// What is left of the way, seen from the source.
+    /// The part of the way visible from the source.
     pub(crate) target: &'a [DVec3],
     between: &'a [Step],
 }
 
-impl Reached<'_> {
-    /// All that a line from the source to the way has to go through, those two among them.
+impl ChainEnd<'_> {
+    /// Returns all windings that a ray from the source to the way must cross, including those two.
     pub(crate) fn windings(&self) -> impl Iterator<Item = &[DVec3]> {
         let between = self.between.iter().map(|step| step.pass.as_slice());
         [self.source, self.target].into_iter().chain(between)
     }
 }
 
-/// Buffers of a flow, used again.
+/// Buffers of the flow, reused between sources.
 #[derive(Debug, Default)]
 pub(crate) struct Flow {
     steps: Vec<Step>,
     reached: Vec<u64>,
-    after: After,
+    after: PassageRows,
     in_chain: Vec<bool>,
     scratch: Vec<DVec3>,
     planes: Separators,
 }
 
-/// What may be seen after passages, of what may be seen from the source: only those words of rows that are not zero there. Chains
-/// come through the same passages again and again, and whole rows of large worlds are in no cache.
+/// Cache of the ways that may follow passages, restricted to the nonzero words of the source's bound. Chains use the
+/// same passages repeatedly, and whole rows of large worlds exceed the CPU caches.
 #[derive(Debug, Default)]
-struct After {
-    /// The numbers of the words.
+struct PassageRows {
+    /// Indices of the nonzero words of the source's bound.
     words: Vec<u32>,
-    /// By the number of a word, its place among those.
-    places: Vec<u32>,
-    /// By passage, where its words begin in `rows` and in which run they were put there.
+    /// For each word index, its slot in `words`, or [`NO_SLOT`].
+    slots: Vec<u32>,
+    /// For each passage, the start of its row in `rows` and the run that stored it.
     starts: Vec<[u32; 2]>,
     run: u32,
     rows: Vec<u64>,
 }
 
-/// Place of a word that is zero.
-const NOWHERE: u32 = u32::MAX;
+/// Slot of a zero word.
+const NO_SLOT: u32 = u32::MAX;
 
-/// What may be seen after one passage.
+/// The ways that may follow one passage.
 #[derive(Clone, Copy)]
-struct AfterOne<'a> {
-    places: &'a [u32],
+struct PassageRow<'a> {
+    slots: &'a [u32],
     words: &'a [u64],
 }
 
-impl AfterOne<'_> {
-    /// Returns a word of what may be seen from the source, by its number.
+impl PassageRow<'_> {
+    /// Returns a word by its index; the source's bound must be nonzero there.
     fn word(&self, number: u32) -> u64 {
-        self.words[self.places[number as usize] as usize]
+        self.words[self.slots[number as usize] as usize]
     }
 }
 
-impl After {
-    /// Maximum number of words kept.
-    const MOST: usize = 1 << 20;
+impl PassageRows {
+    /// Maximum number of cached words.
+    const MAX_WORDS: usize = 1 << 20;
 
     fn begin(&mut self, bound: &[u64], passages: usize) {
         self.words.clear();
-        self.places.clear();
+        self.slots.clear();
         for (number, &word) in (0..).zip(bound) {
-            let place = if word == 0 {
-                NOWHERE
+            let slot = if word == 0 {
+                NO_SLOT
             } else {
                 self.words.push(number);
                 self.words.len() as u32 - 1
             };
-            self.places.push(place);
+            self.slots.push(slot);
         }
         self.starts.resize(passages, [0; 2]);
         self.forget();
@@ -126,30 +126,30 @@ impl After {
         }
     }
 
-    /// Replaces `words` by those of a row.
+    /// Gathers into `words` the words of a full row.
     fn take(&self, row: &[u64], words: &mut Vec<u64>) {
         words.clear();
         words.extend(self.words.iter().map(|&number| row[number as usize]));
     }
 
-    /// Whether a way is in a set.
+    /// Returns `true` if `set` contains a way.
     fn has(&self, set: &[u64], way: usize) -> bool {
-        let place = self.places[way / 64];
-        place != NOWHERE && set[place as usize] >> (way % 64) & 1 != 0
+        let slot = self.slots[way / 64];
+        slot != NO_SLOT && set[slot as usize] >> (way % 64) & 1 != 0
     }
 
-    /// Returns the ways after a passage.
+    /// Returns the ways that may follow a passage.
     fn passage(
         &mut self,
         ways: &Ways,
         bound: &BitRows,
         passages: &Passages,
         [first, second]: [usize; 2],
-    ) -> AfterOne<'_> {
+    ) -> PassageRow<'_> {
         let number = passages.number(ways, first, second);
         let [mut start, run] = self.starts[number];
         if run != self.run {
-            if self.rows.len() + self.words.len() > After::MOST {
+            if self.rows.len() + self.words.len() > PassageRows::MAX_WORDS {
                 self.forget();
             }
             start = self.rows.len() as u32;
@@ -157,32 +157,33 @@ impl After {
             self.rows.resize(self.rows.len() + self.words.len(), 0);
             let (of_second, row) = (bound.row(second), &mut self.rows[start as usize..]);
             for (number, of_passage) in passages.after(ways, first, second) {
-                let place = self.places[number];
-                if place != NOWHERE {
-                    row[place as usize] = of_second[number] & of_passage;
+                let slot = self.slots[number];
+                if slot != NO_SLOT {
+                    row[slot as usize] = of_second[number] & of_passage;
                 }
             }
         }
-        AfterOne {
-            places: &self.places,
+        PassageRow {
+            slots: &self.slots,
             words: &self.rows[start as usize..][..self.words.len()],
         }
     }
 }
 
 impl Flow {
-    /// Follows chains from `source` to the ways in `asked`; what is left there and was not reached is not seen.
+    /// Follows chains from `source` to the ways in `undecided`; returns the ways reached. Ways that remain in
+    /// `undecided` and are not reached are not visible.
     ///
-    /// Where a chain comes to one, `met` takes it out, or other chains will be followed to it; and it may take out more that
-    /// is seen for sure. Gives the ways reached.
+    /// `met` is called for each chain that reaches such a way. It may clear the way, so that no more chains are
+    /// followed to it, and any other way proven visible.
     pub(crate) fn run(
         &mut self,
         ways: &Ways,
         bound: &BitRows,
         passages: &Passages,
         source: usize,
-        asked: &mut [u64],
-        mut met: impl FnMut(&mut [u64], &Reached),
+        undecided: &mut [u64],
+        mut met: impl FnMut(&mut [u64], &ChainEnd),
     ) -> &[u64] {
         self.reached.clear();
         self.reached.resize(bound.words_in_row(), 0);
@@ -201,9 +202,12 @@ impl Flow {
         step.source.clone_from(&first.corners);
         step.planes.clear();
         self.after.take(bound.row(source), &mut step.may);
-        step.asked.clear();
-        step.asked
-            .extend((0..).zip(asked.iter().copied()).filter(|&(_, word)| word != 0));
+        step.undecided.clear();
+        step.undecided.extend(
+            (0..)
+                .zip(undecided.iter().copied())
+                .filter(|&(_, word)| word != 0),
+        );
         step.next = ways.out_of(first.to).start;
         let mut depth = 0;
         loop {
@@ -228,61 +232,62 @@ impl Flow {
             }
             let (before, after) = self.steps.split_at_mut(depth + 1);
             let (step, next) = (&before[depth], &mut after[0]);
-            // What is asked for and may be seen after this way.
+            // Undecided ways that may follow after this one.
             let after = self.after.passage(ways, bound, passages, [step.way, number]);
-            next.asked.clear();
-            next.asked.extend(step.asked.iter().filter_map(|&(number, word)| {
-                let word = word & asked[number as usize] & after.word(number);
-                (word != 0).then_some((number, word))
-            }));
-            let any = !next.asked.is_empty();
-            let here = has(asked, number);
+            next.undecided.clear();
+            next.undecided
+                .extend(step.undecided.iter().filter_map(|&(number, word)| {
+                    let word = word & undecided[number as usize] & after.word(number);
+                    (word != 0).then_some((number, word))
+                }));
+            let any = !next.undecided.is_empty();
+            let here = has(undecided, number);
             if !any && !here {
                 continue;
             }
-            // What is left of the way, then of the source.
+            // Clip the way, then the source.
             let target = &mut next.pass;
             target.clone_from(&way.corners);
-            if clip(target, &first.plane, &mut self.scratch) == Left::Nothing {
+            if clip(target, &first.plane, &mut self.scratch) == ClipResult::Nothing {
                 continue;
             }
-            let parted: [&[DVec3]; 2] = [&step.source, &step.pass];
-            if step.planes.clip(ways, parted, target, &mut self.scratch) == Left::Nothing {
+            let windings: [&[DVec3]; 2] = [&step.source, &step.pass];
+            if step.planes.clip(ways, windings, target, &mut self.scratch) == ClipResult::Nothing {
                 continue;
             }
             next.source.clone_from(&step.source);
-            if clip(&mut next.source, &way.plane.flipped(), &mut self.scratch) == Left::Nothing {
+            if clip(&mut next.source, &way.plane.flipped(), &mut self.scratch) == ClipResult::Nothing {
                 continue;
             }
             if depth > 0 {
-                let parted: [&[DVec3]; 2] = [&next.pass, &step.pass];
-                self.planes.find(ways, parted, true);
+                let windings: [&[DVec3]; 2] = [&next.pass, &step.pass];
+                self.planes.find(ways, windings, true);
                 if self
                     .planes
-                    .clip(ways, parted, &mut next.source, &mut self.scratch)
-                    == Left::Nothing
+                    .clip(ways, windings, &mut next.source, &mut self.scratch)
+                    == ClipResult::Nothing
                 {
                     continue;
                 }
             }
             if here {
-                let reached = Reached {
+                let reached = ChainEnd {
                     way: number,
                     first: !has(&self.reached, number),
                     source: &next.source,
                     target: &next.pass,
                     between: &before[1..],
                 };
-                met(asked, &reached);
+                met(undecided, &reached);
                 put(&mut self.reached, number);
             }
             if !any {
                 continue;
             }
-            let parted: [&[DVec3]; 2] = [&next.source, &next.pass];
-            next.planes.find(ways, parted, false);
-            next.planes.keep_above(ways, parted, &mut next.asked);
-            if next.asked.is_empty() {
+            let windings: [&[DVec3]; 2] = [&next.source, &next.pass];
+            next.planes.find(ways, windings, false);
+            next.planes.keep_above(ways, windings, &mut next.undecided);
+            if next.undecided.is_empty() {
                 continue;
             }
             next.may.clear();

@@ -1,9 +1,9 @@
-//! Computes ahead what can be seen from where.
+//! Bakes potentially visible sets (PVS): from-region visibility between convex cells joined by convex portals.
 //!
 //! ```
 //! use enfilade_bake::{Cells, PairsOptions, Portal, VisiblePairs};
 //!
-//! // Three rooms in a row, a door of 2 × 2 between each two.
+//! // Three rooms in a row, with a 2 × 2 door between neighbours.
 //! let door = |x: f64, cells| Portal {
 //!     corners: vec![[x, -1.0, 0.0], [x, 1.0, 0.0], [x, 1.0, 2.0], [x, -1.0, 2.0]],
 //!     cells,
@@ -14,10 +14,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`Cells`] are convex rooms joined by convex portals. [`VisiblePairs`] says which of them see each other from anywhere
-//! inside: an upper bound, never less than what is seen; [`PairsWork`] finds it out in steps, can be stopped, and goes on.
-//! [`find_missing`] shoots random lines through the
-//! cells, without any of the code that computes the pairs, and finds a [`Witness`] where one is missing.
+//! [`Cells`] holds convex cells and their portals. [`VisiblePairs`] is the PVS: for each pair of cells, whether any
+//! point of one may see any point of the other. It is an upper bound: a pair that can see each other is never left out.
+//! [`PairsWork`] computes it in steps and can be stopped, saved and resumed. [`find_missing`] tests a PVS with random
+//! rays. It shares no code with the computation and returns a [`Witness`] for a missing pair.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 

@@ -1,8 +1,8 @@
-//! Straight lines through cells: what a line shows is seen.
+//! Traces rays through cells; each pair of cells on a ray is visible to each other.
 //!
-//! A line crosses a portal where it passes all its edges on one side; no plane is asked, so a portal that is not quite
-//! flat is what its edges bound. It goes from cell to cell, out of each through a portal crossed in the direction out.
-//! Nothing here knows how pairs are computed, so that they can be held against it.
+//! A ray crosses a portal if it passes all edges on the inner side. The portal's plane is not used, so a portal that is
+//! not quite flat is bounded by its edges alone. The ray leaves each cell through a portal that it crosses outwards.
+//! This module does not use the code that computes pairs, so that it can verify them.
 
 use crate::cells::Cells;
 use crate::pairs::VisiblePairs;
@@ -12,14 +12,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;
 
-/// A line of sight between two cells that do not see each other, so it is said.
+/// A line of sight between two cells that a [`VisiblePairs`] does not contain; also the result of
+/// [`PairsWork::line_between`](crate::PairsWork::line_between).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Witness {
     /// A point of the line, in scene units.
     pub origin: [f64; 3],
-    /// Where it goes, of length one.
+    /// Direction of the line, of unit length.
     pub direction: [f64; 3],
-    /// The cells that it goes through, from the first of the pair to the second.
+    /// Cells along the line, from the first of the pair to the second.
     pub cells: Vec<u32>,
 }
 
@@ -35,13 +36,13 @@ impl fmt::Display for Witness {
     }
 }
 
-/// Lines that are shot side by side.
+/// Number of rays traced in parallel.
 const SIDE_BY_SIDE: u64 = 1 << 14;
 
-/// Shoots `count` random lines, each through a portal, half of them close to portals' edges; gives the first that
-/// shows two cells to see each other of which `pairs` says that they do not.
+/// Tests a PVS with `count` random rays, each through a portal, half of them close to portal edges. Returns the first
+/// ray that connects a pair of cells missing in `pairs`.
 ///
-/// The same lines for the same `seed`, for any number of threads.
+/// The rays depend on `seed` alone, not on the number of threads.
 pub fn find_missing(cells: &Cells, pairs: &VisiblePairs, count: u64, seed: u64) -> Option<Witness> {
     let ways = Ways::of(cells);
     if ways.count() == 0 {
@@ -63,7 +64,7 @@ pub fn find_missing(cells: &Cells, pairs: &VisiblePairs, count: u64, seed: u64) 
     })
 }
 
-/// Shoots one line from a random portal to another: half of them to one near by, along the line between two points.
+/// Traces one ray from a random portal to another a random walk away, each at a random point or close to an edge.
 fn missed_by(
     ways: &Ways,
     pairs: &VisiblePairs,
@@ -73,7 +74,7 @@ fn missed_by(
     let from = random.below(ways.count());
     let to_edge = random.unit() < 0.5;
     let start = point(&ways.all[from], to_edge, random);
-    // A few steps of a random walk: what is far off is seldom seen.
+    // A random walk of up to eight portals, because distant portals are seldom visible.
     let mut to = from;
     for _ in 0..=random.below(8) {
         let next = ways.out_of(ways.all[to].to);
@@ -104,7 +105,8 @@ fn missed_by(
     })
 }
 
-/// A point of a portal; or one that stands on an edge, or in a corner, but for a millionth to a tenth of the way in.
+/// Returns a random point of a portal, or with `to_edge` a point between 10⁻⁶ and 0.1 of the way from an edge or corner
+/// to an interior point.
 fn point(way: &Way, to_edge: bool, random: &mut Random) -> DVec3 {
     let inside = random.point_in(&way.corners);
     if !to_edge {
@@ -117,7 +119,8 @@ fn point(way: &Way, to_edge: bool, random: &mut Random) -> DVec3 {
     edge.lerp(inside, 10f64.powf(-1.0 - 5.0 * random.unit()))
 }
 
-/// Whether a line crosses a way inside its outline and along it, more than about `clear` units off its edges.
+/// Returns `true` if a ray crosses a way in its direction and inside its winding, more than about `clear` units from
+/// each edge.
 pub(crate) fn crosses(way: &Way, origin: DVec3, direction: DVec3, clear: f64) -> bool {
     if way.plane.normal.dot(direction) <= 0.0 {
         return false;
@@ -131,7 +134,7 @@ pub(crate) fn crosses(way: &Way, origin: DVec3, direction: DVec3, clear: f64) ->
     })
 }
 
-/// Appends the ways that a line takes after `start`, which it crosses, in order.
+/// Appends the ways that a ray crosses after `start`, in order. The ray crosses `start`.
 pub(crate) fn walk(
     ways: &Ways,
     start: usize,
@@ -145,7 +148,7 @@ pub(crate) fn walk(
     let mut far = along(&ways.all[start]);
     loop {
         let way = &ways.all[at];
-        // Cells that are not quite convex may offer a portal behind: what is not farther on is not taken.
+        // Cells that are not quite convex may have a portal behind the last one: only crossings farther along count.
         let next = ways.out_of(way.to).find_map(|number| {
             let next = &ways.all[number];
             let taken = number != way.back as usize && crosses(next, origin, direction, clear);

@@ -1,11 +1,13 @@
-//! A tighter bound: what a line may meet after any two ways in a row, and what follows from that for all.
+//! Upper bound by separating planes of consecutive portals, propagated to a fixpoint.
 //!
-//! A passage is a way into a cell and a way out of it. What lies outside the planes between the two is not met after
-//! them. So a way's bound is the union, over the passages that begin with it, of the second way with what is both in
-//! that one's bound and in the passage; which makes that bound smaller, and others, until nothing changes any more.
-//! Source: Teller, Séquin 1991 for the planes; the fixpoint is ours.
-//! Cost: each passage tests what both its ways have in their bounds, most of it by spheres; then words are combined.
-//! Conservative: lines have no direction, so what one end drops, the other may drop too.
+//! A passage is a way into a cell and a way out of it. Whatever is outside the separating planes of the two cannot be
+//! crossed after them. So the bound of a way is the union, over the passages that begin with it, of their second way
+//! and the ways that are both in the second way's bound and in the passage. A smaller bound shrinks others, until
+//! nothing changes.
+//! Source: Teller, Séquin 1991 for the planes; the fixpoint is new.
+//! Cost: each passage tests the intersection of its ways' bounds, mostly by bounding spheres; the fixpoint combines
+//! words of bits.
+//! Conservative: visibility is symmetric, so a pair that one end drops is dropped from the other end too.
 
 use crate::bits::{BitRows, PackedRows, ones_besides, put};
 use crate::separators::Separators;
@@ -13,17 +15,17 @@ use crate::ways::Ways;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// For each passage the ways that a line may take after it.
+/// For each passage, the ways that a ray may cross after it.
 #[derive(Debug)]
 pub(crate) struct Passages {
-    /// Where those of each way begin: one for each way out of the cell that it enters.
+    /// For each way, the index of its first passage. It has one for each way out of the cell that it enters.
     starts: Vec<usize>,
-    /// Of those computed so far, in their order.
+    /// Rows of the passages computed so far, by index.
     after: PackedRows,
 }
 
 impl Passages {
-    /// Of all cells, none computed.
+    /// Creates the index of all passages, none computed.
     pub(crate) fn none(ways: &Ways) -> Passages {
         let mut starts = Vec::with_capacity(ways.count() + 1);
         let mut next = 0;
@@ -38,15 +40,15 @@ impl Passages {
         }
     }
 
-    /// Returns those of all cells that begin with one of the first `computed` ways from their words; `None` where those are of
-    /// another number.
+    /// Restores the passages that begin with one of the first `computed` ways from their packed words. Returns `None`
+    /// if the words do not match that number.
     pub(crate) fn from_words(ways: &Ways, computed: usize, words: &[u64]) -> Option<Passages> {
         let none = Passages::none(ways);
         let after = PackedRows::from_words(none.starts[computed], ways.count(), words)?;
         Some(Passages { after, ..none })
     }
 
-    /// Computes those that begin with the next ways, given what each way may see.
+    /// Computes the passages that begin with ways `next`, from the current bounds.
     pub(crate) fn compute(&mut self, ways: &Ways, bound: &BitRows, next: Range<usize>) {
         let rows = next.into_par_iter().map_init(
             Default::default,
@@ -67,12 +69,12 @@ impl Passages {
         }
     }
 
-    /// Returns the words of those computed so far.
+    /// Returns the packed words of the passages computed so far.
     pub(crate) fn words(&self) -> &[u64] {
         self.after.words()
     }
 
-    /// Returns the words that are not zero of the ways that a line may take after a passage, each with its number.
+    /// Returns the nonzero words of the ways that a ray may cross after a passage, each with its index.
     pub(crate) fn after(
         &self,
         ways: &Ways,
@@ -82,20 +84,21 @@ impl Passages {
         self.after.row(self.number(ways, first, second))
     }
 
-    /// Returns the number of a passage.
+    /// Returns the index of a passage.
     pub(crate) fn number(&self, ways: &Ways, first: usize, second: usize) -> usize {
         self.starts[first] + second - ways.out_of(ways.all[first].to).start
     }
 
-    /// Returns how many there are, computed or not.
+    /// Returns the number of passages, computed or not.
     pub(crate) fn count(&self) -> usize {
         *self.starts.last().unwrap_or(&0)
     }
 
-    /// Takes out of the bounds of `stale` ways what no chain of passages leads to; once round. Says whether anything was taken.
+    /// Runs one round of the fixpoint: drops from the bounds of `stale` ways what no passage leads to. Returns `true`
+    /// if anything was dropped.
     ///
-    /// `stale` are the ways whose bound may change because others have. The order does not matter: bounds only shrink, and the
-    /// largest that nothing can be taken out of is one alone.
+    /// `stale` marks the ways whose bound may change because others have changed. The order of updates does not matter:
+    /// bounds only shrink, and the greatest fixpoint is unique.
     pub(crate) fn tighten(&self, ways: &Ways, bound: &mut BitRows, stale: &mut [bool]) -> bool {
         let mut reached = vec![0u64; bound.words_in_row()];
         let mut dropped = Vec::new();
@@ -132,13 +135,13 @@ impl Passages {
     }
 }
 
-/// The ways into the cell that a way leaves.
+/// Returns the ways into the cell that `way` leaves.
 fn before(ways: &Ways, way: usize) -> impl Iterator<Item = usize> + '_ {
     ways.out_of(ways.all[way].from)
         .map(|out| ways.all[out].back as usize)
 }
 
-/// No line goes along `first`, then `then`: nor does one the other way.
+/// Drops the pair (`first`, `then`) and its reverse.
 pub(crate) fn drop_pair(ways: &Ways, bound: &mut BitRows, first: usize, then: usize) {
     bound.take(first, then);
     bound.take(ways.all[then].back as usize, ways.all[first].back as usize);

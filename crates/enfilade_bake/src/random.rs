@@ -1,4 +1,4 @@
-//! Random numbers that are the same everywhere.
+//! A random number generator with the same output on every platform.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 pub(crate) struct Random(u64);
 
 impl Random {
-    /// Different streams for different seeds, also for seeds in a row.
+    /// Creates a stream. Different seeds give independent streams, even consecutive ones.
     pub(crate) fn new(seed: u64) -> Random {
         let mut random = Random(seed.wrapping_mul(0xd134_2543_de82_ef95));
         random.bits();
@@ -22,17 +22,18 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// 0 to 1, without 1.
+    /// Returns a number in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// 0 to `count`, without it; `count` is at least 1.
+    /// Returns an index in 0..`count`; `count` is at least 1.
     pub(crate) fn below(&mut self, count: usize) -> usize {
         ((self.unit() * count as f64) as usize).min(count - 1)
     }
 
-    /// A point of a convex polygon, not on its edges; corners are no less likely than the middle.
+    /// Returns a random point inside a convex polygon, never on an edge. Points near corners are as likely as points
+    /// near the middle.
     pub(crate) fn point_in(&mut self, corners: &[DVec3]) -> DVec3 {
         let mut sum = DVec3::ZERO;
         let mut total = 0.0;

@@ -1,54 +1,54 @@
-//! Work that was stopped, as bytes: what has been found out so far, and apart from that the passages, which are many and do not
-//! change once they are computed.
+//! Saves and resumes work. The passages are saved separately: they are large and do not change once computed.
 //!
-//! 64-bit words, the lowest byte first: a mark, of which cells, the stage and how far it is, how many ways and cells, the
-//! rows of bits without words that are zero, the order, and a sum over all that. Corrupt bytes are found out by the sum, other
-//! cells by their mark; what is left is checked, so that no bytes lead to a panic.
+//! Format: little-endian 64-bit words. A magic number with the version, a hash of the cells, the stage and the progress
+//! in it, the numbers of ways and cells, the bit rows without zero words, the order of ways, and a checksum. The
+//! checksum detects damage and the hash detects other cells. All remaining values are validated, so no input causes a
+//! panic.
 
 use crate::bits::{BitRows, pack};
 use crate::cells::Cells;
-use crate::known::Known;
+use crate::known::LowerBound;
 use crate::passages::Passages;
 use crate::work::{PairsWork, Stage, TooLarge};
 use thiserror::Error;
 
-/// Change with the format, and with what the work does: other work does not go on where this one stopped.
+/// Change the version with the format, and with any change of the algorithm: a different one must not resume this work.
 const MARK: u64 = u64::from_le_bytes(*b"ENFvis3\n");
 const MARK_OF_PASSAGES: u64 = u64::from_le_bytes(*b"ENFpas3\n");
 
-/// Words before the rows: mark, cells, stage, how far, ways, cells.
+/// Number of words before the rows: magic number, hash, stage, progress, ways, cells.
 const HEAD: usize = 6;
 
-/// Why work does not go on from bytes.
+/// Reason why saved work cannot be resumed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ResumeError {
-    /// Not written by [`PairsWork::save`], or by another version of it.
-    #[error("is no saved work of this version")]
+    /// Not written by [`PairsWork::save`], or by another version.
+    #[error("is not saved work of this version")]
     Foreign,
-    /// Cut short, or changed since.
-    #[error("is damaged")]
+    /// Truncated or corrupt.
+    #[error("is truncated or corrupt")]
     Damaged,
-    /// Of other cells and portals.
-    #[error("is saved work on other portals")]
+    /// Saved for other cells or portals.
+    #[error("was saved for other portals")]
     Other,
-    /// The work would take too much memory.
+    /// The computation could exceed its memory limit.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
 }
 
-/// What has been found out.
+/// State of stopped work, without passages.
 #[derive(Clone, Debug)]
 pub(crate) struct Saved {
     pub(crate) stage: Stage,
     pub(crate) next: usize,
     pub(crate) bound: BitRows,
-    pub(crate) known: Known,
+    pub(crate) known: LowerBound,
     pub(crate) order: Vec<u32>,
 }
 
 impl PairsWork {
-    /// Returns what has been found out so far, without the passages, as bytes that [`PairsWork::resume`] goes on from.
+    /// Saves the work without its passages, for [`PairsWork::resume`].
     pub fn save(&self) -> Vec<u8> {
         if let Some(saved) = &self.saved {
             let Saved {
@@ -63,7 +63,7 @@ impl PairsWork {
         self.bytes(self.stage, self.next, &self.bound, &self.known, &self.order)
     }
 
-    /// Returns the passages computed so far. They change in [`Stage::Passages`] alone.
+    /// Saves the passages computed so far. They change only during [`Stage::Passages`].
     pub fn save_passages(&self) -> Vec<u8> {
         let ways = self.ways_with_passages();
         let head = [MARK_OF_PASSAGES, self.mark(), ways as u64];
@@ -79,14 +79,13 @@ impl PairsWork {
         }
     }
 
-    /// Returns work that goes on where other work on the same cells was when it was saved; its end is the same as if it had
-    /// never stopped.
+    /// Resumes saved work on the same cells. It ends with the same result as work that was never stopped.
     ///
-    /// `passages` is what [`PairsWork::save_passages`] returned, then or later. Where it is missing or damaged the passages are
-    /// computed again, as they are if it was saved earlier.
+    /// `passages` comes from [`PairsWork::save_passages`], called at the same time or later. If it is missing, damaged
+    /// or older, the passages are recomputed.
     ///
     /// # Errors
-    /// Where `saved` is not of such work, or [`PairsWork::begin`] fails.
+    /// If `saved` is not saved work on these cells, or [`PairsWork::begin`] fails.
     pub fn resume(
         cells: &Cells,
         limit_bytes: u64,
@@ -94,27 +93,27 @@ impl PairsWork {
         passages: &[u8],
     ) -> Result<PairsWork, ResumeError> {
         let mut work = PairsWork::begin(cells, limit_bytes)?;
-        let content = content_of(saved, MARK)?;
+        let payload = payload_of(saved, MARK)?;
         let [ways, cell_count] = [work.ways.count(), work.ways.cells()];
-        if content.len() < HEAD {
+        if payload.len() < HEAD {
             return Err(ResumeError::Damaged);
         }
-        if content[1] != work.mark() || content[4..HEAD] != [ways as u64, cell_count as u64] {
+        if payload[1] != work.mark() || payload[4..HEAD] != [ways as u64, cell_count as u64] {
             return Err(ResumeError::Other);
         }
-        let saved = read(&content, ways, cell_count).ok_or(ResumeError::Damaged)?;
+        let saved = read(&payload, ways, cell_count).ok_or(ResumeError::Damaged)?;
         let with_passages = match saved.stage {
             Stage::FirstBound => 0,
             _ => work.read_passages(passages).unwrap_or(0),
         };
         if saved.stage == Stage::Passages {
-            work.go_on_from(saved);
+            work.restore(saved);
             work.next = with_passages;
             if with_passages == ways {
                 work.step();
             }
         } else if saved.stage == Stage::FirstBound || with_passages == ways {
-            work.go_on_from(saved);
+            work.restore(saved);
         } else {
             work.passages = Passages::none(&work.ways);
             work.saved = Some(saved);
@@ -122,10 +121,10 @@ impl PairsWork {
         Ok(work)
     }
 
-    /// Takes over saved passages; returns of how many ways, `None` if it is not those of these cells.
+    /// Restores saved passages; returns the number of ways that they cover, or `None` if they belong to other cells.
     fn read_passages(&mut self, passages: &[u8]) -> Option<usize> {
-        let content = content_of(passages, MARK_OF_PASSAGES).ok()?;
-        let (head, packed) = content.split_at_checked(3)?;
+        let payload = payload_of(passages, MARK_OF_PASSAGES).ok()?;
+        let (head, packed) = payload.split_at_checked(3)?;
         let ways = usize::try_from(head[2]).ok()?;
         if head[1] != self.mark() || ways > self.ways.count() {
             return None;
@@ -134,7 +133,14 @@ impl PairsWork {
         Some(ways)
     }
 
-    fn bytes(&self, stage: Stage, next: usize, bound: &BitRows, known: &Known, order: &[u32]) -> Vec<u8> {
+    fn bytes(
+        &self,
+        stage: Stage,
+        next: usize,
+        bound: &BitRows,
+        known: &LowerBound,
+        order: &[u32],
+    ) -> Vec<u8> {
         let head = [MARK, self.mark(), stage as u64, next as u64];
         let counts = [self.ways.count() as u64, self.ways.cells() as u64];
         let mut words: Vec<u64> = head.into_iter().chain(counts).collect();
@@ -145,7 +151,7 @@ impl PairsWork {
         bytes_of(words)
     }
 
-    /// Tells one set of cells and portals from others.
+    /// Returns a hash that identifies the cells and portals.
     fn mark(&self) -> u64 {
         sum_of(self.ways.all.iter().flat_map(|way| {
             let corners = way
@@ -159,7 +165,7 @@ impl PairsWork {
     }
 }
 
-/// Returns the words and a sum over them as bytes.
+/// Appends the checksum to the words and returns them as bytes.
 fn bytes_of(mut words: Vec<u64>) -> Vec<u8> {
     words.push(sum_of(words.iter().copied()));
     let mut bytes = vec![0; words.len() * 8];
@@ -169,8 +175,8 @@ fn bytes_of(mut words: Vec<u64>) -> Vec<u8> {
     bytes
 }
 
-/// Returns the words that have the mark and the right sum, without that.
-fn content_of(bytes: &[u8], mark: u64) -> Result<Vec<u64>, ResumeError> {
+/// Verifies the magic number and the checksum, and returns the words without the checksum.
+fn payload_of(bytes: &[u8], mark: u64) -> Result<Vec<u64>, ResumeError> {
     let (words, rest) = bytes.as_chunks::<8>();
     let mut words: Vec<u64> = words.iter().map(|&word| u64::from_le_bytes(word)).collect();
     if words.first() != Some(&mark) {
@@ -184,28 +190,28 @@ fn content_of(bytes: &[u8], mark: u64) -> Result<Vec<u64>, ResumeError> {
     }
 }
 
-/// `None` where words are missing, left over, or make no sense.
-fn read(content: &[u64], ways: usize, cells: usize) -> Option<Saved> {
+/// Returns `None` if words are missing, left over, or out of range.
+fn read(payload: &[u64], ways: usize, cells: usize) -> Option<Saved> {
     let stages = Stage::ALL.into_iter().chain([Stage::Done]);
-    let stage = stages.into_iter().find(|&stage| stage as u64 == content[2])?;
-    let next = usize::try_from(content[3]).ok().filter(|&next| next <= ways)?;
-    let (bound, rest) = BitRows::unpack(ways, ways, &content[HEAD..])?;
+    let stage = stages.into_iter().find(|&stage| stage as u64 == payload[2])?;
+    let next = usize::try_from(payload[3]).ok().filter(|&next| next <= ways)?;
+    let (bound, rest) = BitRows::unpack(ways, ways, &payload[HEAD..])?;
     let (known, rest) = BitRows::unpack(cells, cells, rest)?;
     let order: Vec<u32> = rest
         .iter()
         .map(|&way| u32::try_from(way).ok().filter(|&way| (way as usize) < ways))
         .collect::<Option<_>>()?;
-    let wanted = if stage <= Stage::Sampling { 0 } else { ways };
-    (order.len() == wanted).then_some(Saved {
+    let expected = if stage <= Stage::Sampling { 0 } else { ways };
+    (order.len() == expected).then_some(Saved {
         stage,
         next,
         bound,
-        known: Known { cells: known },
+        known: LowerBound { cells: known },
         order,
     })
 }
 
-/// FNV-1a (Fowler, Noll, Vo), a word at a time.
+/// FNV-1a hash (Fowler, Noll, Vo), one word at a time.
 fn sum_of(words: impl Iterator<Item = u64>) -> u64 {
     words.fold(0xcbf2_9ce4_8422_2325, |sum, word| {
         (sum ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)

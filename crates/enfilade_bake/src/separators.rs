@@ -1,13 +1,14 @@
-//! Planes that part two convex polygons: what is seen from one through the other stays on the other's side.
+//! Separating planes of two windings: bound what a ray through both can reach.
 //!
-//! A line that is below a plane at the source and above it at the pass is above it ever after.
+//! A line that is below a separating plane at the source and above it at the pass stays above it from there on.
 //! Source: Teller. Visibility Computations in Densely Occluded Polyhedral Environments. PhD thesis, Berkeley 1992, 3.3.
-//! Cost: each edge of either gives one plane, found in O(corners) of the other, four at a time.
-//! Conservative: a plane counts only where it is checked to part all corners of both, exactly where rounding could
-//! decide; each knows how far rounding can tilt it within the world. One left out shows more.
+//! Cost: each edge of either winding gives one plane, found in O(corners) of the other, four edges at a time (SIMD).
+//! Conservative: a plane is used only if all corners of both windings are verified to be on their sides, with exact
+//! arithmetic where rounding could decide. Each plane has a bound of its rounding error. A missing plane only enlarges
+//! the result.
 
 use crate::ways::Ways;
-use crate::winding::{Left, cut};
+use crate::winding::{ClipResult, cut};
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
 use four_planes::FourPlanes;
@@ -15,14 +16,14 @@ use glam::DVec3;
 
 mod four_planes;
 
-/// A corner farther in line with an edge than this, as a squared sine, says nothing sure about a plane through both.
+/// Squared sine of the angle between an edge and a corner below which the plane through both is numerically unreliable.
 const NEEDLE: f64 = 1e-12;
 
-/// Of its length: what rounding can do to the height of a corner over a plane. A few 2⁻⁵³, and some to spare.
+/// Relative rounding error of a corner's height above a plane: a few 2⁻⁵³, with a margin.
 const ROUNDING: f64 = 1e-14;
 
-/// Planes between two windings, with all of the first below and all of the second above. Those two are not kept here: whoever
-/// has the planes gives the same windings again.
+/// Separating planes of two windings, the first below and the second above all of them. The windings are not stored;
+/// callers pass the same two again.
 #[derive(Debug, Default)]
 pub(crate) struct Separators {
     fours: Vec<FourPlanes>,
@@ -33,10 +34,10 @@ impl Separators {
         self.fours.clear();
     }
 
-    /// Finds the planes between `source`, below them, and `pass`.
+    /// Computes the separating planes of `source` (below) and `pass` (above).
     ///
-    /// `pass` lies on the side of `source` to which its counter-clockwise normal points, and `source` behind `pass`: lines go
-    /// along both normals, or, where `against` says so, against both.
+    /// `pass` is on the side to which the counter-clockwise normal of `source` points, and `source` is behind `pass`:
+    /// rays run along both normals, or with `against` opposite to both.
     pub(crate) fn find(&mut self, ways: &Ways, [source, pass]: [&[DVec3]; 2], against: bool) {
         self.fours.clear();
         let fours = &mut self.fours;
@@ -46,29 +47,29 @@ impl Separators {
         });
     }
 
-    /// Cuts off what of a winding is below one of the planes between `parted`; `kept` is scratch.
+    /// Clips `winding` to the upper side of all planes between `windings`; `kept` is scratch memory.
     ///
-    /// What is left is never smaller than what lies above the planes: cuts are made as far below them as rounding can shift
-    /// them. A winding that only touches a plane is left with nothing.
+    /// Conservative: each cut is made as far below its plane as rounding can shift it. A winding that only touches a
+    /// plane from below is removed.
     pub(crate) fn clip(
         &self,
         ways: &Ways,
-        parted: [&[DVec3]; 2],
+        windings: [&[DVec3]; 2],
         winding: &mut Vec<DVec3>,
         kept: &mut Vec<DVec3>,
-    ) -> Left {
-        dispatch!(ways.level, simd => clip(simd, &self.fours, parted, winding, kept))
+    ) -> ClipResult {
+        dispatch!(ways.level, simd => clip(simd, &self.fours, windings, winding, kept))
     }
 
-    /// Takes out of the words of a row, each with its number, the ways below one of the planes between `parted`; words that are
-    /// zero then, too.
-    pub(crate) fn keep_above(&self, ways: &Ways, parted: [&[DVec3]; 2], words: &mut Vec<(u32, u64)>) {
-        dispatch!(ways.level, simd => keep_above(simd, ways, &self.fours, parted, words));
+    /// Clears the bits of all ways that are below one of the planes between `windings`, and removes words that become
+    /// zero. `words` holds words of a bit row with their indices.
+    pub(crate) fn keep_above(&self, ways: &Ways, windings: [&[DVec3]; 2], words: &mut Vec<(u32, u64)>) {
+        dispatch!(ways.level, simd => keep_above(simd, ways, &self.fours, windings, words));
     }
 }
 
-/// Finds the planes through the edges of the first winding: with it below and the second above, or, with `edges_above`, the
-/// other way. `backwards` turns the edges round.
+/// Computes the planes through the edges of the first winding, with that winding below and the second above, or swapped
+/// if `edges_above`. `backwards` reverses the edges.
 #[inline(always)]
 fn around<S: Simd>(
     simd: S,
@@ -86,7 +87,7 @@ fn around<S: Simd>(
             let before = if at == 0 { last } else { at - 1 };
             *ends = if backwards { [at, before] } else { [before, at] };
         }
-        let four = FourPlanes::rest(simd, ends, [edged, other], edges_above, size);
+        let four = FourPlanes::find(simd, ends, [edged, other], edges_above, size);
         fours.extend(four.first(edged.len() - first));
     }
 }
@@ -95,30 +96,30 @@ fn around<S: Simd>(
 fn clip<S: Simd>(
     simd: S,
     fours: &[FourPlanes],
-    parted: [&[DVec3]; 2],
+    windings: [&[DVec3]; 2],
     winding: &mut Vec<DVec3>,
     kept: &mut Vec<DVec3>,
-) -> Left {
-    let mut left = Left::All;
+) -> ClipResult {
+    let mut left = ClipResult::All;
     for four in fours {
-        let mut waiting = 0b1111;
-        while waiting != 0 {
+        let mut pending = 0b1111;
+        while pending != 0 {
             let heights = four.heights(simd, winding);
-            if heights.below & waiting != 0 {
-                return Left::Nothing;
+            if heights.below & pending != 0 {
+                return ClipResult::Nothing;
             }
-            let work = (heights.touching | heights.cut) & waiting;
+            let work = (heights.touching | heights.cut) & pending;
             if work == 0 {
                 break;
             }
             let lane = work.trailing_zeros() as usize;
-            waiting &= !0 << (lane + 1);
-            if heights.touching >> lane & 1 != 0 && four.hides_exactly(lane, parted, winding) {
-                return Left::Nothing;
+            pending &= !0 << (lane + 1);
+            if heights.touching >> lane & 1 != 0 && four.culls_exactly(lane, windings, winding) {
+                return ClipResult::Nothing;
             }
             if heights.cut >> lane & 1 != 0 {
                 cut(winding, &four.plane(lane), kept);
-                left = Left::Part;
+                left = ClipResult::Part;
             }
         }
     }
@@ -130,10 +131,10 @@ fn keep_above<S: Simd>(
     simd: S,
     ways: &Ways,
     fours: &[FourPlanes],
-    parted: [&[DVec3]; 2],
+    windings: [&[DVec3]; 2],
     words: &mut Vec<(u32, u64)>,
 ) {
-    // No closures here: compiled on their own, they would be without the instructions.
+    // No closures here: they are compiled as separate functions, without the SIMD target features.
     let mut kept = 0;
     for at in 0..words.len() {
         let (number, mut word) = words[at];
@@ -143,7 +144,7 @@ fn keep_above<S: Simd>(
             rest ^= bit;
             let way = number as usize * 64 + bit.trailing_zeros() as usize;
             for four in fours {
-                if four.hides_way(simd, parted, ways.spheres[way], &ways.all[way].corners) {
+                if four.culls_way(simd, windings, ways.spheres[way], &ways.all[way].corners) {
                     word ^= bit;
                     break;
                 }

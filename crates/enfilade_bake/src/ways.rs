@@ -1,4 +1,4 @@
-//! Portals taken in one direction, numbered cell after cell.
+//! Directed portals, numbered by the cell they leave.
 
 use crate::cells::Cells;
 use crate::winding::{Plane, centre, newell, thickness};
@@ -6,7 +6,7 @@ use fearless_simd::Level;
 use glam::DVec3;
 use std::ops::Range;
 
-/// One portal, out of one of its two cells.
+/// A directed portal: leaves cell `from`, enters cell `to`.
 #[derive(Clone, Debug)]
 pub(crate) struct Way {
     /// Counter-clockwise about the direction of the way.
@@ -17,24 +17,24 @@ pub(crate) struct Way {
     pub(crate) radius: f64,
     pub(crate) from: u32,
     pub(crate) to: u32,
-    /// The same portal the other way.
+    /// Index of the same portal in the opposite direction.
     pub(crate) back: u32,
 }
 
-/// All ways; those out of one cell have numbers in a row.
+/// All directed portals; those out of one cell are consecutive.
 #[derive(Debug)]
 pub(crate) struct Ways {
     pub(crate) all: Vec<Way>,
     starts: Vec<u32>,
-    /// Of each way its centre and its radius, side by side for those who go through many.
+    /// Bounding spheres (centre, radius) of all ways, contiguous for loops over many ways.
     pub(crate) spheres: Vec<(DVec3, f64)>,
-    /// Farther than any corner is from another, or from the origin.
+    /// Upper bound of the distance between two corners, and of a corner from the origin.
     pub(crate) size: f64,
-    /// Which instructions the machine has: no bit of the answer depends on it.
+    /// SIMD level of the machine; the result does not depend on it.
     pub(crate) level: Level,
 }
 
-/// Of the size of the world: what rounding can do to how far a corner is off a plane, and some to spare.
+/// Rounding error of a corner's height above a plane, relative to the size of the world, with a margin.
 pub(crate) const ROUNDING: f64 = 1e-14;
 
 impl Ways {
@@ -65,7 +65,7 @@ impl Ways {
             let centre = centre(&corners);
             let thick = thickness(&corners, normal);
             Way {
-                // Snapped corners are as far off as they are; both sides of the plane reach so far.
+                // The slack includes the distance of snapped corners from the plane, to either side.
                 plane: Plane {
                     normal,
                     offset: normal.dot(centre),
@@ -96,7 +96,7 @@ impl Ways {
         self.all.len()
     }
 
-    /// How far a sampled line keeps off edges, to be a line of sight for sure, in units.
+    /// Returns the distance from portal edges, in units, at which a sampled ray certainly passes inside.
     pub(crate) fn clear(&self) -> f64 {
         self.size * 1e-12
     }
@@ -105,7 +105,7 @@ impl Ways {
         self.starts.len() - 1
     }
 
-    /// The ways out of a cell.
+    /// Returns the ways out of a cell.
     pub(crate) fn out_of(&self, cell: u32) -> Range<usize> {
         self.starts[cell as usize] as usize..self.starts[cell as usize + 1] as usize
     }

@@ -1,14 +1,14 @@
-//! Convex polygons as lists of corners, and what planes leave of them.
+//! Convex windings (corner lists): plane, area, centre, and clipping against planes.
 
 use glam::DVec3;
 
-/// The side of a plane where `normal · x ≥ offset`.
+/// A half-space `normal · x ≥ offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane {
-    /// Of length one.
+    /// Unit length.
     pub(crate) normal: DVec3,
     pub(crate) offset: f64,
-    /// How far rounding can have shifted it, anywhere in the world, in units.
+    /// Bound of the rounding error of a height above the plane, anywhere in the world, in units.
     pub(crate) slack: f64,
 }
 
@@ -26,13 +26,13 @@ impl Plane {
     }
 }
 
-/// Positive above the plane through three points that turn counter-clockwise seen from there; only the sign counts, and
-/// it is right.
+/// Exact orientation test: positive if `point` is above the plane through three points, which are counter-clockwise as
+/// seen from above. Only the sign is meaningful.
 ///
 /// Source: Shewchuk. Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates. 1997.
 pub(crate) fn above_exactly(through: &[DVec3; 3], point: DVec3) -> f64 {
-    // Zero is what exact arithmetic takes longest to find; in maps most of them are a corner of the plane itself, or lie
-    // in a plane across an axis.
+    // Zero is the slowest result of the adaptive test. In maps most zeros are a corner of the plane itself, or four
+    // points in one axis-aligned plane.
     let in_plane = |axis: usize| through.iter().all(|corner| corner[axis] == point[axis]);
     if through.contains(&point) || (0..3).any(in_plane) {
         return 0.0;
@@ -46,15 +46,15 @@ pub(crate) fn above_exactly(through: &[DVec3; 3], point: DVec3) -> f64 {
     -robust::orient3d(first, second, third, coord(point))
 }
 
-/// What a plane left of a winding.
+/// Result of clipping a winding against planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Left {
+pub(crate) enum ClipResult {
     All,
     Part,
     Nothing,
 }
 
-/// Twice the area, along the counter-clockwise normal.
+/// Returns the vector area times two (Newell's method); it points along the counter-clockwise normal.
 pub(crate) fn newell(corners: &[DVec3]) -> DVec3 {
     let first = corners[0];
     let fans = corners[1..].windows(2);
@@ -65,34 +65,34 @@ pub(crate) fn centre(corners: &[DVec3]) -> DVec3 {
     corners.iter().sum::<DVec3>() / corners.len() as f64
 }
 
-/// How far the farthest corner is off the plane through the middle.
+/// Returns the largest distance of a corner from the plane through the centre.
 pub(crate) fn thickness(corners: &[DVec3], normal: DVec3) -> f64 {
     let middle = centre(corners);
     let offs = corners.iter().map(|&corner| normal.dot(corner - middle).abs());
     offs.fold(0.0, f64::max)
 }
 
-/// Cuts off what is below the plane; `kept` is scratch.
+/// Clips a winding to the upper side of a plane; `kept` is scratch memory.
 ///
-/// What is left is never smaller than what lies above the plane: the cut is made as far below it as rounding can shift it.
-pub(crate) fn clip(winding: &mut Vec<DVec3>, plane: &Plane, kept: &mut Vec<DVec3>) -> Left {
+/// Conservative: the winding is cut `slack` below the plane, so rounding never removes anything above it.
+pub(crate) fn clip(winding: &mut Vec<DVec3>, plane: &Plane, kept: &mut Vec<DVec3>) -> ClipResult {
     let heights = winding.iter().map(|&corner| plane.above(corner));
-    let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
+    let [mut lowest, mut highest] = [f64::INFINITY, f64::NEG_INFINITY];
     for above in heights {
-        least = least.min(above);
-        most = most.max(above);
+        lowest = lowest.min(above);
+        highest = highest.max(above);
     }
-    if most < -plane.slack {
-        return Left::Nothing;
+    if highest < -plane.slack {
+        return ClipResult::Nothing;
     }
-    if least >= -plane.slack {
-        return Left::All;
+    if lowest >= -plane.slack {
+        return ClipResult::All;
     }
     cut(winding, plane, kept);
-    Left::Part
+    ClipResult::Part
 }
 
-/// As [`clip`], of a winding that has corners on both sides.
+/// As [`clip`], for a winding with corners on both sides of the cut.
 pub(crate) fn cut(winding: &mut Vec<DVec3>, plane: &Plane, kept: &mut Vec<DVec3>) {
     kept.clear();
     let mut before = winding[winding.len() - 1];

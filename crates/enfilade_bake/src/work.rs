@@ -1,16 +1,16 @@
-//! The work of finding out which cells see each other: in steps, so that it can be watched, stopped, and gone on with.
+//! Computes the PVS in steps, so that it can report progress, stop and resume.
 //!
-//! First comes what bounds the answer from above (floods, then [`Passages`]), then lines from below ([`Known`]), then
-//! the flow for what lies between. At every moment the bound holds all that is seen, so that work may stop anywhere.
-//! Each step is a batch of fixed size whose parts know nothing of each other: the bits are the same for any number of
-//! threads, and whether the work was stopped or not.
+//! The upper bound comes first (flood fill, then [`Passages`]), then the lower bound from sampled rays (`known`), then
+//! the portal flow decides the remaining pairs. The upper bound holds at every step, so the work may stop anywhere.
+//! Each step is a batch of fixed size whose parts are independent: the resulting bits depend neither on the number of
+//! threads nor on interruptions.
 
 use crate::aim::aim;
 use crate::bits::{BitRows, count, ones, ones_besides, put};
 use crate::cells::Cells;
 use crate::first_bound::{flood_from, keep_symmetric};
 use crate::flow::Flow;
-use crate::known::{self, Known};
+use crate::known::{self, LowerBound};
 use crate::pairs::VisiblePairs;
 use crate::passages::{Passages, drop_pair};
 use crate::saved::Saved;
@@ -18,7 +18,7 @@ use crate::ways::Ways;
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Finds out which cells see each other, a step at a time.
+/// Computes [`VisiblePairs`] one step at a time.
 ///
 /// ```
 /// use enfilade_bake::{Cells, PairsWork, Portal, Stage};
@@ -36,43 +36,43 @@ use thiserror::Error;
 pub struct PairsWork {
     pub(crate) ways: Ways,
     pub(crate) stage: Stage,
-    /// For each way those that a line may take after it.
+    /// Upper bound: for each way, the ways that a ray may cross after it.
     pub(crate) bound: BitRows,
     pub(crate) passages: Passages,
-    pub(crate) known: Known,
-    /// The ways whose bound may change in the fixpoint; none before it begins.
+    pub(crate) known: LowerBound,
+    /// Ways whose bound may still change in the fixpoint. Empty before it begins.
     stale: Vec<bool>,
-    /// The order in which ways flow.
+    /// Order in which the ways run their flow.
     pub(crate) order: Vec<u32>,
-    /// How many ways the stage is done with.
+    /// Number of ways that the current stage has finished.
     pub(crate) next: usize,
-    /// For each place in the order, what all flows before it are thought to cost.
+    /// For each index in `order`, the estimated cost of all flows before it.
     cost_before: Vec<f64>,
-    /// Where to go on, once passages that were not saved are there again.
+    /// Saved state to restore once the passages have been recomputed.
     pub(crate) saved: Option<Saved>,
 }
 
-/// What a [`PairsWork`] does next.
+/// Stage of a [`PairsWork`], in the order in which the stages run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
-    /// Floods through portals that lie before one another.
+    /// Upper bound by flood fill: through portals that are in front of one another.
     FirstBound,
-    /// What a line may meet after any two portals in a row.
+    /// Separating planes: for each passage (two consecutive portals), the portals that a ray may cross after it.
     Passages,
-    /// What follows from that for all: here the fast bound is reached.
+    /// Propagates the passages until nothing changes; the bound of [`PairsOptions::fast`].
     Fixpoint,
-    /// Lines from everywhere, which bound the answer from below.
+    /// Lower bound: rays sampled between portals.
     Sampling,
-    /// Chains of portals, for what lies between the two bounds.
+    /// Recursive portal flow for the pairs between the two bounds.
     Flow,
-    /// Chains again, for what no line has shown, from its other end: they drop or show some of it.
+    /// Portal flow from the other end, for pairs that no ray has proven; it drops or proves some of them.
     Backflow,
-    /// All is known.
+    /// All pairs are decided.
     Done,
 }
 
 impl Stage {
-    /// The stages before [`Stage::Done`], in their order.
+    /// All stages before [`Stage::Done`], in order.
     pub const ALL: [Stage; 6] = [
         Stage::FirstBound,
         Stage::Passages,
@@ -83,48 +83,49 @@ impl Stage {
     ];
 }
 
-/// The work could take too much memory.
+/// The computation could exceed its memory limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error(
     "the PVS of {cells} cells and {portals} portals takes up to {} to compute, above the limit of {}",
     megabytes(*.needs_bytes), megabytes(*.limit_bytes)
 )]
 pub struct TooLarge {
-    /// How many cells there are.
+    /// Number of cells.
     pub cells: u32,
-    /// How many portals.
+    /// Number of portals.
     pub portals: usize,
-    /// What the work takes at most, in bytes.
+    /// Upper bound of the memory needed, in bytes.
     pub needs_bytes: u64,
-    /// What it may take.
+    /// Memory limit, in bytes.
     pub limit_bytes: u64,
 }
 
-/// `12.3 MB`, with four significant digits.
+/// Formats bytes as `12.3 MB`, with four significant digits.
 fn megabytes(bytes: u64) -> String {
     let number = format!("{:.3e}", bytes as f64 / 1e6);
     format!("{} MB", number.parse().unwrap_or(f64::INFINITY))
 }
 
-/// Ways of a step, where each takes little.
+/// Number of ways per step in stages where each way is cheap.
 const SIDE_BY_SIDE: usize = 256;
 
-/// Ways that flow at once, without knowing of each other's answers: enough for a few threads to share.
+/// Number of ways that flow in one step, independent of each other's results: enough for a few threads.
 const FLOWS: usize = 16;
 
-/// What one way's flow has found.
+/// Result of the portal flow from one way.
 #[derive(Debug)]
-struct Answer {
+struct FlowResult {
     dropped: Vec<u32>,
     lines: Vec<Vec<u32>>,
 }
 
 impl PairsWork {
-    /// Work that has not begun.
+    /// Creates work in its first stage.
     ///
     /// # Errors
-    /// Where it could take more than `limit_bytes`: (2 portals)² bits, as many bits for each pair of portals of
-    /// one cell as there are portals, 4 times, and 2 times (cells)² bits. Of those for pairs it takes about a seventh.
+    /// [`TooLarge`] if the computation could need more than `limit_bytes`. With `p` portals the bound counts (2 p)²
+    /// bits for pairs of ways, 2 p bits for each ordered pair of portals of one cell (a passage), and 2 bits for each
+    /// pair of cells. The passages typically take a seventh of their share.
     pub fn begin(cells: &Cells, limit_bytes: u64) -> Result<PairsWork, TooLarge> {
         let needs_bytes = needed_bytes(cells);
         if needs_bytes > limit_bytes {
@@ -140,7 +141,7 @@ impl PairsWork {
             stage: Stage::FirstBound,
             bound: BitRows::new(ways.count(), ways.count()),
             passages: Passages::none(&ways),
-            known: Known::new(&ways),
+            known: LowerBound::new(&ways),
             stale: Vec::new(),
             order: Vec::new(),
             next: 0,
@@ -150,12 +151,12 @@ impl PairsWork {
         })
     }
 
-    /// What the next step works on.
+    /// Returns the stage that the next step works on.
     pub fn stage(&self) -> Stage {
         self.stage
     }
 
-    /// How much of the stage is done, 0 to 1, by the time that it is thought to take.
+    /// Returns the finished share of the current stage, 0 to 1, by estimated time.
     pub fn share(&self) -> f64 {
         match self.stage {
             Stage::FirstBound | Stage::Passages | Stage::Sampling => {
@@ -169,7 +170,7 @@ impl PairsWork {
         }
     }
 
-    /// Goes on a little, on all threads of rayon's pool. Does nothing when all is done.
+    /// Runs one batch on all threads of rayon's pool. Does nothing in [`Stage::Done`].
     pub fn step(&mut self) {
         let some = self.next..self.ways.count().min(self.next + SIDE_BY_SIDE);
         match self.stage {
@@ -184,7 +185,7 @@ impl PairsWork {
                 if self.advance(SIDE_BY_SIDE, Stage::Fixpoint)
                     && let Some(saved) = self.saved.take()
                 {
-                    self.go_on_from(saved);
+                    self.restore(saved);
                 }
             }
             Stage::Fixpoint => {
@@ -202,19 +203,20 @@ impl PairsWork {
             Stage::Sampling => {
                 self.known.sample(&self.ways, &self.bound, self.next);
                 if self.advance(known::SIDE_BY_SIDE, Stage::Flow) {
-                    // The cheapest first: by then the dear ones have most of their answers from the other side.
+                    // Cheapest first: by the time the expensive ways flow, most of their pairs are decided from the
+                    // other end.
                     self.order = (0..self.ways.count() as u32).collect();
                     let bound = &self.bound;
                     self.order
                         .sort_by_key(|&way| (count(bound.row(way as usize)), way));
-                    self.foresee();
+                    self.estimate_costs();
                 }
             }
             Stage::Flow => {
                 self.flow(false);
                 if self.advance(FLOWS, Stage::Backflow) {
                     self.order.reverse();
-                    self.foresee();
+                    self.estimate_costs();
                 }
             }
             Stage::Backflow => {
@@ -225,9 +227,9 @@ impl PairsWork {
         }
     }
 
-    /// The pairs that may see each other, by all that is known now: never less than do.
+    /// Returns the current PVS. It is an upper bound at every stage: no visible pair is missing.
     pub fn pairs(&self) -> VisiblePairs {
-        let mut seen = Known::new(&self.ways).cells;
+        let mut seen = LowerBound::new(&self.ways).cells;
         for (number, way) in self.ways.all.iter().enumerate() {
             let row = seen.row_mut(way.from as usize);
             if self.stage == Stage::FirstBound {
@@ -239,16 +241,16 @@ impl PairsWork {
         VisiblePairs::new(seen, self.known.cells.count() - self.ways.cells())
     }
 
-    pub(crate) fn go_on_from(&mut self, saved: Saved) {
+    pub(crate) fn restore(&mut self, saved: Saved) {
         self.stage = saved.stage;
         self.next = saved.next;
         self.bound = saved.bound;
         self.known = saved.known;
         self.order = saved.order;
-        self.foresee();
+        self.estimate_costs();
     }
 
-    /// Goes on by so many ways, and to the next stage after the last; says whether it did.
+    /// Advances by `by` ways, and to stage `then` after the last way; returns `true` if the stage changed.
     fn advance(&mut self, by: usize, then: Stage) -> bool {
         self.next = self.ways.count().min(self.next + by);
         let is_over = self.next == self.ways.count();
@@ -259,36 +261,36 @@ impl PairsWork {
         is_over
     }
 
-    /// Estimates what each flow costs: about as much as it may see, on all maps that were tried; on the way back, as much as
-    /// it still asks for.
-    fn foresee(&mut self) {
+    /// Estimates the cost of each flow as the size of its bound, which fits all maps measured. In the backflow only the
+    /// undecided ways count.
+    fn estimate_costs(&mut self) {
         let mut sum = 0.0;
         self.cost_before.clear();
         self.cost_before.push(0.0);
         for &way in &self.order {
-            let mut asked = self.bound.row(way as usize).to_vec();
+            let mut undecided = self.bound.row(way as usize).to_vec();
             if self.stage == Stage::Backflow {
-                self.known.take_known(&self.ways, way as usize, &mut asked);
+                self.known.take_known(&self.ways, way as usize, &mut undecided);
             }
-            sum += 1.0 + count(&asked) as f64;
+            sum += 1.0 + count(&undecided) as f64;
             self.cost_before.push(sum);
         }
     }
 
-    /// Flows from the next few ways in the order; each pair is asked from that end which comes first. Lines are aimed at
-    /// what is reached along one chain, or along two.
+    /// Runs the flow from the next [`FLOWS`] ways in the order. Each pair is decided from whichever end comes first.
+    /// Rays are aimed along the first chain that reaches a way, or with `twice` along the first two.
     fn flow(&mut self, twice: bool) {
-        // Of each way that has flowed, its back: who sees that has been told.
-        let mut told = vec![0u64; self.bound.words_in_row()];
+        // The reverses of all ways that have flowed: pairs that end there are decided.
+        let mut answered = vec![0u64; self.bound.words_in_row()];
         let (before, rest) = self.order.split_at(self.next);
         for &way in before {
-            put(&mut told, self.ways.all[way as usize].back as usize);
+            put(&mut answered, self.ways.all[way as usize].back as usize);
         }
         let some = &rest[..rest.len().min(FLOWS)];
-        let answers: Vec<Answer> = some
+        let answers: Vec<FlowResult> = some
             .par_iter()
             .map_init(Flow::default, |flow, &way| {
-                self.answer(&told, twice, way as usize, flow)
+                self.answer(&answered, twice, way as usize, flow)
             })
             .collect();
         for (&way, answer) in some.iter().zip(answers) {
@@ -296,30 +298,40 @@ impl PairsWork {
                 drop_pair(&self.ways, &mut self.bound, way as usize, then as usize);
             }
             for line in answer.lines {
-                self.known.take_in(&self.ways, &line);
+                self.known.add_line(&self.ways, &line);
             }
         }
     }
 
-    fn answer(&self, told: &[u64], twice: bool, way: usize, flow: &mut Flow) -> Answer {
+    fn answer(&self, answered: &[u64], twice: bool, way: usize, flow: &mut Flow) -> FlowResult {
         let ways = &self.ways;
-        let mut asked = self.bound.row(way).to_vec();
-        for (word, told) in asked.iter_mut().zip(told) {
-            *word &= !told;
+        let mut undecided = self.bound.row(way).to_vec();
+        for (word, answered) in undecided.iter_mut().zip(answered) {
+            *word &= !answered;
         }
-        self.known.take_known(ways, way, &mut asked);
+        self.known.take_known(ways, way, &mut undecided);
         let mut lines = Vec::new();
-        // What a line shows is no longer asked about, but what the flow alone reaches is: only that it is not dropped.
+        // Ways that a ray proves visible leave `undecided`. Ways that only the flow reaches stay in it, and are not
+        // dropped.
         let (bound, passages) = (&self.bound, &self.passages);
-        let reached = flow.run(ways, bound, passages, way, &mut asked, |asked, reached| {
-            lines.extend(aim(ways, way, reached, twice, asked));
-        });
-        let dropped = ones_besides(&asked, reached).map(|then| then as u32).collect();
-        Answer { dropped, lines }
+        let reached = flow.run(
+            ways,
+            bound,
+            passages,
+            way,
+            &mut undecided,
+            |undecided, reached| {
+                lines.extend(aim(ways, way, reached, twice, undecided));
+            },
+        );
+        let dropped = ones_besides(&undecided, reached)
+            .map(|then| then as u32)
+            .collect();
+        FlowResult { dropped, lines }
     }
 }
 
-/// What the work takes at most, in bytes; nothing is set aside for it.
+/// Returns an upper bound of the memory needed, in bytes, without allocating.
 fn needed_bytes(cells: &Cells) -> u64 {
     let ways = cells.portals().len() as u64 * 2;
     let corners: u64 = cells

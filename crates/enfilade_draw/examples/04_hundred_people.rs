@@ -1,4 +1,5 @@
-//! A hundred people walk through a palace whose doors open before them; two cameras look. Makes `people.png`, a clip.
+//! A hundred people walk through a palace whose doors open before them, seen by two cameras. Writes `people.png`, an
+//! animated PNG.
 
 use enfilade::*;
 use enfilade_draw::{Clip, RgbImage, Settings, Stage};
@@ -13,7 +14,7 @@ const UP_TO_MIDDLE: Vec3 = vec3(0.0, 0.95, 0.0);
 struct Person {
     place: Location,
     goal: Vec3,
-    /// It is an item of each sector that it stands in.
+    /// The person is an item of each sector that it touches.
     items: Vec<(SectorId, ItemId)>,
 }
 
@@ -27,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             doors.push((id, portal.from, opening.outline.bounds().center().into()));
         }
     }
-    // What stops them: the palace without people, for nobody is in their own way.
+    // Obstacles: the palace without people, so that nobody blocks themselves.
     let mut walls = scene.clone();
     let start = |number: usize| {
         let (_, sector, goal) = doors[number * 7 % doors.len()];
@@ -39,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let mut people: Vec<Person> = (0..100).map(start).collect();
     let kinds: Vec<_> = (0..7).map(person).collect();
-    // From the rotunda and from the red salon.
+    // Cameras in the rotunda and in the red salon.
     let stage = Stage::new(&scene);
     let mut viewers = [4, 2].map(|camera| (palace.cameras[camera].view(SIZE), Viewer::new()));
     let file = std::fs::File::create("people.png")?;
@@ -52,7 +53,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             person.place = walls.slide(from, Capsule::new(0.25, 1.9), step.into()).location;
             let here = Vec3::from(person.place.position);
             if person.place.sector != from.sector || here.distance(from.position.into()) < 0.03 {
-                // On, to another door of the room that it is in.
+                // Walk on to another door of the current room.
                 let ways = doors.iter().filter(|door| door.1 == person.place.sector);
                 let way = ways.cycle().nth(number + frame as usize);
                 person.goal = way.map_or(here, |&(.., door)| door + 0.3 * (door - here).normalize());

@@ -1,12 +1,12 @@
-//! Pictures that move: one file, frame after frame.
+//! Animated PNG clips.
 
 use image::RgbImage;
 use png::{BitDepth, BlendOp, ColorType, Compression, DisposeOp, EncodingError, Writer};
 use std::io::Write;
 
-/// An animated PNG that is written frame by frame, and plays for ever.
+/// Writes an animated PNG frame by frame; it loops forever.
 ///
-/// Of each frame only what is other than in the one before is stored.
+/// Each frame stores only the pixels that differ from the previous one.
 pub struct Clip<W: Write> {
     writer: Writer<W>,
     last: Vec<u8>,
@@ -14,10 +14,10 @@ pub struct Clip<W: Write> {
 }
 
 impl<W: Write> Clip<W> {
-    /// Begins a clip of `frames` frames of a size, so many a second.
+    /// Starts a clip of `frames` frames of `size` pixels.
     ///
     /// # Errors
-    /// As the file has them, or where there are no frames or no pixels.
+    /// An error of the writer, or no frames, or no pixels.
     pub fn new(
         file: W,
         size: [u32; 2],
@@ -43,14 +43,14 @@ impl<W: Write> Clip<W> {
     /// Adds the next frame.
     ///
     /// # Errors
-    /// As the file has them, or where the picture has another size than the first or is one too many.
+    /// An error of the writer, or a picture of another size than the clip, or a frame too many.
     pub fn add(&mut self, picture: &RgbImage) -> Result<(), EncodingError> {
         let pixels = picture.as_raw();
         self.frame.clear();
         for (i, pixel) in pixels.chunks_exact(3).enumerate() {
             let same = self.last.get(3 * i..3 * i + 3) == Some(pixel);
             let [r, g, b] = [pixel[0], pixel[1], pixel[2]];
-            // What is seen through shows the frame before.
+            // Transparent pixels keep the previous frame's colour.
             self.frame.extend(if same { [0; 4] } else { [r, g, b, 255] });
         }
         self.writer.write_image_data(&self.frame)?;
@@ -58,10 +58,10 @@ impl<W: Write> Clip<W> {
         Ok(())
     }
 
-    /// Ends the file.
+    /// Finishes the file.
     ///
     /// # Errors
-    /// As the file has them, or where frames are missing.
+    /// An error of the writer, or missing frames.
     pub fn finish(self) -> Result<(), EncodingError> {
         self.writer.finish()
     }

@@ -1,20 +1,21 @@
-//! Pictures of covers: what they know, by colour, and how near it is, by light.
+//! Pictures of occlusion buffers ([`Show::Cover`](crate::Show::Cover)): the occluder as hue, the reversed depth as
+//! brightness.
 
 use crate::palette::{distinct, dusk, encode};
 use enfilade::{CoverShape, CoverSpan, HiddenBy};
 use image::RgbImage;
 
-/// What covers know of each sample.
+/// Content of the occlusion buffers at each sample.
 pub(crate) struct CoverPicture {
     width: usize,
-    samples: Vec<Known>,
-    /// Goes up with each passage: their cells have the same numbers.
+    samples: Vec<CoverSample>,
+    /// Number of the passage, which distinguishes cells of different passages with equal numbers.
     passage: u32,
     shape: Option<CoverShape>,
 }
 
 #[derive(Clone, Copy, Default)]
-struct Known {
+struct CoverSample {
     passage: u32,
     cell: u32,
     rev_depth: f32,
@@ -22,27 +23,27 @@ struct Known {
     by: Option<HiddenBy>,
 }
 
-/// Nothing hides here.
+/// Samples without an occluder.
 pub(crate) const OPEN: [f32; 3] = [0.93, 0.94, 0.96];
-/// No cover has said anything.
+/// Samples that no occlusion buffer covers.
 const UNKNOWN: [f32; 3] = [0.008; 3];
-/// The layers of a masked buffer.
+/// The reference and working layers of a masked depth buffer.
 pub(crate) const REFERENCE: [f32; 3] = [0.09, 0.30, 0.55];
 pub(crate) const WORKING: [f32; 3] = [0.95, 0.50, 0.10];
-/// What is farthest keeps this part of its colour.
+/// Brightness of the farthest samples.
 const FARTHEST: f32 = 0.16;
 
 impl CoverPicture {
     pub(crate) fn new(size: [u32; 2]) -> CoverPicture {
         CoverPicture {
             width: size[0] as usize,
-            samples: vec![Known::default(); size[0] as usize * size[1] as usize],
+            samples: vec![CoverSample::default(); size[0] as usize * size[1] as usize],
             passage: 0,
             shape: None,
         }
     }
 
-    /// What follows is another passage's.
+    /// Starts the next passage.
     pub(crate) fn enter(&mut self, shape: Option<CoverShape>) {
         self.passage += 1;
         self.shape = shape;
@@ -54,7 +55,7 @@ impl CoverPicture {
             let steps = (end - start).saturating_sub(1).max(1) as f32;
             let [first, last] = span.rev_depth;
             for (step, sample) in self.samples[start..end].iter_mut().enumerate() {
-                *sample = Known {
+                *sample = CoverSample {
                     passage: self.passage,
                     cell: span.cell,
                     rev_depth: first + (last - first) * (step as f32 / steps),
@@ -71,25 +72,25 @@ impl CoverPicture {
         let mut image = RgbImage::new(self.width as u32, height as u32);
         for (i, target) in image.pixels_mut().enumerate() {
             let [x, y] = [i % self.width, i / self.width];
-            let known = &self.samples[i];
-            let left = if x > 0 { &self.samples[i - 1] } else { known };
+            let sample = &self.samples[i];
+            let left = if x > 0 { &self.samples[i - 1] } else { sample };
             let above = if y > 0 {
                 &self.samples[i - self.width]
             } else {
-                known
+                sample
             };
-            let dimmed = dimming(known, left, above, y);
-            target.0 = encode(color(known, &light).map(|value| value * dimmed));
+            let dimmed = dimming(sample, left, above, y);
+            target.0 = encode(color(sample, &light).map(|value| value * dimmed));
         }
         image
     }
 }
 
-/// How the outlines of cells, and the rows that hold spans, darken a sample.
-fn dimming(known: &Known, left: &Known, above: &Known, y: usize) -> f32 {
-    let differs = |other: &Known| (other.passage, other.cell) != (known.passage, known.cell);
-    match known.shape {
-        // Rows know nothing of each other: only the ends of spans are outlines.
+/// Returns a factor that darkens the outlines of cells, and every other row of spans.
+fn dimming(sample: &CoverSample, left: &CoverSample, above: &CoverSample, y: usize) -> f32 {
+    let differs = |other: &CoverSample| (other.passage, other.cell) != (sample.passage, sample.cell);
+    match sample.shape {
+        // Rows of spans are independent: only span ends are outlines.
         Some(CoverShape::Spans) if differs(left) => 0.4,
         Some(CoverShape::Spans) if y % 2 == 1 => 0.85,
         Some(CoverShape::Spans) => 1.0,
@@ -99,10 +100,10 @@ fn dimming(known: &Known, left: &Known, above: &Known, y: usize) -> f32 {
     }
 }
 
-fn color(known: &Known, light: &Light) -> [f32; 3] {
-    let part = light.of(known.rev_depth);
+fn color(sample: &CoverSample, light: &Light) -> [f32; 3] {
+    let part = light.of(sample.rev_depth);
     let lit = |color: [f32; 3]| color.map(|value| value * (FARTHEST + (1.0 - FARTHEST) * part));
-    match known.by {
+    match sample.by {
         None => UNKNOWN,
         Some(HiddenBy::Nothing) => OPEN,
         Some(HiddenBy::One(number)) => lit(distinct(u64::from(number)).map(|value| 0.06 + 1.2 * value)),
@@ -112,8 +113,8 @@ fn color(known: &Known, light: &Light) -> [f32; 3] {
     }
 }
 
-/// Reversed depth as light, 0 to 1: half by its logarithm, half by how much of the picture is farther, so that neither a leaf
-/// before the eye nor a view down a street makes all else one.
+/// Maps reversed depth to brightness, 0 to 1: half by its logarithm, half by its rank in the picture. So neither one
+/// near leaf nor a view down a street makes everything else uniform.
 struct Light {
     sorted: Vec<f32>,
     farthest: f32,
@@ -121,8 +122,8 @@ struct Light {
 }
 
 impl Light {
-    fn over(samples: &[Known]) -> Light {
-        let rev_depth = samples.iter().map(|known| known.rev_depth);
+    fn over(samples: &[CoverSample]) -> Light {
+        let rev_depth = samples.iter().map(|sample| sample.rev_depth);
         let mut sorted: Vec<f32> = rev_depth
             .filter(|&rev_depth| rev_depth > 0.0 && rev_depth.is_finite())
             .collect();

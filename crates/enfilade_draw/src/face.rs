@@ -1,29 +1,29 @@
-//! A face as one passage shows it: all that is the same at each of its samples, worked out once.
+//! Per-face setup for one passage: everything constant over the face's samples, computed once.
 //!
-//! A ray through sample (x, y) meets the face's plane at eye + d·o/(n·d), with a direction d that is linear in x and y. So
-//! whatever varies linearly over the face is, on the screen, a constant plus a quotient of two linear functions, whose
-//! derivatives are exact.
+//! The ray through sample (x, y) meets the face's plane at eye + d·o/(n·d), with a direction d that is linear in x and
+//! y. So an attribute that varies linearly over the face is, in screen space, a constant plus a quotient of two linear
+//! functions, with exact derivatives.
 //! Source: Heckbert, Fundamentals of texture mapping and image warping, 1989, section 2 (projective mappings).
 
-use crate::lamps::Near;
+use crate::lamps::PassageLight;
 use crate::mips::Mips;
 use crate::stage::Stage;
 use enfilade::{Alpha, Geometry, ItemId, Passage, Surface, Transform};
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
-/// Where the passage at hand sees samples: from an eye, in a direction that grows by the same from each to the next.
+/// Camera rays of the current passage: origin, direction at sample (0, 0), and the direction's step per column and row.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Rays {
     pub(crate) eye: DVec3,
     corner: DVec3,
     right: DVec3,
     down: DVec3,
-    /// Against the line of sight, unit length.
+    /// Opposite to the view direction, unit length.
     pub(crate) back: Vec3,
 }
 
-/// A number that grows by the same from each sample to the next.
+/// A linear function of the sample position: value at (0, 0), and step per column and row.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Linear {
     corner: f64,
@@ -31,42 +31,42 @@ pub(crate) struct Linear {
     down: f64,
 }
 
-/// Such a number along one row: at column 0, for each column, and for each row.
+/// A linear function along one row: value at column 0, and step per column and row.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Along {
+pub(crate) struct LinearRow {
     start: f32,
     pub(crate) right: f32,
     pub(crate) down: f32,
 }
 
-/// What varies linearly over a face: a constant and a numerator over the face's own denominator.
+/// A perspective-correct attribute: `base` + `over` / `facing` of the face.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Varying {
     pub(crate) base: f32,
     pub(crate) over: Linear,
 }
 
-/// A face as one passage shows it. Places are seen from the passage's eye.
+/// A face as seen through one passage. Positions are relative to the passage's eye.
 pub(crate) struct Face<'s> {
-    /// Red, green, blue and coverage of its material, linear.
+    /// Linear RGB and alpha of its material.
     pub(crate) color: [f32; 4],
     pub(crate) emission: Vec3,
     pub(crate) cutoff: Option<f32>,
-    /// Is it seen through?
+    /// Whether the material is alpha-blended.
     pub(crate) glass: bool,
     pub(crate) unlit: bool,
     pub(crate) texture: Option<&'s Mips>,
     pub(crate) glow: Option<&'s Mips>,
-    /// Turned to the eye.
+    /// Flipped towards the eye.
     pub(crate) normal: Vec3,
-    /// Of the plane: n · d, and n · (a point of it).
+    /// For the plane with normal n: n · d for ray direction d, and n · (a point of the plane).
     pub(crate) facing: Linear,
     pub(crate) off: f32,
-    pub(crate) place: Option<[Varying; 2]>,
-    /// Normals of corners, turned to the eye's side.
+    pub(crate) uv: Option<[Varying; 2]>,
+    /// Interpolated vertex normals, flipped to the eye's side.
     pub(crate) normals: Option<[Varying; 3]>,
     pub(crate) colors: Option<Box<[Varying; 4]>>,
-    /// The lights that may shine on it, and whether each point must be asked for.
+    /// Indices of the lights that may reach it, and whether their openings must be tested per sample.
     pub(crate) lights: SmallVec<[(u16, bool); 4]>,
 }
 
@@ -84,7 +84,7 @@ impl Rays {
         }
     }
 
-    /// The direction of each sample, along a vector.
+    /// Returns the dot product of a vector with each sample's ray direction.
     fn along(&self, vector: DVec3) -> Linear {
         Linear {
             corner: vector.dot(self.corner),
@@ -93,7 +93,7 @@ impl Rays {
         }
     }
 
-    /// The direction of the sample (x, y).
+    /// Returns the ray direction of sample (x, y).
     #[inline]
     pub(crate) fn direction(&self, [x, y]: [u16; 2]) -> Vec3 {
         (self.corner + self.right * f64::from(x) + self.down * f64::from(y)).as_vec3()
@@ -101,8 +101,8 @@ impl Rays {
 }
 
 impl Linear {
-    pub(crate) fn row(&self, y: u16) -> Along {
-        Along {
+    pub(crate) fn row(&self, y: u16) -> LinearRow {
+        LinearRow {
             start: (self.corner + self.down * f64::from(y)) as f32,
             right: self.right as f32,
             down: self.down as f32,
@@ -118,7 +118,7 @@ impl Linear {
     }
 }
 
-impl Along {
+impl LinearRow {
     #[inline]
     pub(crate) fn at(&self, column: f32) -> f32 {
         self.start + self.right * column
@@ -126,7 +126,7 @@ impl Along {
 }
 
 impl<'s> Face<'s> {
-    /// A face of which no more than its surface is known.
+    /// Creates a face without textures and vertex attributes, from its surface alone.
     pub(crate) fn plain(surface: &Surface, rays: &Rays) -> Face<'s> {
         let point = DVec3::from(surface.point.map(f64::from)) - rays.eye;
         let front = DVec3::from(surface.normal.map(f64::from));
@@ -142,20 +142,20 @@ impl<'s> Face<'s> {
             normal: normal.as_vec3(),
             facing: rays.along(normal),
             off: normal.dot(point) as f32,
-            place: None,
+            uv: None,
             normals: None,
             colors: None,
             lights: SmallVec::new(),
         }
     }
 
-    /// A face of a geometry, with its textures and what its corners carry.
+    /// Creates a face of a geometry, with its textures and vertex attributes.
     pub(crate) fn of_geometry(
         (geometry, stage): (&Geometry, &'s Stage),
         (item, face): (ItemId, u32),
         surface: &Surface,
         rays: &Rays,
-        lights: &[Near],
+        lights: &[PassageLight],
     ) -> Face<'s> {
         let mut made = Face::plain(surface, rays);
         let mesh = geometry.mesh_of(item);
@@ -173,19 +173,19 @@ impl<'s> Face<'s> {
             .map(|column| DVec3::from(column.map(f64::from)));
         let linear = |p: DVec3| columns[0] * p.x + columns[1] * p.y + columns[2] * p.z;
         let from_eye = |&corner: &u32| {
-            let place = DVec3::from(mesh.positions()[corner as usize].map(f64::from));
-            linear(place) + columns[3] - rays.eye
+            let position = DVec3::from(mesh.positions()[corner as usize].map(f64::from));
+            linear(position) + columns[3] - rays.eye
         };
-        let places: SmallVec<[DVec3; 8]> = corners.iter().map(from_eye).collect();
-        let Some(slopes) = Slopes::of(&places, rays, f64::from(made.off)) else {
+        let positions: SmallVec<[DVec3; 8]> = corners.iter().map(from_eye).collect();
+        let Some(slopes) = Slopes::of(&positions, rays, f64::from(made.off)) else {
             return made;
         };
         let of =
             |list: &dyn Fn(u32) -> f64| slopes.varying(slopes.corners.map(|corner| list(corners[corner])));
         let textured = made.texture.is_some() || made.glow.is_some();
         if textured && !mesh.texture().is_empty() {
-            let place = |axis: usize| of(&|corner| f64::from(mesh.texture()[corner as usize][axis]));
-            made.place = Some([place(0), place(1)]);
+            let uv = |axis: usize| of(&|corner| f64::from(mesh.texture()[corner as usize][axis]));
+            made.uv = Some([uv(0), uv(1)]);
         }
         if !mesh.colors().is_empty() {
             let channel = |i: usize| of(&|corner| f64::from(mesh.colors()[corner as usize][i]));
@@ -194,7 +194,7 @@ impl<'s> Face<'s> {
         if !mesh.normals().is_empty() && !made.unlit {
             made.normals = normals(mesh.normals(), corners, &slopes, &columns, made.normal);
         }
-        let eye_corners: SmallVec<[Vec3; 8]> = places.iter().map(|place| place.as_vec3()).collect();
+        let eye_corners: SmallVec<[Vec3; 8]> = positions.iter().map(|position| position.as_vec3()).collect();
         let flat = made.normals.is_none().then_some(made.normal);
         if !made.unlit {
             let shining = (0..).zip(lights).filter_map(|(number, light)| {
@@ -206,38 +206,38 @@ impl<'s> Face<'s> {
         made
     }
 
-    /// Is it the same at all of its samples?
+    /// Returns `true` if all samples of the face have the same shade.
     pub(crate) fn is_plain(&self) -> bool {
-        let varies = self.place.is_some() || self.normals.is_some() || self.colors.is_some();
+        let varies = self.uv.is_some() || self.normals.is_some() || self.colors.is_some();
         !varies && self.lights.is_empty()
     }
 }
 
-/// How numbers at three corners of a face vary over it.
+/// Gradients of vertex attributes over a face.
 struct Slopes<'r> {
     corners: [usize; 3],
     first: DVec3,
-    /// What one more at the second and at the third corner adds along each axis.
+    /// Gradients of the barycentric coordinates of the second and the third corner.
     along: [DVec3; 2],
     rays: &'r Rays,
     off: f64,
 }
 
 impl Slopes<'_> {
-    /// `None` for a face without area.
-    fn of<'r>(places: &[DVec3], rays: &'r Rays, off: f64) -> Option<Slopes<'r>> {
-        let first = places[0];
-        // Of more than three corners, those that are least in line with the first.
-        let pairs = (1..places.len() - 1).map(|second| [second, second + 1]);
+    /// Returns `None` for a face without area.
+    fn of<'r>(positions: &[DVec3], rays: &'r Rays, off: f64) -> Option<Slopes<'r>> {
+        let first = positions[0];
+        // The largest triangle of the fan about the first corner.
+        let pairs = (1..positions.len() - 1).map(|second| [second, second + 1]);
         let across = |pair: &[usize; 2]| {
-            let [a, b] = pair.map(|corner| places[corner] - first);
+            let [a, b] = pair.map(|corner| positions[corner] - first);
             a.cross(b)
         };
         let widest =
             pairs.max_by(|a, b| across(a).length_squared().total_cmp(&across(b).length_squared()))?;
         let normal = across(&widest);
         let square = normal.length_squared();
-        let [a, b] = widest.map(|corner| places[corner] - first);
+        let [a, b] = widest.map(|corner| positions[corner] - first);
         let along = [b.cross(normal) / square, normal.cross(a) / square];
         along.iter().all(|slope| slope.is_finite()).then_some(Slopes {
             corners: [0, widest[0], widest[1]],
@@ -257,8 +257,8 @@ impl Slopes<'_> {
     }
 }
 
-/// Normals of corners in the space of the sector, on the side of the face's own, which is turned to the eye. Corners
-/// without one have the face's own; `None` where all have.
+/// Returns interpolated vertex normals in sector space, on the side of the face normal `own`, which points towards the
+/// eye. Corners without a normal use `own`. Returns `None` if all corners lack one.
 fn normals(
     list: &[[f32; 3]],
     corners: &[u32],
@@ -270,7 +270,8 @@ fn normals(
     if given.iter().all(|normal| *normal == [0.0; 3]) {
         return None;
     }
-    // As planes are moved, not as points are; the sign of a mirror has no say, for the side is known.
+    // Normals transform by the cofactor matrix. The sign of its determinant does not matter, because the side is fixed
+    // below.
     let moved = |[nx, ny, nz]: [f32; 3]| {
         let sum = y.cross(*z) * f64::from(nx) + z.cross(*x) * f64::from(ny) + x.cross(*y) * f64::from(nz);
         let moved = sum.normalize_or_zero();

@@ -1,74 +1,76 @@
-//! Where the light of a scene's lamps and suns goes: into which sectors, through which openings, and how much of it is
-//! sent back there by walls.
+//! Light reach: the sectors that each light shines into, through which openings, and the indirect light and brightness
+//! of each sector.
 
 use enfilade::{Aabb, Light, LightId, LightReach, LightShape, Limits, Passage, Ray, Scene, SectorId};
 use glam::{DVec3, Vec3};
 
-/// Sectors that one lamp is followed into at most: two mirrors face to face would go on for ever.
+/// Maximum number of sector visits per light: two parallel mirrors would reflect forever.
 const MAX_REACHED: u32 = 4096;
-/// Portals in a row that light goes through.
+/// Maximum number of consecutive portals that light passes.
 const MAX_CROSSED: u16 = 8;
 
-/// Where the lights of a scene shine, and how bright it is in each sector.
+/// Reach of all lights of a scene, and the brightness of each sector.
 pub(crate) struct Lamps {
-    /// Sector after sector.
+    /// Sorted by sector.
     all: Vec<Lamp>,
-    /// By sector: what faces send back, and what eyes get used to.
+    /// Brightness by sector.
     rooms: Vec<Brightness>,
-    /// How many lights there are.
+    /// Number of lights of the scene.
     pub(crate) lights: usize,
 }
 
-/// A light as it is seen from a sector that it shines into.
+/// A light in the space of a sector that it reaches.
 struct Lamp {
     light: usize,
     lamp: Light,
-    reached: LightReach,
-    /// Where the middle of its light goes, of unit length; zero of a point.
+    reach: LightReach,
+    /// Central direction of its light, unit length; zero for a point light.
     onwards: DVec3,
-    /// Lengths in the sector for one where the lamp hangs.
+    /// Length in the sector of one unit in the light's own sector.
     scale: f64,
 }
 
-/// How bright it is in a sector.
+/// Brightness of a sector.
 #[derive(Clone, Copy, Default)]
 struct Brightness {
-    /// What surfaces get from others that are lit.
+    /// Indirect light that surfaces receive from others.
     bounced: Vec3,
-    /// What a white surface that is lit as most are sends back, about.
+    /// Estimated light that a typically lit white surface reflects.
     lit: f32,
-    /// What one sends back that its nearest lamp lights.
+    /// The same for a surface close to its nearest lamp.
     lit_best: f32,
 }
 
-/// A light as it shines on what one passage shows: places are seen from the passage's eye.
-pub(crate) struct Near {
+/// A light that may reach what a passage shows; positions are relative to the passage's eye.
+pub(crate) struct PassageLight {
     at: Vec3,
-    /// Towards a sun; zero for a lamp.
+    /// Direction to the sun; zero for a lamp.
     to_sun: Vec3,
     onwards: Vec3,
     color: Vec3,
-    /// Of a spot: what the cosine off its middle is multiplied by, and what is added, for the square root of its light.
+    /// For a spot: factor and offset of the cosine off its axis, for the square root of its intensity.
     cone: Option<[f32; 2]>,
-    /// Squares of lengths: one in the lamp's own space for one here; how far it shines, here; and there, and under how much
-    /// of it light grows no more.
+    /// `per_square`: squared length in the lamp's sector per squared length here. `reach`: range in lengths here.
+    /// `per_range_square`: inverse of the squared range in the lamp's sector. `nearest_square`: squared distance there
+    /// below which the falloff is constant.
     per_square: f32,
     reach: f32,
     per_range_square: f32,
     nearest_square: f32,
-    /// The beam holds points with n · x ≥ d for all.
+    /// The light beam through openings: points with n · x ≥ d for all planes.
     planes: Vec<(Vec3, f32)>,
 }
 
 impl Brightness {
-    /// What an eye gets used to: pools of light must not be blinding, nor leave all else in the dark.
-    fn used_to(&self) -> f32 {
+    /// Returns the brightness that automatic exposure adapts to: a compromise between lit spots and the rest of the
+    /// room.
+    fn adaptation(&self) -> f32 {
         self.lit * (0.5 * self.lit_best / self.lit.max(f32::MIN_POSITIVE)).clamp(1.0, 1.5)
     }
 }
 
 impl Lamps {
-    /// Those of a scene.
+    /// Computes the reach of all lights of a scene.
     pub(crate) fn of(scene: &Scene) -> Lamps {
         let mut limits = Limits::default();
         limits.max_crossings = MAX_CROSSED;
@@ -76,22 +78,22 @@ impl Lamps {
         let mut all: Vec<Lamp> = Vec::new();
         let mut rooms = vec![Brightness::default(); scene.sectors().count()];
         for (light, lamp) in scene.lights().iter().enumerate() {
-            let usual = usual_distance(scene, lamp);
-            for reached in scene.light_reach(LightId(light as u32), &limits) {
-                brighten(scene, &mut rooms, lamp, &reached, usual);
+            let typical = typical_distance(scene, lamp);
+            for reach in scene.light_reach(LightId(light as u32), &limits) {
+                brighten(scene, &mut rooms, lamp, &reach, typical);
                 let onwards = lamp
                     .direction()
-                    .map_or([0.0; 3], |direction| reached.there_from_here.direction(direction));
+                    .map_or([0.0; 3], |direction| reach.there_from_here.direction(direction));
                 all.push(Lamp {
                     light,
                     lamp: *lamp,
                     onwards: DVec3::from(onwards.map(f64::from)).normalize_or_zero(),
-                    scale: reached.there_from_here.scale(),
-                    reached,
+                    scale: reach.there_from_here.scale(),
+                    reach,
                 });
             }
         }
-        all.sort_by_key(|lamp| lamp.reached.sector);
+        all.sort_by_key(|lamp| lamp.reach.sector);
         Lamps {
             all,
             rooms,
@@ -99,37 +101,43 @@ impl Lamps {
         }
     }
 
-    /// Are there none at all?
+    /// Returns `true` if the scene has no lights.
     pub(crate) fn is_empty(&self) -> bool {
         self.lights == 0
     }
 
-    /// What surfaces of a sector get from others that are lit, linear: some even in the darkest.
+    /// Returns the indirect light of a sector, linear; above zero even in the darkest.
     pub(crate) fn bounced(&self, sector: SectorId) -> Vec3 {
         const LEAST: f32 = 0.05;
         let here = self.rooms.get(sector.0 as usize);
         here.map_or(Vec3::ZERO, |room| room.bounced) + Vec3::splat(LEAST * self.brightest())
     }
 
-    /// What a white surface that is lit well sends back in a sector, about; above 0.
+    /// Returns the estimated light that a well-lit white surface of a sector reflects; above 0.
     pub(crate) fn lit(&self, sector: SectorId) -> f32 {
         const DARKEST: f32 = 0.1;
-        let here = self.rooms.get(sector.0 as usize).map_or(0.0, Brightness::used_to);
+        let here = self
+            .rooms
+            .get(sector.0 as usize)
+            .map_or(0.0, Brightness::adaptation);
         here.max(DARKEST * self.brightest()).max(f32::MIN_POSITIVE)
     }
 
     fn brightest(&self) -> f32 {
-        self.rooms.iter().map(Brightness::used_to).fold(0.0, f32::max)
+        self.rooms.iter().map(Brightness::adaptation).fold(0.0, f32::max)
     }
 
-    /// The lights that may shine on what a passage shows, each with its number.
-    pub(crate) fn near<'a>(&'a self, passage: &'a Passage) -> impl Iterator<Item = (usize, Near)> + 'a {
+    /// Returns the lights that may reach what a passage shows, each with its index.
+    pub(crate) fn near<'a>(
+        &'a self,
+        passage: &'a Passage,
+    ) -> impl Iterator<Item = (usize, PassageLight)> + 'a {
         let first = self
             .all
-            .partition_point(|lamp| lamp.reached.sector < passage.sector);
+            .partition_point(|lamp| lamp.reach.sector < passage.sector);
         let here = self.all[first..]
             .iter()
-            .take_while(|lamp| lamp.reached.sector == passage.sector);
+            .take_while(|lamp| lamp.reach.sector == passage.sector);
         let eye = DVec3::from(passage.eye());
         here.filter(|lamp| passage.may_show(&lamp.around()))
             .map(move |lamp| (lamp.light, lamp.near(eye)))
@@ -137,7 +145,7 @@ impl Lamps {
 }
 
 impl Lamp {
-    /// Lengths of the sector that it reaches.
+    /// Returns the range in lengths of the sector it reaches.
     fn range(&self) -> f64 {
         match self.lamp.shape {
             LightShape::Sun { .. } => f64::INFINITY,
@@ -145,24 +153,24 @@ impl Lamp {
         }
     }
 
-    /// The box that it shines in.
+    /// Returns the bounding box of its range.
     fn around(&self) -> Aabb {
-        // Numbers of this size still leave room to calculate.
+        // Limited so that later arithmetic does not overflow.
         let range = self.range().min(1e30);
         Aabb {
-            min: self.reached.origin.map(|value| (value - range) as f32),
-            max: self.reached.origin.map(|value| (value + range) as f32),
+            min: self.reach.origin.map(|value| (value - range) as f32),
+            max: self.reach.origin.map(|value| (value + range) as f32),
         }
     }
 
-    fn near(&self, eye: DVec3) -> Near {
-        let at = DVec3::from(self.reached.origin) - eye;
+    fn near(&self, eye: DVec3) -> PassageLight {
+        let at = DVec3::from(self.reach.origin) - eye;
         let is_sun = matches!(self.lamp.shape, LightShape::Sun { .. });
-        let planes = self.reached.planes().map(|(normal, distance)| {
+        let planes = self.reach.planes().map(|(normal, distance)| {
             let normal = DVec3::from(normal);
             (normal.as_vec3(), (distance - normal.dot(eye)) as f32)
         });
-        Near {
+        PassageLight {
             at: at.as_vec3(),
             to_sun: if is_sun {
                 at.normalize_or_zero().as_vec3()
@@ -187,9 +195,9 @@ impl Lamp {
     }
 }
 
-impl Near {
-    /// May it shine on a face with these corners, whose normal is turned to the eye? `None`: not at all. Else: must it be
-    /// asked of each point whether the light comes through the openings so far?
+impl PassageLight {
+    /// Tests whether the light may reach a face with these corners, whose normal points towards the eye. Returns `None`
+    /// if not; otherwise whether its beam's planes must be tested per point.
     pub(crate) fn shines_on(&self, corners: &[Vec3], normal: Option<Vec3>) -> Option<bool> {
         let first = *corners.first()?;
         let to_light = if self.to_sun == Vec3::ZERO {
@@ -218,7 +226,8 @@ impl Near {
         Some(narrowed)
     }
 
-    /// The light that it adds to a point of a white surface, seen from the eye; `narrowed` as [`Near::shines_on`] has it.
+    /// Returns the light at a point of a white surface, relative to the eye; `narrowed` is the result of
+    /// [`PassageLight::shines_on`].
     #[inline]
     pub(crate) fn at(&self, point: Vec3, normal: Vec3, narrowed: bool) -> Vec3 {
         let outside = |&(normal, distance): &(Vec3, f32)| normal.dot(point) < distance;
@@ -242,14 +251,14 @@ impl Near {
             let off = -self.onwards.dot(to_lamp) * per_distance;
             (off * steepness + added).clamp(0.0, 1.0).powi(2)
         });
-        // As `Light::falloff` has it.
+        // As [`Light::falloff`].
         let falloff = (1.0 - range_part * range_part) / own_square.max(self.nearest_square);
         self.color * (falloff * cone * facing * per_distance)
     }
 }
 
-/// How far from a lamp the surfaces are that it lights well: nearer than most of several tried.
-fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
+/// Returns the typical distance of the surfaces that a lamp lights well: the lower third of the hits of several rays.
+fn typical_distance(scene: &Scene, lamp: &Light) -> f64 {
     let sector = scene.sector(lamp.sector);
     let corner = 1.0 / 3.0_f32.sqrt();
     let axes = [0, 1, 2].map(|axis| std::array::from_fn(|i| f32::from(u8::from(i == axis))));
@@ -278,7 +287,7 @@ fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
             };
             sector.cast(&ray).map(|hit| hit.distance * length)
         })
-        // The lamp's own shade is not what it lights.
+        // Skip hits on the lamp's own shade.
         .filter(|&distance| distance > 0.02 * size.min(20.0))
         .collect();
     distances.sort_unstable_by(f64::total_cmp);
@@ -286,36 +295,36 @@ fn usual_distance(scene: &Scene, lamp: &Light) -> f64 {
     near.unwrap_or(0.25 * size).min(0.5 * f64::from(lamp.range))
 }
 
-/// Adds what a light does in a sector that it reaches. What comes through an opening counts by how large that is beside
-/// the walls; what fills a small part of a large sector, by that part.
-fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reached: &LightReach, usual: f64) {
+/// Adds the contribution of a light to a sector it reaches. Light through an opening is weighted by the opening's area
+/// relative to the walls; light that fills a small part of a large sector, by that part.
+fn brighten(scene: &Scene, rooms: &mut [Brightness], lamp: &Light, reach: &LightReach, typical: f64) {
     const SENT_BACK: f32 = 0.35;
-    let size = DVec3::from(scene.sector(reached.sector).bounds().size().map(f64::from));
+    let size = DVec3::from(scene.sector(reach.sector).bounds().size().map(f64::from));
     let walls = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
     let is_sun = matches!(lamp.shape, LightShape::Sun { .. });
-    let part = if reached.parent.is_some() {
-        let corners: Vec<DVec3> = reached.window.iter().map(|&corner| corner.into()).collect();
+    let part = if reach.parent.is_some() {
+        let corners: Vec<DVec3> = reach.window.iter().map(|&corner| corner.into()).collect();
         let middle = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
-        let away = middle.distance(reached.origin.into()) / reached.there_from_here.scale();
+        let away = middle.distance(reach.origin.into()) / reach.there_from_here.scale();
         lamp.falloff(away) * (area(&corners) / walls.max(f64::MIN_POSITIVE)).min(1.0)
     } else if is_sun {
         1.0
     } else {
-        let filled = (4.0 * usual).powi(3) / (size.x * size.y * size.z).max(f64::MIN_POSITIVE);
-        // A spot lights no more of it than its cone takes of what a bare lamp shines on before it.
+        let filled = (4.0 * typical).powi(3) / (size.x * size.y * size.z).max(f64::MIN_POSITIVE);
+        // A spot lights only the solid angle of its cone.
         let cone = match lamp.shape {
             LightShape::Spot { outer, .. } => 1.0 - f64::from(outer).cos(),
             _ => 1.0,
         };
-        0.6 * lamp.falloff(usual) * filled.min(1.0) * cone
+        0.6 * lamp.falloff(typical) * filled.min(1.0) * cone
     };
     let color = Vec3::from(lamp.color);
     let brightness = color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-    let room = &mut rooms[reached.sector.0 as usize];
+    let room = &mut rooms[reach.sector.0 as usize];
     room.bounced += color * (SENT_BACK * part as f32);
     room.lit += brightness * part as f32;
-    if reached.parent.is_none() && !is_sun {
-        room.lit_best = room.lit_best.max(brightness * lamp.falloff(usual) as f32);
+    if reach.parent.is_none() && !is_sun {
+        room.lit_best = room.lit_best.max(brightness * lamp.falloff(typical) as f32);
     }
 }
 

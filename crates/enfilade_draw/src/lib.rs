@@ -1,5 +1,7 @@
-//! Draws what Enfilade sees, in software: textures with mipmaps, smooth normals, lamps, spots and suns whose light falls
-//! through openings, cut-outs, glass, one or four samples a pixel; and pictures of how a method came to its answer.
+//! Software renderer for Enfilade scenes, and diagnostic pictures of the visibility methods.
+//!
+//! It supports mipmapped textures, smooth normals, point, spot and directional lights that shine through portals, alpha
+//! test, alpha blending, and one or four samples per pixel. [`Show`] lists the diagnostic pictures.
 //!
 //! ```
 //! use enfilade::{GeometryBuilder, Material, Mesh, Method, SceneBuilder, Transform, View, Viewer};
@@ -14,7 +16,7 @@
 //! let scene = scene.build()?;
 //!
 //! let view = View::new([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], [64, 48]);
-//! // What all pictures of a scene share, made once.
+//! // Mip chains and light reach, prepared once for all pictures of the scene.
 //! let stage = Stage::new(&scene);
 //! let picture = stage.draw(&mut Viewer::new(), &scene, &view, &Settings::default());
 //! assert_ne!(picture.image.get_pixel(32, 24), picture.image.get_pixel(0, 0));

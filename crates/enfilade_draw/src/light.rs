@@ -1,19 +1,19 @@
-//! The light that is everywhere: a sun and a sky where the scene has no lights, what walls send back where it has, and a
-//! little from the eye, so that no corner of a closed room is flat.
+//! Ambient light: sun and sky in scenes without lights, indirect light in scenes with lights, and a weak headlight that
+//! keeps the corners of closed rooms from looking flat.
 
 use crate::lamps::Lamps;
 use crate::stage::Exposure;
 use enfilade::SectorId;
 use glam::Vec3;
 
-/// Towards the sun, in the space of the sector at hand; nothing casts a shadow.
+/// Direction to the sun, in the space of the current sector. It casts no shadows.
 const SUN: Vec3 = Vec3::new(0.424, 0.755, 0.5);
 const SUNLIGHT: Vec3 = Vec3::new(0.58, 0.53, 0.45);
 const ZENITH: Vec3 = Vec3::new(0.36, 0.40, 0.48);
 const GROUND: Vec3 = Vec3::new(0.20, 0.18, 0.16);
 const FROM_THE_EYE: f32 = 0.22;
 
-/// The light in a sector that comes from no lamp in particular, as it is shown.
+/// Ambient light of a sector, exposure applied.
 #[derive(Clone, Copy)]
 pub(crate) struct Daylight {
     sun: Vec3,
@@ -22,17 +22,18 @@ pub(crate) struct Daylight {
     from_the_eye: f32,
 }
 
-/// How light becomes what is shown.
+/// Exposure and tone mapping.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tone {
-    /// What is shown of one unit of a lamp's light.
+    /// Displayed value of one unit of a lamp's light.
     pub(crate) exposure: f32,
-    /// Does what is too bright grow pale instead of being cut off?
+    /// Whether highlights are compressed instead of clipped.
     pub(crate) soft: bool,
 }
 
 impl Daylight {
-    /// Lamps would be lost in the sun: where there are any, and it is not known how bright they are, it is evening.
+    /// Returns the ambient light of a sector. With lamps and a fixed exposure it is at evening level, because full
+    /// daylight would outshine them.
     pub(crate) fn of(lamps: &Lamps, sector: SectorId, exposure: Exposure, tone: &Tone) -> Daylight {
         const EVENING: f32 = 0.4;
         let day = |part: f32| Daylight {
@@ -56,9 +57,9 @@ impl Daylight {
         }
     }
 
-    /// What a white surface sends to an eye whose direction is `to_eye`.
+    /// Returns the light that a white surface reflects towards the eye; `back` points to the eye.
     ///
-    /// It depends on the normal alone, not on the place, so that the triangles of a wall do not show.
+    /// It depends on the normal but not on the position, so the triangles of a flat wall have one shade.
     #[inline]
     pub(crate) fn at(&self, normal: Vec3, back: Vec3) -> Vec3 {
         let upward = 0.5 + 0.5 * normal.y;
@@ -68,9 +69,9 @@ impl Daylight {
 }
 
 impl Tone {
-    /// What an eye that stands in a sector gets used to.
+    /// Returns the exposure for a camera in `sector`.
     pub(crate) fn of(lamps: &Lamps, sector: Option<SectorId>, exposure: Exposure) -> Tone {
-        /// How bright a white surface that is lit well is shown.
+        /// Displayed value of a well-lit white surface.
         const LIT_WELL: f32 = 0.6;
         match (exposure, sector) {
             (Exposure::Fixed(exposure), _) => Tone {
@@ -88,10 +89,10 @@ impl Tone {
         }
     }
 
-    /// Light as it is shown, 0 to 1.
+    /// Applies tone mapping: returns displayed values, 0 to 1 if highlights are compressed.
     #[inline]
     pub(crate) fn shown(&self, light: Vec3) -> Vec3 {
-        /// Up to here colors are as they are.
+        /// Values up to this are unchanged.
         const TRUE: f32 = 0.6;
         if !self.soft || light.max_element() <= TRUE {
             return light;

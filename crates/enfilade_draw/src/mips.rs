@@ -1,18 +1,18 @@
-//! Textures as they are looked up: each with its halves, quarters, eighths … down to one texel.
+//! Mip chains and texture filtering.
 //!
-//! Source: Williams, Pyramidal parametrics, 1983. Cost: O(texels) once; a sample looks at 8 texels at most.
+//! Source: Williams, Pyramidal parametrics, 1983. Cost: O(texels) to build; a lookup reads at most 8 texels.
 
 use crate::palette::{decoded, encode};
 use enfilade::{Filter, Texture, Wrap};
 use glam::Vec4;
 use std::sync::Arc;
 
-/// A texture and its levels.
+/// A texture with its mip levels.
 pub(crate) struct Mips {
     texture: Arc<Texture>,
-    /// From the halves on.
+    /// Mip levels 1 and up.
     smaller: Vec<Level>,
-    /// Linear light by sRGB byte.
+    /// Linear value of each sRGB byte.
     decoded: &'static [f32; 256],
 }
 
@@ -21,7 +21,7 @@ struct Level {
     texels: Vec<[u8; 4]>,
 }
 
-/// A level as it is looked into.
+/// A view of one mip level.
 #[derive(Clone, Copy)]
 struct Image<'a> {
     size: [u32; 2],
@@ -35,7 +35,7 @@ impl Mips {
             size: texture.size(),
             texels: texture.texels(),
         };
-        // Only what is looked at when a texture is small on the screen.
+        // Only textures with mipmapped minification need the levels.
         if texture.minify.levels.is_some() {
             while let Some(next) = half(smaller.last().map_or(first, Level::image)) {
                 smaller.push(next);
@@ -48,31 +48,32 @@ impl Mips {
         }
     }
 
-    /// Columns and rows of the largest level.
+    /// Returns the columns and rows of mip level 0.
     pub(crate) fn size(&self) -> [f32; 2] {
         self.texture.size().map(|side| side as f32)
     }
 
-    /// Red, green and blue, linear, and coverage at a place, where a sample is as wide as the root of `square` texels.
+    /// Returns linear RGB and alpha at texture coordinates (u, v), for a sample whose footprint is the square root of
+    /// `square` texels wide.
     pub(crate) fn at(&self, [u, v]: [f32; 2], square: f32) -> Vec4 {
         let [wrap_u, wrap_v] = self.texture.wrap;
-        let place = [into_range(u, wrap_u), into_range(v, wrap_v)];
+        let uv = [into_range(u, wrap_u), into_range(v, wrap_v)];
         if square.is_nan() || square <= 1.0 {
-            return self.look(0, place, self.texture.magnify);
+            return self.sample(0, uv, self.texture.magnify);
         }
         let minify = self.texture.minify;
         let level = (0.5 * log2(square)).min(self.smaller.len() as f32);
         match minify.levels {
-            None => self.look(0, place, minify.texels),
-            Some(Filter::Nearest) => self.look((level + 0.5) as usize, place, minify.texels),
+            None => self.sample(0, uv, minify.texels),
+            Some(Filter::Nearest) => self.sample((level + 0.5) as usize, uv, minify.texels),
             Some(Filter::Linear) => {
                 let larger = level as usize;
                 let part = level - larger as f32;
                 if part == 0.0 {
-                    return self.look(larger, place, minify.texels);
+                    return self.sample(larger, uv, minify.texels);
                 }
-                let smaller = self.look(larger + 1, place, minify.texels);
-                self.look(larger, place, minify.texels).lerp(smaller, part)
+                let smaller = self.sample(larger + 1, uv, minify.texels);
+                self.sample(larger, uv, minify.texels).lerp(smaller, part)
             }
         }
     }
@@ -87,9 +88,9 @@ impl Mips {
         }
     }
 
-    /// The color of a level at a place that is in range.
+    /// Samples one level at coordinates from [`into_range`].
     #[inline]
-    fn look(&self, level: usize, [u, v]: [f32; 2], filter: Filter) -> Vec4 {
+    fn sample(&self, level: usize, [u, v]: [f32; 2], filter: Filter) -> Vec4 {
         let image = self.image(level.min(self.smaller.len()));
         let [wrap_u, wrap_v] = self.texture.wrap;
         let [width, height] = image.size.map(|side| side as i32);
@@ -126,15 +127,16 @@ impl Image<'_> {
     }
 }
 
-/// The whole number below, of numbers below 2²² whichever their sign; of a whole one, itself or the one before. Without a
-/// call, and without the checks of a cast: the last bits of a sum with so large a number are the whole part.
+/// Returns the floor of a number with magnitude below 2²²; for integers, the integer or the one below. Branchless and
+/// without the saturation checks of a cast: after adding a large constant, the low bits of the sum hold the integer
+/// part.
 #[inline]
 fn floor(value: f32) -> i32 {
     const LARGE: f32 = 12_582_912.0;
     (value - 0.5 + LARGE).to_bits() as i32 - LARGE.to_bits() as i32
 }
 
-/// The logarithm to base 2 of a number above 0, off by less than a hundredth: the level next to the best is as good.
+/// Returns log₂ of a positive number with an error below 0.01, which shifts the mip level imperceptibly.
 #[inline]
 fn log2(value: f32) -> f32 {
     let bits = value.to_bits();
@@ -143,13 +145,13 @@ fn log2(value: f32) -> f32 {
     exponent + (mantissa - 1.0) * (1.0 + (2.0 - mantissa) * 0.346)
 }
 
-/// A coordinate near 0, so that those far out lose no digits where they are multiplied by the size. 0 for what is no number,
-/// and for what is too far out to tell texels apart.
+/// Reduces a texture coordinate to a range near 0, so that distant coordinates keep their precision when multiplied by
+/// the size. Returns 0 for NaN and for coordinates too large to resolve texels.
 #[inline]
-fn into_range(place: f32, wrap: Wrap) -> f32 {
+fn into_range(coordinate: f32, wrap: Wrap) -> f32 {
     const FAR: f32 = 4e6;
-    // What is no number is not near, either.
-    let near = if place.abs() < FAR { place } else { 0.0 };
+    // Also false for NaN.
+    let near = if coordinate.abs() < FAR { coordinate } else { 0.0 };
     match wrap {
         Wrap::Repeat => near - floor(near) as f32,
         Wrap::Mirror => near - 2.0 * floor(0.5 * near) as f32,
@@ -157,8 +159,8 @@ fn into_range(place: f32, wrap: Wrap) -> f32 {
     }
 }
 
-/// The texel that a number stands for, which may lie beyond the sides: where it repeats by one, where it is mirrored by one
-/// image.
+/// Returns the texel index under the wrap mode. `texel` may be one beyond either side with [`Wrap::Repeat`], and one
+/// image beyond with [`Wrap::Mirror`].
 #[inline]
 fn wrapped(texel: i32, size: i32, wrap: Wrap) -> usize {
     let texel = match wrap {
@@ -180,7 +182,8 @@ fn linear(decoded: &[f32; 256], [r, g, b, a]: [u8; 4]) -> Vec4 {
     )
 }
 
-/// An image of half the width and height, rounded down; `None` of one texel. What is seen through counts less.
+/// Returns the next mip level: half the width and height, rounded down, or `None` after 1×1. Colours are weighted by
+/// alpha.
 fn half(image: Image) -> Option<Level> {
     if image.size == [1, 1] {
         return None;
@@ -196,7 +199,7 @@ fn half(image: Image) -> Option<Level> {
             for row in rows.clone() {
                 for column in columns.clone() {
                     let [r, g, b, a] = linear(decoded(), image.texel(column, row)).to_array();
-                    // So that what is seen through whole still has the color of its surroundings.
+                    // The small bias keeps the average colour where all texels are transparent.
                     let weight = a + 1e-4;
                     color = [
                         color[0] + r * weight,
@@ -214,10 +217,10 @@ fn half(image: Image) -> Option<Level> {
     Some(Level { size, texels })
 }
 
-/// The texels of a larger row that one of a smaller row stands for: all are stood for.
-fn covered(place: u32, of: u32, larger: u32) -> std::ops::Range<usize> {
-    let at = |place: u32| (u64::from(place) * u64::from(larger) / u64::from(of)) as usize;
-    at(place)..at(place + 1)
+/// Returns the texels of a larger row that `texel` of a smaller row averages; together they cover the row.
+fn covered(texel: u32, of: u32, larger: u32) -> std::ops::Range<usize> {
+    let at = |texel: u32| (u64::from(texel) * u64::from(larger) / u64::from(of)) as usize;
+    at(texel)..at(texel + 1)
 }
 
 #[cfg(test)]
@@ -227,18 +230,18 @@ mod tests {
 
     fn texture(size: [u32; 2], texel: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
         let texels = (0..size[0] * size[1]).map(|i| texel(i % size[0], i / size[0]));
-        Texture::new("tile", size, texels.collect()).expect("texels for all")
+        Texture::new("tile", size, texels.collect()).expect("one texel per pixel")
     }
 
-    /// Red grows by column, green by row.
+    /// Creates a texture whose red encodes the column and whose green the row.
     fn numbered(change: impl FnOnce(&mut Texture)) -> Mips {
         let mut texture = texture([4, 2], |x, y| [x as u8 * 10, y as u8 * 10, 0, 255]);
         change(&mut texture);
         Mips::new(&Arc::new(texture))
     }
 
-    fn texel_at(mips: &Mips, place: [f32; 2]) -> [u8; 2] {
-        let [r, g, b, _] = mips.at(place, 0.5).to_array();
+    fn texel_at(mips: &Mips, uv: [f32; 2]) -> [u8; 2] {
+        let [r, g, b, _] = mips.at(uv, 0.5).to_array();
         let [r, g, _] = encode([r, g, b]);
         [r / 10, g / 10]
     }
@@ -256,9 +259,9 @@ mod tests {
                     texture.magnify = filter;
                 });
                 for (step, column) in (-2..10).zip(columns) {
-                    // In the middle of a texel both filters give its own color.
-                    let place = [(step as f32 + 0.5) / 4.0, 0.25];
-                    assert_eq!(texel_at(&mips, place), [column, 0], "{wrap:?} {filter:?} {step}");
+                    // At the centre of a texel both filters return its colour.
+                    let uv = [(step as f32 + 0.5) / 4.0, 0.25];
+                    assert_eq!(texel_at(&mips, uv), [column, 0], "{wrap:?} {filter:?} {step}");
                 }
             }
         }
@@ -318,11 +321,11 @@ mod tests {
             }
         });
         let dot = Mips::new(&Arc::new(odd)).at([0.5; 2], 64.0)[0];
-        assert!(dot > 0.01, "the last texel has a part in the whole: {dot}");
+        assert!(dot > 0.01, "the last texel contributes to the average: {dot}");
     }
 
     #[test]
-    fn numbers_are_rounded_and_levels_told_near_enough() {
+    fn floor_and_log2_are_accurate_enough() {
         for step in 1..4000 {
             let value = 1.003_f32.powi(step);
             assert!((log2(value) - value.log2()).abs() < 0.01, "{value}");
@@ -336,8 +339,8 @@ mod tests {
     #[test]
     fn places_that_are_no_numbers_or_far_out_do_no_harm() {
         let mips = numbered(|_| {});
-        for place in [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e30, -1e30] {
-            let color = mips.at([place, place], 3.0);
+        for uv in [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e30, -1e30] {
+            let color = mips.at([uv, uv], 3.0);
             let values = color.to_array();
             assert!(
                 values.iter().all(|value| (0.0..=1.0).contains(value)),

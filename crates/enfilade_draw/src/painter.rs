@@ -1,13 +1,13 @@
-//! A canvas that is a picture. Spans are gathered, and shaded many at a time, on all cores.
+//! A [`Canvas`] that renders a picture. It collects spans and shades them in batches on all cores.
 
 use crate::cover::CoverPicture;
 use crate::face::{Face, Rays};
-use crate::lamps::Near;
+use crate::lamps::PassageLight;
 use crate::light::{Daylight, Tone};
 use crate::palette::{distinct, heat, rainbow};
-use crate::pending::{Pending, Waiting};
+use crate::pending::{Pending, PendingSpan};
 use crate::pixels::{self, Pixel, UNPAINTED, pixel, put};
-use crate::samples::{Known, Others};
+use crate::samples::{PixelCache, SampleCache};
 use crate::shade::{Illumination, Row, Shade};
 use crate::show::Show;
 use crate::sky::Sky;
@@ -18,45 +18,46 @@ use glam::Vec3;
 use image::RgbImage;
 use rayon::prelude::*;
 
-/// A picture of what [`Viewer::draw`](enfilade::Viewer::draw) sees.
+/// Renders the spans that [`Viewer::draw`](enfilade::Viewer::draw) emits.
 ///
-/// Faces are worked out once for each passage; where texture, normals or lights vary over them, each sample is shaded.
+/// Per-face values are computed once per passage. Faces with textures, normals or lights are shaded per sample.
+#[doc(alias = "rasterizer")]
 pub struct Painter<'a> {
     scene: &'a Scene,
     stage: &'a Stage,
     settings: Settings,
     size: [u32; 2],
     pixels: Vec<Pixel>,
-    /// What [`Canvas::work`] counted; empty unless it is shown.
+    /// Counts from [`Canvas::work`]; empty unless the picture shows them.
     counts: Vec<u32>,
-    /// What [`Canvas::cover`] told, if that is shown.
+    /// Spans from [`Canvas::cover`], if the picture shows them.
     cover: Option<CoverPicture>,
     sky: Sky,
     tone: Tone,
     sector: SectorId,
     rays: Rays,
-    /// The lights that may shine on what the passage at hand shows.
-    near: Vec<Near>,
+    /// Lights that may reach what the current passage shows.
+    near: Vec<PassageLight>,
     daylight: Daylight,
-    /// Of each light, does it shine on anything seen?
+    /// For each light of the scene, whether it may reach a visible passage.
     shines: Vec<bool>,
     pending: Pending,
     shaded: u64,
-    /// What the pixels' other samples have shown, where they have more than one.
-    others: Option<Others>,
-    /// Names what the passage at hand shows, and how it stands to the eye.
+    /// Colours that the pixels' previous samples have shown, with several samples per pixel.
+    others: Option<SampleCache>,
+    /// Hash of the current passage's sector and transform.
     passage: u64,
 }
 
-/// Rows that are shaded at once by one thread.
+/// Rows per parallel job.
 const BAND: usize = 8;
-/// With fewer samples than this it is not worth it to ask other threads for help.
+/// Batches with fewer samples run on one thread, because parallel jobs would cost more than they save.
 const FEW_SAMPLES: u64 = 1 << 13;
-/// What is seen where an opening is closed, or no longer followed.
+/// Colour of an opening that is closed or beyond the recursion limit.
 const CLOSED: [f32; 3] = [0.10, 0.07, 0.05];
 
 impl<'a> Painter<'a> {
-    /// An empty picture of the view's size. [`Stage::draw`] does all at once.
+    /// Creates an empty picture of the view's size. [`Stage::draw`] does the whole rendering.
     pub fn on(stage: &'a Stage, scene: &'a Scene, view: &View, settings: &Settings) -> Painter<'a> {
         let show = settings.show;
         let samples = view.size[0] as usize * view.size[1] as usize;
@@ -84,26 +85,25 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Takes up what the pixels' other samples have shown.
-    pub(crate) fn beside(mut self, others: Others) -> Painter<'a> {
+    /// Shares shaded colours with the pixels' previous samples.
+    pub(crate) fn beside(mut self, others: SampleCache) -> Painter<'a> {
         self.others = Some(others);
         self
     }
 
-    /// The pixels, the sky where nothing else was painted; what was shown before glass came over it; and how many samples
-    /// were shaded.
-    pub(crate) fn finish_samples(mut self) -> (Vec<Pixel>, Others, Picture) {
+    /// Returns the pixels with the sky filled in, the colours shown before any blending, and the statistics.
+    pub(crate) fn finish_samples(mut self) -> (Vec<Pixel>, SampleCache, Picture) {
         self.flush();
         pixels::fill(&mut self.pixels, self.size, &self.sky);
         let (pixels, others) = (
             std::mem::take(&mut self.pixels),
             self.others.take().unwrap_or_default(),
         );
-        let told = self.picture(RgbImage::default());
-        (pixels, others, told)
+        let picture = self.picture(RgbImage::default());
+        (pixels, others, picture)
     }
 
-    /// Paints the sky where nothing else was, and gives the picture.
+    /// Fills the unpainted pixels with sky and returns the picture.
     pub fn finish(mut self) -> Picture {
         self.flush();
         let greatest = self.counts.iter().copied().max().unwrap_or(0).max(1) as f32;
@@ -132,7 +132,8 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Shades all that waits: the faces first, then the samples of each band of rows, in the order in which they came.
+    /// Shades all pending spans: first the faces, then in parallel the samples of each band of rows, in order of
+    /// arrival.
     fn flush(&mut self) {
         let mut pending = std::mem::take(&mut self.pending);
         if !pending.is_empty() {
@@ -181,7 +182,7 @@ impl<'a> Painter<'a> {
         self.pending = pending;
     }
 
-    /// How a face, or a closed opening, looks through the passage at hand.
+    /// Computes how a face or a closed opening looks through the current passage.
     fn paint_of(&self, owner: Owner, light: &Illumination) -> Paint<'a> {
         let Owner::Face(item, face) = owner else {
             return Paint::Plain(Shade {
@@ -226,13 +227,13 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// How a face looks: the same at all its samples, or not.
+/// Shading of a face: constant, or varying from sample to sample.
 enum Paint<'s> {
     Plain(Shade),
     Varied(Box<Face<'s>>),
 }
 
-/// What threads share while they shade.
+/// State shared by the threads that shade.
 struct Work<'a, 's> {
     light: &'a Illumination<'a>,
     paints: &'a [Paint<'s>],
@@ -243,13 +244,13 @@ struct Work<'a, 's> {
 }
 
 impl Work<'_, '_> {
-    /// Shades the spans of one band of rows; tells how many samples of opaque faces that were.
+    /// Shades the spans of one band of rows; returns the number of shaded samples of opaque faces.
     fn shade(
         &self,
         band: usize,
         pixels: &mut [Pixel],
-        spans: &[Waiting],
-        mut others: Option<(usize, &mut [Known])>,
+        spans: &[PendingSpan],
+        mut others: Option<(usize, &mut [PixelCache])>,
     ) -> u64 {
         let mut shaded = 0;
         for span in spans {
@@ -295,7 +296,7 @@ impl Work<'_, '_> {
     }
 }
 
-/// Names a face as a passage shows it; different faces have different names, but by a chance of one in 2⁶⁴.
+/// Returns a hash of a face in a passage; two faces collide with probability 2⁻⁶⁴.
 fn name(passage: u64, owner: Owner) -> u64 {
     let [high, low] = match owner {
         Owner::Face(item, face) => [item.0, face],

@@ -1,8 +1,8 @@
-//! Colours: sRGB and back, and colours that tell numbers apart.
+//! Colour conversion (sRGB and linear) and diagnostic palettes.
 
 use std::sync::LazyLock;
 
-/// Linear light in steps of 1/65535 as sRGB bytes.
+/// sRGB byte of each linear value in steps of 1/65535.
 static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let encode = |step: u16| {
         let linear = f64::from(step) / 65535.0;
@@ -16,12 +16,12 @@ static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
     (0..=u16::MAX).map(encode).collect()
 });
 
-/// The sRGB byte of each of 65,536 steps of linear light, for who looks up many.
+/// Returns the table of sRGB bytes for 65,536 linear values, for loops over many pixels.
 pub(crate) fn encoded() -> &'static [u8] {
     &ENCODED
 }
 
-/// sRGB bytes as linear light, 0 to 1.
+/// Linear value of each sRGB byte, 0 to 1.
 static DECODED: LazyLock<[f32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|byte| {
         let srgb = byte as f64 / 255.0;
@@ -34,17 +34,17 @@ static DECODED: LazyLock<[f32; 256]> = LazyLock::new(|| {
     })
 });
 
-/// Linear light by sRGB byte, for who looks up many.
+/// Returns the table of linear values of sRGB bytes, for loops over many texels.
 pub(crate) fn decoded() -> &'static [f32; 256] {
     &DECODED
 }
 
-/// Linear light as sRGB bytes; what is out of range is clamped. IEC 61966-2-1.
+/// Encodes linear RGB as sRGB bytes (IEC 61966-2-1), clamped to 0 to 1.
 pub(crate) fn encode(linear: [f32; 3]) -> [u8; 3] {
     linear.map(|value| ENCODED[(value.clamp(0.0, 1.0) * 65535.0 + 0.5) as usize])
 }
 
-/// A colour for a number: neighbours differ in hue by the golden angle, so that few are alike.
+/// Returns a colour for an index. Consecutive indices differ in hue by the golden angle, so that few look alike.
 pub(crate) fn distinct(number: u64) -> [f32; 3] {
     let mixed = number.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     let hue = (mixed >> 40) as f32 / (1_u32 << 24) as f32;
@@ -56,7 +56,7 @@ pub(crate) fn distinct(number: u64) -> [f32; 3] {
     [0.0, 2.0 / 3.0, 1.0 / 3.0].map(|shift| light * (0.25 + 0.75 * wave(shift)))
 }
 
-/// From blue through green and yellow to red, for `part` from 0 to 1.
+/// Returns a colour from blue through green and yellow to red, for `part` from 0 to 1.
 pub(crate) fn rainbow(part: f32) -> [f32; 3] {
     along(
         &[
@@ -70,7 +70,7 @@ pub(crate) fn rainbow(part: f32) -> [f32; 3] {
     )
 }
 
-/// From black through blue, green and yellow to white, for `part` from 0 to 1.
+/// Returns a colour from black through blue, green and yellow to white, for `part` from 0 to 1.
 pub(crate) fn heat(part: f32) -> [f32; 3] {
     along(
         &[
@@ -84,7 +84,7 @@ pub(crate) fn heat(part: f32) -> [f32; 3] {
     )
 }
 
-/// From night blue through violet and copper to cream, for `part` from 0 to 1.
+/// Returns a colour from night blue through violet and copper to cream, for `part` from 0 to 1.
 pub(crate) fn dusk(part: f32) -> [f32; 3] {
     along(
         &[

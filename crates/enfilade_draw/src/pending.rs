@@ -1,25 +1,25 @@
-//! Spans that wait to be shaded, and the faces that they are of.
+//! Spans to be shaded, and the faces they belong to.
 
 use enfilade::{Owner, Span};
 use rayon::prelude::*;
 
-/// Spans that wait to be shaded.
+/// Spans to be shaded, collected until a batch is full.
 #[derive(Default)]
 pub(crate) struct Pending {
-    /// Each face once, but for what the table below forgets.
+    /// Faces of the spans. A face may occur twice, when `slots` has lost it.
     owners: Vec<Owner>,
-    spans: Vec<Waiting>,
-    /// The spans by bands, and where those of each band begin.
-    sorted: Vec<Waiting>,
+    spans: Vec<PendingSpan>,
+    /// The spans sorted by band, and the start of each band.
+    sorted: Vec<PendingSpan>,
     begins: Vec<usize>,
-    /// Where a face stands among the owners, plus one, by a hash of it; 0 for nowhere.
-    known: Vec<u32>,
+    /// Hash table from a face to its index in `owners` plus one; 0 for an empty slot. Collisions overwrite.
+    slots: Vec<u32>,
     samples: u64,
 }
 
-/// A span, and the place of its face among the owners.
+/// A span, with the index of its face among the owners.
 #[derive(Clone, Copy)]
-pub(crate) struct Waiting {
+pub(crate) struct PendingSpan {
     pub(crate) y: u16,
     pub(crate) x0: u16,
     pub(crate) x1: u16,
@@ -27,10 +27,10 @@ pub(crate) struct Waiting {
     pub(crate) owner: u32,
 }
 
-/// Spans that wait, at most.
+/// Maximum number of pending spans.
 const MAX_SPANS: usize = 1 << 16;
-/// A face is met again in its next row: so many are found again, if they are not more.
-const KNOWN: usize = 1 << 13;
+/// Slots of the hash table: a face recurs in the next row, and is found again if fewer faces than this come between.
+const SLOTS: usize = 1 << 13;
 
 impl Pending {
     pub(crate) fn is_empty(&self) -> bool {
@@ -50,9 +50,9 @@ impl Pending {
     }
 
     pub(crate) fn push(&mut self, y: u16, span: &Span) {
-        let owner = self.place(span.owner);
+        let owner = self.index(span.owner);
         self.samples += u64::from(span.x1 - span.x0);
-        self.spans.push(Waiting {
+        self.spans.push(PendingSpan {
             y,
             x0: span.x0,
             x1: span.x1,
@@ -61,29 +61,29 @@ impl Pending {
         });
     }
 
-    /// Where a face stands among the owners.
-    fn place(&mut self, owner: Owner) -> u32 {
-        self.known.resize(KNOWN, 0);
+    /// Returns the index of a face among the owners; adds it if necessary.
+    fn index(&mut self, owner: Owner) -> u32 {
+        self.slots.resize(SLOTS, 0);
         let slot = match owner {
             Owner::Face(item, face) => item.0.wrapping_mul(0x9E37_79B9).wrapping_add(face) as usize,
             Owner::Opening(opening) => usize::from(opening.0),
         };
-        let known = &mut self.known[slot % KNOWN];
-        let before = known.checked_sub(1);
+        let entry = &mut self.slots[slot % SLOTS];
+        let before = entry.checked_sub(1);
         match before {
-            Some(place) if self.owners[place as usize] == owner => place,
+            Some(index) if self.owners[index as usize] == owner => index,
             _ => {
                 self.owners.push(owner);
-                *known = self.owners.len() as u32;
-                *known - 1
+                *entry = self.owners.len() as u32;
+                *entry - 1
             }
         }
     }
 
-    /// Sorts the spans by bands of so many rows; in each they keep the order in which they came.
+    /// Sorts the spans by bands of `band` rows, stably.
     pub(crate) fn sort(&mut self, rows: usize, band: usize) {
         let bands = rows.div_ceil(band);
-        let of = |span: &Waiting| usize::from(span.y) / band;
+        let of = |span: &PendingSpan| usize::from(span.y) / band;
         self.begins.clear();
         self.begins.resize(bands + 1, 0);
         for span in &self.spans {
@@ -95,14 +95,14 @@ impl Pending {
         self.sorted.clone_from(&self.spans);
         let mut next = self.begins.clone();
         for span in &self.spans {
-            let place = &mut next[of(span)];
-            self.sorted[*place] = *span;
-            *place += 1;
+            let index = &mut next[of(span)];
+            self.sorted[*index] = *span;
+            *index += 1;
         }
     }
 
-    /// The spans of each band, once they are sorted.
-    pub(crate) fn bands(&self) -> impl IndexedParallelIterator<Item = &[Waiting]> {
+    /// Returns the spans of each band, after [`Pending::sort`].
+    pub(crate) fn bands(&self) -> impl IndexedParallelIterator<Item = &[PendingSpan]> {
         self.begins
             .par_windows(2)
             .map(|ends| &self.sorted[ends[0]..ends[1]])
@@ -111,7 +111,7 @@ impl Pending {
     pub(crate) fn clear(&mut self) {
         self.owners.clear();
         self.spans.clear();
-        self.known.fill(0);
+        self.slots.fill(0);
         self.samples = 0;
     }
 }

@@ -1,4 +1,4 @@
-//! The pixels of a picture while it is painted: linear, in steps of 1/65535, so that glass upon glass loses nothing.
+//! Pixels during rendering: linear, 16 bits per channel, so that stacked glass layers lose no precision.
 
 use crate::palette::encoded;
 use crate::shade::Shade;
@@ -7,25 +7,25 @@ use glam::Vec3;
 use image::RgbImage;
 use rayon::prelude::*;
 
-/// Red, green and blue as they are shown, linear; and whether anything was painted.
+/// Displayed linear RGB, and 1 if painted.
 pub(crate) type Pixel = [u16; 4];
 
 pub(crate) const UNPAINTED: Pixel = [0; 4];
 
-/// A pixel of this color.
+/// Converts a linear colour to a pixel.
 #[inline]
 pub(crate) fn pixel(color: Vec3) -> Pixel {
     let step = |value: f32| (value.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16;
     [step(color.x), step(color.y), step(color.z), 1]
 }
 
-/// The color of a pixel.
+/// Converts a pixel to a linear colour.
 #[inline]
 pub(crate) fn color([r, g, b, _]: Pixel) -> Vec3 {
     Vec3::new(f32::from(r), f32::from(g), f32::from(b)) * (1.0 / 65535.0)
 }
 
-/// Paints a sample over what is there; `behind` is what is behind everything.
+/// Blends a sample over a pixel; `behind` returns the sky's colour.
 #[inline]
 pub(crate) fn put(at: &mut Pixel, shade: Shade, behind: impl FnOnce() -> Vec3) {
     if shade.coverage >= 1.0 {
@@ -37,7 +37,7 @@ pub(crate) fn put(at: &mut Pixel, shade: Shade, behind: impl FnOnce() -> Vec3) {
     }
 }
 
-/// Paints the sky where nothing else was painted.
+/// Fills the unpainted pixels with sky.
 pub(crate) fn fill(pixels: &mut [Pixel], size: [u32; 2], sky: &Sky) {
     let rows = pixels.par_chunks_mut(size[0] as usize).enumerate();
     rows.for_each(|(y, row)| {
@@ -52,7 +52,7 @@ pub(crate) fn fill(pixels: &mut [Pixel], size: [u32; 2], sky: &Sky) {
     });
 }
 
-/// The picture of pixels.
+/// Encodes pixels as an sRGB image.
 pub(crate) fn image(pixels: &[Pixel], size: [u32; 2]) -> RgbImage {
     let mut image = RgbImage::new(size[0], size[1]);
     let width = size[0] as usize;

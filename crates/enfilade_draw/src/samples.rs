@@ -1,5 +1,5 @@
-//! Four samples a pixel: four pictures, each of them of other places in the pixels, and their mean. A face is shaded once
-//! for each pixel.
+//! Four samples per pixel: renders four pictures with different sample positions and averages them. Each face is shaded
+//! once per pixel.
 
 use crate::painter::Painter;
 use crate::pixels::{self, Pixel, UNPAINTED};
@@ -7,30 +7,30 @@ use crate::stage::{Picture, Settings, Stage};
 use enfilade::{Scene, View, Viewer};
 use rayon::prelude::*;
 
-/// What the samples of each pixel that were painted before have shown.
+/// Colours shaded for the previous samples of each pixel.
 #[derive(Default)]
-pub(crate) struct Others {
-    /// How many samples were painted.
+pub(crate) struct SampleCache {
+    /// Number of samples rendered so far.
     number: usize,
-    pixels: Vec<Known>,
+    pixels: Vec<PixelCache>,
 }
 
-/// Of one pixel: the names of faces, and what was shown of them before anything was painted over it.
+/// For each previous sample of one pixel: the hash of its face, and the colour before any blending.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Known {
+pub(crate) struct PixelCache {
     names: [u64; 3],
     shown: [Pixel; 3],
 }
 
-impl Known {
-    /// What was shown of a face.
+impl PixelCache {
+    /// Returns the colour of a face, if a previous sample has shaded it.
     #[inline]
     pub(crate) fn of(&self, name: u64) -> Option<Pixel> {
-        let place = self.names.iter().position(|&known| known == name)?;
-        Some(self.shown[place]).filter(|&shown| shown != UNPAINTED)
+        let index = self.names.iter().position(|&cached| cached == name)?;
+        Some(self.shown[index]).filter(|&shown| shown != UNPAINTED)
     }
 
-    /// Keeps what a sample, by its number, has shown.
+    /// Stores the colour of sample `number`.
     #[inline]
     pub(crate) fn keep(&mut self, number: usize, name: u64, shown: Pixel) {
         if let Some(slot) = self.names.get_mut(number) {
@@ -40,14 +40,14 @@ impl Known {
     }
 }
 
-impl Others {
-    /// The number of the sample at hand, and what the others have shown, so many pixels at a time.
-    pub(crate) fn bands(&mut self, pixels: usize) -> (usize, rayon::slice::ChunksMut<'_, Known>) {
+impl SampleCache {
+    /// Returns the index of the current sample, and the cached pixels in chunks of `pixels`.
+    pub(crate) fn bands(&mut self, pixels: usize) -> (usize, rayon::slice::ChunksMut<'_, PixelCache>) {
         (self.number, self.pixels.par_chunks_mut(pixels))
     }
 }
 
-/// Paints the mean of four samples in each pixel.
+/// Renders the mean of four samples per pixel.
 pub(crate) fn draw(
     stage: &Stage,
     viewer: &mut Viewer,
@@ -57,11 +57,11 @@ pub(crate) fn draw(
 ) -> Picture {
     let count = view.size[0] as usize * view.size[1] as usize;
     let mut sums = vec![[0_u32; 3]; count];
-    let mut others = Others {
+    let mut others = SampleCache {
         number: 0,
-        pixels: vec![Known::default(); count],
+        pixels: vec![PixelCache::default(); count],
     };
-    let mut told: Option<Picture> = None;
+    let mut total: Option<Picture> = None;
     for sample in View::FOUR_SAMPLES {
         let mut view = *view;
         view.sample = sample;
@@ -73,8 +73,8 @@ pub(crate) fn draw(
         }
         others = left;
         others.number += 1;
-        let before = told.as_ref();
-        told = Some(Picture {
+        let before = total.as_ref();
+        total = Some(Picture {
             shaded: picture.shaded + before.map_or(0, |before| before.shaded),
             lights_shining: picture
                 .lights_shining
@@ -89,6 +89,6 @@ pub(crate) fn draw(
     let pixels: Vec<Pixel> = sums.iter().map(mean).collect();
     Picture {
         image: pixels::image(&pixels, view.size),
-        ..told.expect("there are four samples")
+        ..total.expect("four samples were rendered")
     }
 }

@@ -1,34 +1,34 @@
-//! The light that samples of a face send to the eye, one after another along a row.
+//! Shading of samples along one row of a face.
 
-use crate::face::{Along, Face, Rays, Varying};
-use crate::lamps::Near;
+use crate::face::{Face, LinearRow, Rays, Varying};
+use crate::lamps::PassageLight;
 use crate::light::{Daylight, Tone};
 use glam::Vec3;
 
-/// What shines on what a passage shows.
+/// The light of one passage.
 pub(crate) struct Illumination<'a> {
     pub(crate) rays: &'a Rays,
-    pub(crate) lights: &'a [Near],
+    pub(crate) lights: &'a [PassageLight],
     pub(crate) daylight: &'a Daylight,
     pub(crate) tone: &'a Tone,
 }
 
-/// What is shown of a sample: red, green and blue, linear, from 0 to 1, and how much of what is behind it is covered.
+/// Result of shading: displayed linear RGB, 0 to 1, and coverage (alpha).
 #[derive(Clone, Copy)]
 pub(crate) struct Shade {
     pub(crate) color: Vec3,
     pub(crate) coverage: f32,
 }
 
-/// A face along one row.
+/// A face along one row of samples.
 pub(crate) struct Row<'a, 's> {
     face: &'a Face<'s>,
     light: &'a Illumination<'a>,
     y: u16,
-    facing: Along,
-    place: [Along; 2],
-    normals: [Along; 3],
-    colors: [Along; 4],
+    facing: LinearRow,
+    uv: [LinearRow; 2],
+    normals: [LinearRow; 3],
+    colors: [LinearRow; 4],
 }
 
 impl<'a, 's> Row<'a, 's> {
@@ -39,8 +39,8 @@ impl<'a, 's> Row<'a, 's> {
             light,
             y,
             facing: face.facing.row(y),
-            place: face
-                .place
+            uv: face
+                .uv
                 .as_ref()
                 .map_or_else(Default::default, |of| [row(&of[0]), row(&of[1])]),
             normals: face
@@ -53,7 +53,7 @@ impl<'a, 's> Row<'a, 's> {
         }
     }
 
-    /// What is shown at a column.
+    /// Shades the sample at a column.
     #[inline]
     pub(crate) fn at(&self, x: u16) -> Shade {
         let face = self.face;
@@ -66,14 +66,14 @@ impl<'a, 's> Row<'a, 's> {
             let [vr, vg, vb, va] = [0, 1, 2, 3].map(channel).map(sound);
             (r, g, b, coverage) = (r * vr, g * vg, b * vb, coverage * va);
         }
-        if let Some(varying) = &face.place {
-            let (place, stretch) = self.texture_place(varying, x, per_facing);
+        if let Some(varying) = &face.uv {
+            let (uv, stretch) = self.texture_uv(varying, x, per_facing);
             if let Some(texture) = face.texture {
-                let texel = texture.at(place, stretch.square(texture.size()));
+                let texel = texture.at(uv, stretch.square(texture.size()));
                 (r, g, b, coverage) = (r * texel.x, g * texel.y, b * texel.z, coverage * texel.w);
             }
             if let Some(glow) = face.glow {
-                emission *= glow.at(place, stretch.square(glow.size())).truncate();
+                emission *= glow.at(uv, stretch.square(glow.size())).truncate();
             }
         }
         let own = Vec3::new(r, g, b);
@@ -93,7 +93,7 @@ impl<'a, 's> Row<'a, 's> {
         }
     }
 
-    /// What a white surface would send to the eye.
+    /// Returns the light that a white surface would reflect towards the eye.
     #[inline]
     fn illuminated(&self, x: u16, per_facing: f32) -> Vec3 {
         let face = self.face;
@@ -117,23 +117,23 @@ impl<'a, 's> Row<'a, 's> {
         sum
     }
 
-    /// Where in its texture a sample is, and how that changes from sample to sample.
+    /// Returns a sample's texture coordinates and their screen-space derivatives.
     #[inline]
-    fn texture_place(&self, varying: &[Varying; 2], x: u16, per_facing: f32) -> ([f32; 2], Stretch) {
-        let mut place = [0.0; 2];
+    fn texture_uv(&self, varying: &[Varying; 2], x: u16, per_facing: f32) -> ([f32; 2], Stretch) {
+        let mut uv = [0.0; 2];
         let mut stretch = Stretch::default();
         for axis in 0..2 {
-            let over = &self.place[axis];
+            let over = &self.uv[axis];
             let quotient = over.at(f32::from(x)) * per_facing;
-            place[axis] = sound(varying[axis].base + quotient);
+            uv[axis] = sound(varying[axis].base + quotient);
             stretch.right[axis] = (over.right - quotient * self.facing.right) * per_facing;
             stretch.down[axis] = (over.down - quotient * self.facing.down) * per_facing;
         }
-        (place, stretch)
+        (uv, stretch)
     }
 }
 
-/// By how much a place in a texture changes to the next sample on the right, and below.
+/// Screen-space derivatives of texture coordinates, per column and per row.
 #[derive(Clone, Copy, Default)]
 struct Stretch {
     right: [f32; 2],
@@ -141,7 +141,7 @@ struct Stretch {
 }
 
 impl Stretch {
-    /// The square of how many texels of a texture a sample is wide, where it is wider.
+    /// Returns the squared footprint of a sample in texels, along the longer derivative.
     #[inline]
     fn square(&self, [width, height]: [f32; 2]) -> f32 {
         let square = |[u, v]: [f32; 2]| (u * width) * (u * width) + (v * height) * (v * height);
@@ -149,7 +149,7 @@ impl Stretch {
     }
 }
 
-/// A number, or 0 for what is none: a face seen all but edge-on may give one that is not.
+/// Returns 0 for NaN and infinities, which a face seen edge-on may produce.
 #[inline]
 fn sound(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }

@@ -1,34 +1,36 @@
-//! Which picture is wanted.
+//! The kinds of pictures.
 
-/// What a picture shows.
+/// A kind of picture: the lit scene, or a diagnostic picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Show {
-    /// The scene, lit.
+    /// The lit scene.
     Image,
-    /// How many faces were tested at each sample: dark for none, through blue, green and yellow to white for 16.
+    /// Overdraw: the number of faces tested at each sample, from black (none) through blue, green and yellow to white
+    /// (16).
     Overdraw,
-    /// Each item in a colour of its own.
+    /// Item ids: one colour per item.
     Items,
-    /// When each sample's owner was handed out: blue first, red last.
+    /// Emission order of the samples' owners, from blue (first) to red (last).
     Order,
-    /// Each sector in a colour of its own.
+    /// Sectors: one colour per sector.
     Sectors,
-    /// What each passage's cover knows when all that hides is in it, nearer lighter; what is seen through an opening is
-    /// painted over it, for that has a cover of its own. Only of methods with a [`CoverShape`](enfilade::CoverShape):
+    /// Final state of each passage's occlusion buffer, with all occluders in it; nearer is brighter. Geometry visible
+    /// through an opening is painted on top, because its passage has a buffer of its own. Requires methods with a
+    /// [`CoverShape`](enfilade::CoverShape):
     ///
-    /// * spans: faces in colours of their own, dark where a span begins;
-    /// * pyramid: the largest cells that say nearly as much as the tiles below, as near as their farthest sample; in
-    ///   colour where one face owns a whole tile, grey where samples are told apart;
-    /// * tiles: the reference of each sub-tile in blue, the samples of its mask in orange;
-    /// * tree: occluders in colours of their own, cut to the leaves that they hide.
+    /// * spans: one colour per face, darker at the start of each span;
+    /// * pyramid: Hi-Z cells, as large as possible without losing much depth against their tiles, shaded by their
+    ///   farthest sample; coloured where one face owns a whole tile, grey where owners are per sample;
+    /// * tiles: the reference layer of each sub-tile in blue, samples of its coverage mask in orange;
+    /// * tree: one colour per occluder, clipped to the leaves it occludes.
     ///
-    /// White is where nothing hides.
+    /// White samples have no occluder.
     Cover,
 }
 
 impl Show {
-    /// Every picture there is.
+    /// All kinds of pictures.
     pub const ALL: [Show; 6] = [
         Show::Image,
         Show::Overdraw,
@@ -38,7 +40,7 @@ impl Show {
         Show::Cover,
     ];
 
-    /// Its name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Show::Image => "image",
@@ -50,7 +52,7 @@ impl Show {
         }
     }
 
-    /// The picture of a name; `None` where there is none.
+    /// Returns the kind of picture with a name, or `None`.
     pub fn by_name(name: &str) -> Option<Show> {
         Show::ALL.into_iter().find(|show| show.name() == name)
     }

@@ -1,10 +1,10 @@
-//! What is behind everything.
+//! The sky behind all geometry.
 
 use crate::pixels::{Pixel, pixel};
 use enfilade::View;
 use glam::{DVec3, Vec3};
 
-/// Directions of samples, for what is behind everything.
+/// View directions of samples, for the sky.
 pub(crate) struct Sky {
     corner: DVec3,
     right: DVec3,
@@ -29,12 +29,12 @@ impl Sky {
         }
     }
 
-    /// The color behind pixel (x, y), linear.
+    /// Returns the linear colour of the sky at pixel (x, y).
     pub(crate) fn at(&self, at: [usize; 2]) -> Vec3 {
         color(self.up(at))
     }
 
-    /// Paints pixels from (x, y) on, as [`Sky::at`] says; by loops that a compiler turns into vectors.
+    /// Fills pixels from (x, y) on with the colours of [`Sky::at`], in loops written for auto-vectorization.
     pub(crate) fn paint(&self, [x, y]: [usize; 2], pixels: &mut [Pixel]) {
         const LANES: usize = 16;
         for (x, pixels) in (x..).step_by(LANES).zip(pixels.chunks_mut(LANES)) {
@@ -52,7 +52,7 @@ impl Sky {
         }
     }
 
-    /// The y of the direction behind pixel (x, y), of unit length.
+    /// Returns the y component of the unit view direction at pixel (x, y).
     #[inline]
     fn up(&self, [x, y]: [usize; 2]) -> f32 {
         let direction = self.corner + self.right * x as f64 + self.down * y as f64;
@@ -60,7 +60,7 @@ impl Sky {
     }
 }
 
-/// The sky in a direction whose y is so; where there is none, at the horizon.
+/// Returns the sky's colour for the y component of a unit direction; for NaN, that of the horizon.
 #[inline]
 fn color(up: f32) -> Vec3 {
     const HORIZON: Vec3 = Vec3::new(0.78, 0.84, 0.90);

@@ -1,37 +1,36 @@
-//! Samples of smooth faces, sixteen at a time: of which nothing varies but the normal, under daylight alone.
+//! Shades smooth faces sixteen samples at a time: faces where only the normal varies, under ambient light alone.
 //!
-//! The same numbers as [`Row::at`](crate::shade::Row::at) gives one by one, bit for bit, by loops that a compiler turns into
-//! vectors.
+//! The results equal [`Row::at`](crate::shade::Row::at) bit for bit; the loops are written for auto-vectorization.
 
-use crate::face::{Along, Face};
+use crate::face::{Face, LinearRow};
 use crate::light::Daylight;
 use crate::pixels::{Pixel, pixel};
 use crate::shade::Illumination;
 use glam::Vec3;
 
-/// Samples at a time.
+/// Samples per iteration.
 const LANES: usize = 16;
 
-/// A smooth face along one row.
+/// A smooth face along one row of samples.
 pub(crate) struct SmoothRow {
     own: Vec3,
     emission: Vec3,
     normal: Vec3,
-    facing: Along,
-    /// Of the normal's axes.
+    facing: LinearRow,
+    /// For each axis of the normal: constant and linear part.
     base: [f32; 3],
-    over: [Along; 3],
+    over: [LinearRow; 3],
     daylight: Daylight,
     back: Vec3,
 }
 
 impl SmoothRow {
-    /// `None` where more than the normal varies, or more light than day is on it.
+    /// Returns `None` if anything but the normal varies, or a light reaches the face.
     pub(crate) fn of(face: &Face, light: &Illumination, y: u16) -> Option<SmoothRow> {
         let normals = face.normals.as_ref()?;
-        let only_normals = face.place.is_none() && face.colors.is_none() && face.lights.is_empty();
-        let is_matter = !face.glass && !face.unlit && face.cutoff.is_none();
-        (only_normals && is_matter && !light.tone.soft).then(|| SmoothRow {
+        let only_normals = face.uv.is_none() && face.colors.is_none() && face.lights.is_empty();
+        let is_opaque_and_lit = !face.glass && !face.unlit && face.cutoff.is_none();
+        (only_normals && is_opaque_and_lit && !light.tone.soft).then(|| SmoothRow {
             own: Vec3::new(face.color[0], face.color[1], face.color[2]),
             emission: face.emission,
             normal: face.normal,
@@ -47,7 +46,7 @@ impl SmoothRow {
         })
     }
 
-    /// Paints samples from a column on.
+    /// Shades a run of pixels that starts at column `x0`.
     pub(crate) fn paint(&self, x0: u16, pixels: &mut [Pixel]) {
         for (x, pixels) in (x0..).step_by(LANES).zip(pixels.chunks_mut(LANES)) {
             let mut columns = [0.0; LANES];
@@ -61,7 +60,7 @@ impl SmoothRow {
         }
     }
 
-    /// The normals at some columns, axis by axis.
+    /// Returns the unit normals at some columns, axis by axis.
     fn normals(&self, columns: &[f32; LANES]) -> [[f32; LANES]; 3] {
         let mut normals = [[0.0; LANES]; 3];
         for (lane, &column) in columns.iter().enumerate() {
@@ -78,7 +77,7 @@ impl SmoothRow {
         normals
     }
 
-    /// What is sent to the eye where the normal is so, color by color.
+    /// Returns the light towards the eye for some normals, channel by channel.
     fn light(&self, [x, y, z]: &[[f32; LANES]; 3]) -> [[f32; LANES]; 3] {
         let mut light = [[0.0; LANES]; 3];
         for lane in 0..LANES {
@@ -103,14 +102,14 @@ mod tests {
         SectorId, Transform, View, Viewer,
     };
 
-    /// Numbers that are everywhere between −1 and 1.
+    /// Returns pseudorandom numbers between −1 and 1.
     fn spread(seed: u32) -> [f32; 3] {
         distinct(u64::from(seed)).map(|value| 2.0 * value - 1.0)
     }
 
     #[test]
     fn a_row_of_samples_is_painted_as_one_after_the_other() {
-        let mut told = 0;
+        let mut compared = 0;
         for seed in 0..200 {
             let corners = [0, 1, 2].map(|corner| {
                 let [x, y, z] = spread(10 * seed + corner);
@@ -118,7 +117,7 @@ mod tests {
             });
             let normals = [3, 4, 5].map(|corner| {
                 let normal = spread(10 * seed + corner);
-                // Some corners have none, or not one that is worth the name.
+                // Some corners have no normal.
                 if seed % 7 == corner % 7 { [0.0; 3] } else { normal }
             });
             let mesh = Mesh::new(&[Part {
@@ -167,10 +166,10 @@ mod tests {
                         pixel(row.at(x).color),
                         "column {x}, row {y} of face {seed}"
                     );
-                    told += 1;
+                    compared += 1;
                 }
             }
         }
-        assert!(told > 20_000, "{told}");
+        assert!(compared > 20_000, "{compared}");
     }
 }

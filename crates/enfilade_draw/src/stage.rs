@@ -1,4 +1,4 @@
-//! What all pictures of a scene share: its textures ready to be looked up, and where its lights shine.
+//! The renderer's per-scene state: mip chains and light reach, shared by all pictures.
 
 use crate::lamps::Lamps;
 use crate::mips::Mips;
@@ -11,45 +11,46 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What all pictures of a scene share: its textures ready to be looked up, and where its lights shine.
+/// A scene prepared for rendering: mip chains of its textures, and the sectors that its lights reach.
 ///
-/// Of a scene as it is: make it anew after lights, portals or textures have changed. Edits of items change nothing in it.
+/// Create a new one after lights, portals or textures have changed. Edits of items do not affect it.
+#[doc(alias = "renderer")]
 pub struct Stage {
     pub(crate) lamps: Lamps,
-    /// By the texture's address: geometries share them.
+    /// Keyed by the texture's address, because geometries share textures.
     mips: HashMap<usize, Mips>,
 }
 
-/// How a picture is painted.
+/// Options of [`Stage::draw`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
-    /// What it shows.
+    /// Kind of picture.
     pub show: Show,
-    /// How bright lights are shown.
+    /// Exposure of lights.
     pub exposure: Exposure,
-    /// Samples of each pixel: 1, or 4 ([`View::FOUR_SAMPLES`]), which makes edges smooth; then each face is shaded once for
-    /// each pixel, where the first of its samples is. Only of [`Show::Image`].
+    /// Samples per pixel: 1, or 4 ([`View::FOUR_SAMPLES`]) for antialiased edges. With 4, each face is shaded once per
+    /// pixel, at the first sample it covers (multisampling). Applies to [`Show::Image`] only.
     pub samples: Samples,
 }
 
-/// How many samples a pixel has.
+/// Number of samples per pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Samples {
-    /// One, in its middle.
+    /// One sample at the pixel centre.
     #[default]
     One,
-    /// Four, off its middle.
+    /// Four samples off the centre ([`View::FOUR_SAMPLES`]).
     Four,
 }
 
-/// How bright lights are shown. Without lights there is daylight, the same in either case.
+/// Exposure of lights. A scene without lights has daylight, the same with either variant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
-    /// What one unit of a light's color becomes; what is brighter than white is cut off. Where no light is it is evening.
+    /// Displayed value of one unit of light; brighter values are clipped to white. Ambient light is at evening level.
     Fixed(f32),
-    /// As an eye sees it that has got used to the sector it stands in, brighter by so many stops; what is very bright
-    /// grows pale.
+    /// Automatic exposure for the sector of the camera, plus this many stops (factors of two), with tone mapping that
+    /// compresses highlights.
     Eye(f32),
 }
 
@@ -63,21 +64,22 @@ impl Default for Settings {
     }
 }
 
-/// A picture, and what it took.
+/// A rendered picture with statistics.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Picture {
-    /// Its pixels.
+    /// The pixels, sRGB.
     pub image: RgbImage,
-    /// How many of the scene's lights shine on something that is seen; the others cost nothing. Only [`Show::Image`] has
-    /// light.
+    /// Number of the scene's lights that may reach a visible passage; the others cost nothing. Nonzero only for
+    /// [`Show::Image`].
     pub lights_shining: usize,
-    /// How many samples of opaque faces were shaded. As many as are seen, where the method knows the owners before it paints.
+    /// Number of shaded samples of opaque faces. Equals the number of visible samples if the method resolves all owners
+    /// before it emits spans; otherwise it includes overdraw.
     pub shaded: u64,
 }
 
 impl Stage {
-    /// Makes a scene's textures ready, on all cores, and follows its lights.
+    /// Builds the mip chains of a scene's textures on all cores, and computes where its lights reach.
     pub fn new(scene: &Scene) -> Stage {
         let geometries = || scene.sectors().filter_map(|id| scene.geometry(id));
         let mut unique: HashMap<usize, &Arc<Texture>> = HashMap::new();
@@ -94,7 +96,7 @@ impl Stage {
         }
     }
 
-    /// Paints what a view shows.
+    /// Renders one view.
     pub fn draw(&self, viewer: &mut Viewer, scene: &Scene, view: &View, settings: &Settings) -> Picture {
         if settings.samples == Samples::Four && settings.show == Show::Image {
             return samples::draw(self, viewer, scene, view, settings);
@@ -104,7 +106,7 @@ impl Stage {
         painter.finish()
     }
 
-    /// A texture ready to be looked up.
+    /// Returns the mip chain of a texture.
     pub(crate) fn mips(&self, geometry: &Geometry, texture: Option<TextureId>) -> Option<&Mips> {
         let texture = geometry.textures().get(texture?.0 as usize)?;
         self.mips.get(&address(texture))

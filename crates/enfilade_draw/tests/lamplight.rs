@@ -1,4 +1,4 @@
-//! Pictures by lamplight, held against light that is followed along every chain of portals one by one.
+//! Compares rendered lamplight with light traced along every chain of portals separately.
 
 use enfilade::laws::Lamplight;
 use enfilade::{Light, LightId, Ray, RayEnd, Scene, View, Viewer};
@@ -13,7 +13,7 @@ fn drawn(scene: &Scene, view: &View) -> (RgbImage, usize) {
     (picture.image, picture.lights_shining)
 }
 
-/// The same scene with its lamps turned off.
+/// Returns the same scene with its lamps turned off.
 fn in_the_dark(scene: &Scene) -> Scene {
     let mut dark = scene.clone();
     for (number, &light) in scene.lights().iter().enumerate() {
@@ -21,7 +21,8 @@ fn in_the_dark(scene: &Scene) -> Scene {
             color: [0.0; 3],
             ..light
         };
-        dark.set_light(LightId(number as u32), off).expect("it was sound");
+        dark.set_light(LightId(number as u32), off)
+            .expect("a valid light");
     }
     dark
 }
@@ -45,12 +46,12 @@ fn encode(linear: f64) -> f64 {
         }
 }
 
-/// Lamplight, the colour that it falls on, and the sector, item and face.
+/// Lamplight, surface colour, and the sector, item and face.
 type Lit = (DVec3, [f32; 4], (u32, u32, u32));
 
-/// What is seen in a direction: lamplight there, and the colour that it falls on. `None` where that cannot be told.
+/// Traces a ray; returns the lamplight and the surface colour it meets, or `None` if the result is ambiguous.
 fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction: DVec3) -> Option<Lit> {
-    let sector = scene.sector_of(view).expect("a room");
+    let sector = scene.sector_of(view).expect("a camera inside a sector");
     let ray = Ray {
         origin: view.eye,
         direction: direction.as_vec3().into(),
@@ -58,7 +59,7 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
     let cast = scene.cast(sector, &ray);
     let RayEnd::Face(hit) = cast.end else { return None };
     let surface = scene.sector(cast.sector).surface(hit.item, hit.face);
-    // A face of one side is not seen from behind, and glass does not stop the eye.
+    // One-sided faces are invisible from behind, and the ray passes through glass.
     if hit.from_behind || surface.alpha != enfilade::Alpha::Opaque {
         return None;
     }
@@ -79,7 +80,7 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
     Some((light.into(), surface.color, (cast.sector.0, hit.item.0, hit.face)))
 }
 
-/// Directions through and about the middle of a pixel.
+/// Returns ray directions at and around a pixel's centre.
 fn directions(view: &View, [x, y]: [u32; 2]) -> [DVec3; 5] {
     let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
     let forward = (toward - eye).normalize();
@@ -107,7 +108,7 @@ fn directions(view: &View, [x, y]: [u32; 2]) -> [DVec3; 5] {
 fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
     let (mut compared, mut lit, mut through) = (0, 0, 0);
     for name in ["mirror", "mirrors", "nested", "teleport"] {
-        let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
+        let BuiltIn { scene, cameras } = built_in(name).expect("a built-in scene");
         let dark = in_the_dark(&scene);
         let lamplight = Lamplight::new(&scene, if name == "mirrors" { 5 } else { 4 });
         for camera in &cameras {
@@ -120,7 +121,7 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
                     let Some((light, color, face)) = seen[0] else {
                         continue;
                     };
-                    // Where a step aside shows another face, or light that ends, either is right.
+                    // Skip samples where a slightly shifted ray meets another face, or other light at a beam's edge.
                     let agrees = |other: &Option<Lit>| {
                         other.is_some_and(|(near, _, at)| at == face && near.distance(light) < 0.02)
                     };
@@ -152,7 +153,7 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
 
 #[test]
 fn a_lamp_that_shines_on_nothing_seen_is_left_out() {
-    let BuiltIn { scene, cameras } = built_in("teleport").expect("it is built in");
+    let BuiltIn { scene, cameras } = built_in("teleport").expect("a built-in scene");
     let shining = |camera: &Camera| drawn(&scene, &camera.view(SIZE)).1;
     let named = |name: &str| {
         cameras
@@ -168,7 +169,7 @@ fn a_lamp_that_shines_on_nothing_seen_is_left_out() {
         range: 0.2,
         ..lamp
     };
-    far.set_light(LightId(0), moved).expect("it is sound");
+    far.set_light(LightId(0), moved).expect("a valid light");
     let view = named("in the yard").view(SIZE);
     assert_eq!(drawn(&far, &view).1, 0);
 }

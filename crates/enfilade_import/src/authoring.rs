@@ -1,132 +1,131 @@
-//! Why rooms, portals and terrain that a file's author marked do not make a scene. Each names the node and the remedy.
+//! Errors in the rooms, portals and terrain that a file's author marked. Each names the node and the remedy.
 
 use crate::GridError;
 use enfilade::MAX_COORDINATE;
 use thiserror::Error;
 
-/// Why rooms, portals and terrain that a file's author marked do not make a scene. A `node` is `node 7 "Hall-portal"`.
+/// An error in the rooms, portals or terrain that a file's author marked. A `node` is `node 7 "Hall-portal"`.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum AuthoringError {
-    /// `extras.enfilade` or one of its values is of another type.
-    #[error("{node} has {key} = {found} in its extras; {wanted} is wanted there")]
+    /// `extras.enfilade` or one of its values has the wrong JSON type.
+    #[error("{node} has {key} = {found} in its extras, but {wanted} is expected")]
     WrongType {
         /// The node.
         node: String,
-        /// Which value.
+        /// The key.
         key: &'static str,
-        /// What it is, as JSON.
+        /// The value, as JSON.
         found: String,
-        /// What it should be.
+        /// The type that is expected.
         wanted: &'static str,
     },
-    /// A kind that is not known.
-    #[error("{node} is of kind `{kind}`, which is not known; kinds are room, portal, mirror and terrain")]
+    /// `extras.enfilade.kind` is unknown.
+    #[error("{node} has the unknown kind `{kind}`; kinds are room, portal, mirror and terrain")]
     UnknownKind {
         /// The node.
         node: String,
-        /// What `extras.enfilade.kind` says.
+        /// The value of `extras.enfilade.kind`.
         kind: String,
     },
-    /// A method that is not known.
-    #[error("{node} is to be seen by the method `{method}`, which is not known; methods are {methods}")]
+    /// `extras.enfilade.method` is unknown.
+    #[error("{node} has the unknown method `{method}`; methods are {methods}")]
     UnknownMethod {
         /// The room.
         node: String,
-        /// What `extras.enfilade.method` says.
+        /// The value of `extras.enfilade.method`.
         method: String,
-        /// Those that there are.
+        /// Names of the known methods.
         methods: String,
     },
-    /// Two rooms have one name, so `to` cannot tell them apart.
-    #[error("{first} and {second} are rooms of one name; rename one of them")]
+    /// Two rooms have the same name, so `to` is ambiguous.
+    #[error("{first} and {second} are rooms with the same name; rename one of them")]
     RoomsShareName {
         /// One room.
         first: String,
         /// The other.
         second: String,
     },
-    /// Two rooms claim one space: what stands there would be seen in one and not in the other.
+    /// Two rooms overlap: items in the common space would be visible from only one of them.
     #[error(
-        "{first} and {second} overlap: the point {point:?} lies inside both, and neither stands within the other; \
-         move one of them, or make them one room"
+        "{first} and {second} overlap: the point {point:?} is inside both, and neither contains the other; move one of \
+         them, or merge them into one room"
     )]
     RoomsOverlap {
         /// One room.
         first: String,
         /// The other.
         second: String,
-        /// A point in both.
+        /// A point inside both, in world space.
         point: [f32; 3],
     },
-    /// A portal or mirror without a mesh.
+    /// A portal or mirror has no mesh.
     #[error(
-        "{node} has no faces to be its opening; give it a flat convex mesh, or another name if it is none"
+        "{node} has no faces for its opening; give it a flat convex mesh, or rename it if it is no portal or mirror"
     )]
     NoMesh {
         /// The portal or mirror.
         node: String,
     },
-    /// A portal or mirror of very many triangles.
+    /// A portal or mirror has too many triangles.
     #[error(
-        "{node} is an opening of {triangles} triangles; a flat convex polygon needs but a few, so simplify its mesh"
+        "{node} is an opening with {triangles} triangles; simplify its mesh to a flat convex polygon with few triangles"
     )]
     TooFine {
         /// The portal or mirror.
         node: String,
-        /// How many it has.
+        /// Its number of triangles.
         triangles: u64,
     },
-    /// A portal or mirror whose faces have no area.
-    #[error("{node} is an opening without area; give its mesh some, and look for a scale of 0")]
+    /// The faces of a portal or mirror have no area.
+    #[error("{node} is an opening without area; enlarge its mesh, and check for a scale of 0")]
     NoArea {
         /// The portal or mirror.
         node: String,
     },
-    /// A portal or mirror that reaches beyond [`MAX_COORDINATE`].
+    /// A portal or mirror extends beyond [`MAX_COORDINATE`].
     #[error(
-        "{node} is an opening that reaches farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to \
-         the origin"
+        "{node} is an opening that extends beyond {MAX_COORDINATE:e} units; scale the scene down or move it to the origin"
     )]
     TooFar {
         /// The portal or mirror.
         node: String,
     },
-    /// A portal or mirror that is bent.
+    /// A portal or mirror is not flat.
     #[error(
-        "{node} is an opening that is not flat: a corner lies {off} units off the plane of the others; \
-         flatten its mesh, or make several openings of it"
+        "{node} is an opening that is not flat: a corner is {off} units off the plane of the others; flatten its mesh, or \
+         split it into several openings"
     )]
     NotFlat {
         /// The portal or mirror.
         node: String,
-        /// How far off a corner lies, in scene units.
+        /// Maximum distance of a corner from the plane, in scene units.
         off: f64,
     },
-    /// A portal or mirror with a hole, a notch, or faces over one another.
+    /// A portal or mirror has a hole, a concave outline, or overlapping faces.
     #[error(
-        "{node} is an opening that is not convex: its faces cover {percent:.1} % of their convex outline; \
-         make it one convex polygon (a bounding rectangle will do), or several openings"
+        "{node} is an opening that is not convex: its faces cover {percent:.1} % of their convex hull; make it one convex \
+         polygon (a bounding rectangle is enough), or split it into several openings"
     )]
     NotConvex {
         /// The portal or mirror.
         node: String,
-        /// Area of all faces, in percent of that of the outline around them.
+        /// Total area of the faces, in percent of the area of their convex hull.
         percent: f64,
     },
-    /// A portal or mirror with nothing of any room near it.
+    /// No room has geometry near a portal or mirror.
     #[error(
-        "{node} touches no room; move it into an opening of one, and check that what is around it is below a node \
+        "{node} touches no room; move it into an opening of a room, and check that the surrounding nodes are below a node \
          whose name ends in -room"
     )]
     TouchesNoRoom {
         /// The portal or mirror.
         node: String,
     },
-    /// A portal with nothing on one side, above no room that could be there.
+    /// A portal has geometry on one side only, and there is no room below the other side that is open above.
     #[error(
-        "{node} touches only one room, {room}: there is nothing at its other side, and no room that is open above, such as a \
-         garden, extends below it. Extend the ground of one to there, name the room by `to`, or remove the portal"
+        "{node} touches only one room, {room}: there is nothing on its other side, and no room that is open above, such as \
+         a garden, extends below it. Extend the ground of such a room below it, name the room by `to`, or remove the portal"
     )]
     LeadsNowhere {
         /// The portal.
@@ -134,10 +133,10 @@ pub enum AuthoringError {
         /// The room.
         room: String,
     },
-    /// A portal out of the top of a room that has no top.
+    /// A portal leads out of the open top of a room without a ceiling.
     #[error(
-        "{node} touches only one room, {room}: it leads into the open sky above that, and since {room} has no top, its sky belongs \
-         to it. Close its ceiling, make the portal as large as the open top, or remove the portal"
+        "{node} touches only one room, {room}: it leads into the open sky above it, and since {room} has no ceiling, its \
+         sky belongs to it. Close its ceiling, make the portal as large as the open top, or remove the portal"
     )]
     OwnSky {
         /// The portal.
@@ -145,10 +144,10 @@ pub enum AuthoringError {
         /// The room.
         room: String,
     },
-    /// A portal with open sky on both sides.
+    /// A portal has open sky on both sides.
     #[error(
-        "{node} touches only one room, {room}: there is nothing but the open sky above that at both sides; move it into the \
-         opening between two rooms, or remove it"
+        "{node} touches only one room, {room}: there is only the open sky above it on both sides; move it into the opening \
+         between two rooms, or remove it"
     )]
     OnlySky {
         /// The portal.
@@ -156,9 +155,9 @@ pub enum AuthoringError {
         /// The room below it.
         room: String,
     },
-    /// A portal with the same room on both sides.
+    /// A portal has the same room on both sides.
     #[error(
-        "{node} touches only one room, {room}; move it into the opening between two, or name the other by `to`"
+        "{node} touches only one room, {room}; move it into the opening between two rooms, or name the other by `to`"
     )]
     TouchesOneRoom {
         /// The portal.
@@ -166,10 +165,10 @@ pub enum AuthoringError {
         /// The room.
         room: String,
     },
-    /// A one-way portal that stands in neither of its rooms.
+    /// A one-way portal belongs to neither of its rooms, so its direction is unknown.
     #[error(
-        "{node} is one-way between {rooms}, but belongs to neither; name the one it leads to by `to`, or parent it to \
-         the other"
+        "{node} is one-way between {rooms}, but belongs to neither; name its target room by `to`, or parent it to the other \
+         room"
     )]
     OneWayFromNowhere {
         /// The portal.
@@ -177,8 +176,8 @@ pub enum AuthoringError {
         /// The two rooms.
         rooms: String,
     },
-    /// Two portals lead out of one opening of a room.
-    #[error("{first} and {second} stand in one opening of {room}; remove one of them")]
+    /// Two portals use the same opening of a room.
+    #[error("{first} and {second} are in the same opening of {room}; remove one of them")]
     SamePlace {
         /// One portal or mirror.
         first: String,
@@ -188,40 +187,40 @@ pub enum AuthoringError {
         room: String,
     },
     /// `to` names no room.
-    #[error("{node} leads to `{to}`, but there is no such room; rooms are {rooms}")]
+    #[error("{node} leads to `{to}`, but there is no room with that name; rooms are {rooms}")]
     NoSuchRoom {
         /// The portal.
         node: String,
-        /// What it names.
+        /// The value of `to`.
         to: String,
-        /// Those that there are.
+        /// Names of the rooms.
         rooms: String,
     },
     /// `exit` names no node.
     #[error(
-        "{node} has the exit `{exit}`, but no node of the scene is called so; rename one, or correct the exit"
+        "{node} has the exit `{exit}`, but no node of the scene has that name; rename one, or correct the exit"
     )]
     NoSuchExit {
         /// The portal.
         node: String,
-        /// What it names.
+        /// The value of `exit`.
         exit: String,
     },
     /// `exit` names several nodes.
-    #[error("{node} has the exit `{exit}`, but {first} and {second} are both called so; rename one of them")]
+    #[error("{node} has the exit `{exit}`, but {first} and {second} both have that name; rename one of them")]
     ManyExits {
         /// The portal.
         node: String,
-        /// What it names.
+        /// The value of `exit`.
         exit: String,
         /// One node.
         first: String,
         /// Another.
         second: String,
     },
-    /// An exit that stands in no room.
+    /// An exit is in no room.
     #[error(
-        "{node} has the exit `{exit}`, which stands in no room; parent it to one, or name the room by `to`"
+        "{node} has the exit `{exit}`, which is in no room; parent it to a room, or name the room by `to`"
     )]
     ExitInNoRoom {
         /// The portal.
@@ -229,72 +228,74 @@ pub enum AuthoringError {
         /// The exit.
         exit: String,
     },
-    /// A node whose axes have no direction.
-    #[error("{node} is one end of a teleport, but has a scale of 0, so it faces nowhere; give it another")]
+    /// A zero scale leaves a node of a teleport without an orientation.
+    #[error(
+        "{node} is one end of a teleport, but has a scale of 0 and so no direction; give it another scale"
+    )]
     NoFrame {
         /// The portal or its exit.
         node: String,
     },
-    /// A teleport that would be gone into along its own surface.
+    /// A teleport whose direction is parallel to its surface.
     #[error(
-        "{node} is a teleport, which is gone into along the node's local -Z, but its face lies along that; turn the \
-         node (and its mesh the other way) so that -Z points into it"
+        "{node} is a teleport whose direction, the node's local -Z, is parallel to its face; rotate the node (and its mesh \
+         the other way) so that -Z points into the face"
     )]
     Edgewise {
         /// The portal.
         node: String,
     },
-    /// A mirror or portal in a file in which no room is marked.
+    /// A mirror or portal in a file without rooms.
     #[error(
-        "{node} is an opening, but the file has no rooms; name the node above its surroundings NAME-room"
+        "{node} is an opening, but the file has no rooms; rename the node above the surrounding nodes to NAME-room"
     )]
     NoRooms {
         /// The portal or mirror.
         node: String,
     },
-    /// Terrain without a mesh.
+    /// Terrain has no mesh.
     #[error(
-        "{node} has no triangles to be terrain; give it a grid of heights, or another name if it is none"
+        "{node} is terrain without triangles; give it a grid of heights, or rename it if it is no terrain"
     )]
     TerrainWithoutMesh {
         /// The terrain.
         node: String,
     },
-    /// Terrain that changes its shape.
+    /// Terrain has a skin or morph targets.
     #[error(
-        "{node} is terrain with {what}, but terrain stands still; apply that to the mesh before exporting, or give the node \
-             another name"
+        "{node} is terrain with {what}, but terrain must be static; apply that to the mesh before exporting, or rename the \
+         node"
     )]
     TerrainMoves {
         /// The terrain.
         node: String,
-        /// A skeleton, or morph targets.
+        /// "a skeleton" or "morph targets".
         what: &'static str,
     },
-    /// Terrain that is to be there many times.
-    #[error("{node} is terrain with instances; give each a node of its own, or the node another name")]
+    /// Terrain has instances.
+    #[error("{node} is terrain with instances; make each a separate node, or rename the node")]
     TerrainInstanced {
         /// The terrain.
         node: String,
     },
-    /// Terrain of which not all is made of one material.
+    /// The primitives of a terrain use different materials.
     #[error(
-        "{node} is terrain of several materials: those of primitives {} and {} of its mesh differ. Give it one, or cut it \
-         in a node for each",
+        "{node} is terrain with several materials: primitives {} and {} of its mesh differ. Use one material, or split it \
+         into one node for each",
         primitives[0], primitives[1]
     )]
     TerrainMaterials {
         /// The terrain.
         node: String,
-        /// Two primitives of its mesh, by their numbers.
+        /// Indices of two primitives with different materials.
         primitives: [usize; 2],
     },
-    /// Terrain whose mesh is no grid of heights.
-    #[error("{node} is terrain, but {why}. If it is none, give the node another name")]
+    /// The mesh of a terrain is not a grid of heights.
+    #[error("{node} is terrain, but {why}. If it is no terrain, rename the node")]
     NoGrid {
         /// The terrain.
         node: String,
-        /// What is wrong with the grid.
+        /// The rule that the grid violates.
         why: GridError,
     },
 }

@@ -1,8 +1,8 @@
-//! What reading may still take.
+//! The memory budget of a reader.
 
 use crate::BrokenRule;
 
-/// Bytes of memory that are left to a reader. Estimates are taken from it before anything is allocated.
+/// Bytes of memory that a reader may still use. Estimates are subtracted before anything is allocated.
 #[derive(Debug)]
 pub(crate) struct Budget {
     limit: u64,
@@ -14,12 +14,12 @@ impl Budget {
         Budget { limit, taken: 0 }
     }
 
-    /// Are so many bytes left?
+    /// Returns `true` if at least `bytes` bytes are left.
     pub(crate) fn has(&self, bytes: u64) -> bool {
         self.taken.saturating_add(bytes) <= self.limit
     }
 
-    /// Sets `bytes` aside for what stands at `place`.
+    /// Reserves `bytes` bytes for the element `place`, which an error names.
     pub(crate) fn take(&mut self, bytes: u64, place: impl FnOnce() -> String) -> Result<(), BrokenRule> {
         let taken = self.taken.saturating_add(bytes);
         if taken > self.limit {

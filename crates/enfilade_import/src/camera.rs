@@ -1,32 +1,30 @@
-//! Cameras that stand in a file.
+//! Cameras of a file.
 
 use enfilade::SectorId;
 
-/// A camera in world space: what [`enfilade::View`] needs, but for the size of the screen.
+/// A camera in world space: all parameters of an [`enfilade::View`] except the viewport size.
 ///
-/// A view has a lens. So an orthographic camera, whose lines of sight are parallel, is here one with a narrow lens that
-/// stands far behind where its author put it: so far that on a screen 1280 pixels wide nothing that its author has in its
-/// picture is more than about half a pixel off, and what is in the middle of all that, from near to far, as large as it
-/// should be.
+/// A view has a perspective projection. An orthographic camera therefore becomes a perspective one with a narrow field
+/// of view, far behind its original position: so far that in a 1280-pixel-wide viewport no vertex moves by more than
+/// about half a pixel. Geometry halfway between the near and far ends of the scene has the correct size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// How its author called it.
+    /// Name of the camera's node or entity.
     pub name: String,
-    /// Where it stands.
+    /// Camera position.
     pub eye: [f32; 3],
-    /// A point that it looks at: one unit ahead, or a thousandth of the way to the origin where that is more, so
-    /// that rounding does not turn a camera that stands far out. Of an orthographic one, the middle of what it sees.
+    /// Look-at point. Perspective: one unit ahead, or a thousandth of the distance to the origin if that is larger, so
+    /// that rounding does not rotate a camera far from the origin. Orthographic: the centre of the visible depth range.
     pub toward: [f32; 3],
-    /// The direction that is upright in its picture, one unit long.
+    /// Up vector, unit length.
     pub up: [f32; 3],
-    /// Vertical angle of the lens, in radians, above 0 and below π.
+    /// Vertical field of view, in radians, above 0 and below π.
     pub fov_y: f32,
-    /// What is nearer than this is not seen; above 0, in scene units. Of an orthographic one, where its author has its
-    /// picture begin.
+    /// Near-plane distance in scene units, above 0. For an orthographic camera, the same plane as in the file.
     pub near: f32,
-    /// The room to look from. `None`: to be found, from where it stands, as [`enfilade::View::sector`] says; of an
-    /// orthographic one, which stands elsewhere, it is always said.
+    /// Sector of the camera. `None`: found from the position, as described at [`enfilade::View::sector`]. Always `Some`
+    /// for an orthographic camera, because its position here is not the one in the file.
     pub sector: Option<SectorId>,
-    /// What an orthographic one shows from bottom to top, in scene units; `None` of one with a lens.
+    /// Height of the view volume of an orthographic camera, in scene units; `None` for a perspective one.
     pub height: Option<f32>,
 }

@@ -1,4 +1,4 @@
-//! Why a file is not read.
+//! Errors of reading a file.
 
 use crate::spoken::{bytes, unreadable};
 use crate::{AuthoringErrors, BspError, ObjError, PrtError, TerrainError};
@@ -6,361 +6,361 @@ use enfilade::{BakedCellsError, GeometryError, MAX_COORDINATE, MeshError};
 use std::io;
 use thiserror::Error;
 
-/// A file that is not read, and the rule that it breaks.
+/// A file that cannot be read, and the rule that it violates.
 #[derive(Debug, Error)]
 #[error("{file}: {rule}")]
 pub struct ImportError {
-    /// The file, as it was named.
+    /// The path as the caller gave it.
     pub file: String,
-    /// What is wrong in it.
+    /// The violated rule.
     pub rule: BrokenRule,
 }
 
-/// What is wrong in a file. A `place` is `accessor 12`, `meshes[3].primitives[0]` or `node 7 "Door"`.
+/// The rule that a file violates. A `place` is `accessor 12`, `meshes[3].primitives[0]` or `node 7 "Door"`.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum BrokenRule {
-    /// The system does not hand out the file.
+    /// The operating system reports an I/O error.
     #[error("cannot be read: {}", unreadable(.0))]
     Unreadable(io::Error),
-    /// A folder, a pipe or a device.
+    /// The path is a folder, a pipe or a device.
     #[error("is not a file, but a folder, a pipe or a device; name a file")]
     NotAFile,
-    /// Neither the magic number of a `.glb` nor the start of a JSON object.
+    /// The file has neither the magic number of a `.glb` nor the start of a JSON object.
     #[error("is not glTF: it {begins}; name a glTF 2.0 file (.glb, or .gltf with its .bin files)")]
     NotGltf {
-        /// What it begins with: "begins with `…`", or "is empty".
+        /// How the file begins: "begins with `…`", or "is empty".
         begins: String,
     },
-    /// Neither glTF nor OBJ, nor a map, nor a description of terrain.
+    /// The file is of no supported format.
     #[error(
         "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it {begins}; name a scene in glTF 2.0 (.glb, or .gltf with \
          its .bin files), OBJ (.obj with its .mtl files), a compiled map (.bsp: BSP29, BSP2, IBSP46), or terrain (.json with \
          its .raw file)"
     )]
     UnknownFormat {
-        /// What it begins with: "begins with `…`", or "is empty".
+        /// How the file begins: "begins with `…`", or "is empty".
         begins: String,
     },
-    /// An OBJ file that breaks a rule.
+    /// An OBJ file violates a rule.
     #[error("{0}")]
     Obj(Box<ObjError>),
-    /// A description of terrain that breaks a rule, or heights that do.
+    /// A terrain description, or its heights, violates a rule.
     #[error("{0}")]
     Terrain(Box<TerrainError>),
-    /// A file of portals that breaks a rule.
+    /// A portal file (`.prt`) violates a rule.
     #[error("{0}")]
     Prt(Box<PrtError>),
-    /// A compiled map that breaks a rule.
+    /// A compiled map violates a rule.
     #[error("{0}")]
     Bsp(Box<BspError>),
-    /// A `.glb` ends early.
+    /// A `.glb` is truncated.
     #[error(
         "is cut short: its {part} should end at byte {needs}, but the file has only {has}; copy or export it again"
     )]
     Truncated {
-        /// The part in which it ends.
+        /// The part in which the file ends.
         part: &'static str,
-        /// Where that part should end.
+        /// Where that part should end, in bytes from the start of the file.
         needs: u64,
-        /// Bytes that are there.
+        /// Length of the file, in bytes.
         has: u64,
     },
-    /// A `.glb` that does not begin with its JSON.
+    /// The first chunk of a `.glb` is not JSON.
     #[error("its first chunk is not JSON; export it again")]
     NoJsonChunk,
-    /// Another version of glTF.
-    #[error("is of glTF version {0}; export it again as glTF 2.0")]
+    /// The file is of another glTF version.
+    #[error("is glTF version {0}; export it again as glTF 2.0")]
     Version(String),
-    /// Not JSON, or not what glTF wants there.
+    /// The file is not valid JSON, or does not match the glTF schema.
     #[error("its JSON cannot be read: {0}; export it again")]
     Json(String),
-    /// More memory is needed than allowed.
+    /// Reading needs more memory than allowed.
     #[error(
         "{place} would raise the memory needed to {}, above the limit of {}; allow more (--memory), or split the file",
         bytes(*.needs_bytes), bytes(*.limit_bytes)
     )]
     TooLarge {
-        /// What would take it.
+        /// The element that exceeds the limit.
         place: String,
-        /// About what is needed, with all that was read before.
+        /// Estimated memory, in bytes, including everything read before.
         needs_bytes: u64,
-        /// What was allowed.
+        /// The limit, in bytes.
         limit_bytes: u64,
     },
-    /// The file cannot be shown rightly without an extension.
-    #[error("needs what is not read here: {extension}; {remedy}")]
+    /// The file requires an unsupported extension.
+    #[error("requires an unsupported extension: {extension}; {remedy}")]
     ExtensionRequired {
-        /// Its name, or the names of several.
+        /// Name of the extension, or names of several.
         extension: String,
-        /// What to do about it.
+        /// How to fix it.
         remedy: &'static str,
     },
-    /// Something that is glTF, but not read yet, and without which a shape would be wrong.
-    #[error("{place} is {what}, which is not read yet; {remedy}")]
+    /// A valid glTF feature that is not supported yet, and without which a shape would be wrong.
+    #[error("{place} is {what}, which is not supported yet; {remedy}")]
     NotReadYet {
-        /// Where.
+        /// The element that uses the feature.
         place: String,
-        /// What it is.
+        /// The feature.
         what: &'static str,
-        /// What to do about it.
+        /// How to fix it.
         remedy: &'static str,
     },
-    /// A number that names nothing.
+    /// An index is out of range.
     #[error("{place} names {kind} {index}, but there are only {count}; export it again")]
     NoSuch {
-        /// Where.
+        /// The element that holds the index.
         place: String,
-        /// What it names.
+        /// Kind of the referenced element.
         kind: &'static str,
-        /// Which of them.
+        /// The index.
         index: u32,
-        /// How many there are.
+        /// Number of elements of that kind.
         count: usize,
     },
-    /// A buffer or an image is to be fetched from elsewhere.
+    /// A buffer or an image has a remote URI.
     #[error("{place} is at `{uri}`, and nothing is fetched; save it beside the file and name it there")]
     NotLocal {
-        /// Which of them.
+        /// The buffer or image.
         place: String,
-        /// The address.
+        /// The URI.
         uri: String,
     },
-    /// The path of a buffer or an image is absolute or climbs with `..`.
+    /// The path of a buffer or an image is absolute or leaves the folder with `..`.
     #[error(
         "{place} is `{uri}`, which leads out of the file's folder; move it into that folder and name it there"
     )]
     LeavesFolder {
-        /// Which of them.
+        /// The buffer or image.
         place: String,
         /// The path.
         uri: String,
     },
-    /// A buffer or an image stands in a file, and there is no folder to look in.
+    /// A buffer or an image is in a separate file, and no folder was given.
     #[error(
         "{place} is the file `{uri}`, but no folder was given to look for it; give one, or embed the file"
     )]
     NoFolder {
-        /// Which of them.
+        /// The buffer or image.
         place: String,
         /// The path.
         uri: String,
     },
-    /// The address of a buffer or an image has bad percent signs, or its data are not base64.
-    #[error("{place} has a bad address: {why}; export it again")]
+    /// The URI of a buffer or an image has invalid percent encoding, or invalid base64 data.
+    #[error("{place} has an invalid URI: {why}; export it again")]
     BadUri {
-        /// Which of them.
+        /// The buffer or image.
         place: String,
-        /// What is bad about it.
+        /// What is wrong with the URI.
         why: String,
     },
-    /// The file of a buffer or an image is not read.
+    /// The file of a buffer or an image cannot be read.
     #[error("{place} is the file `{path}`, which {why}")]
     BufferFile {
-        /// Which of them.
+        /// The buffer or image.
         place: String,
-        /// Where it was looked for.
+        /// The path that was tried.
         path: String,
-        /// What is wrong with it.
+        /// Why the file cannot be read.
         why: Box<BrokenRule>,
     },
-    /// A buffer with neither an address nor a chunk of the `.glb`.
+    /// A buffer has neither a URI nor a binary chunk of the `.glb`.
     #[error(
         "{place} has no bytes: no uri, and it is not the binary chunk of a .glb; export it again, without compression"
     )]
     BufferWithoutBytes {
-        /// Which buffer.
+        /// The buffer.
         place: String,
     },
-    /// A buffer is shorter than it says.
+    /// A buffer is shorter than its `byteLength`.
     #[error("{place} should have {needs} bytes, but only {has} are there; copy or export it again")]
     BufferTooShort {
-        /// Which buffer.
+        /// The buffer.
         place: String,
-        /// What it says.
+        /// Its `byteLength`.
         needs: u64,
-        /// What is there.
+        /// Available bytes.
         has: u64,
     },
-    /// A buffer view reaches past its buffer.
+    /// A buffer view exceeds its buffer.
     #[error("{place} ends at byte {end} of buffer {buffer}, which has only {length}; export it again")]
     ViewOutOfBuffer {
-        /// Which buffer view.
+        /// The buffer view.
         place: String,
-        /// Where it ends.
+        /// End of the view, in bytes from the start of the buffer.
         end: u128,
-        /// Its buffer.
+        /// Index of its buffer.
         buffer: u32,
-        /// The bytes of that.
+        /// Length of the buffer, in bytes.
         length: u64,
     },
-    /// An accessor reaches past its buffer view.
+    /// An accessor exceeds its buffer view.
     #[error("{place} ends at byte {end} of bufferView {view}, which has only {length}; export it again")]
     AccessorOutOfView {
-        /// Which accessor.
+        /// The accessor.
         place: String,
-        /// Where it ends.
+        /// End of the accessor, in bytes from the start of the view.
         end: u128,
-        /// Its buffer view.
+        /// Index of its buffer view.
         view: u32,
-        /// The bytes of that.
+        /// Length of the view, in bytes.
         length: u64,
     },
-    /// Elements overlap.
+    /// The stride of an accessor is smaller than its elements.
     #[error(
         "{place} has elements of {element} bytes, but its bufferView {view} has a byteStride of {stride}; export it again"
     )]
     BadStride {
-        /// Which accessor.
+        /// The accessor.
         place: String,
-        /// Its buffer view.
+        /// Index of its buffer view.
         view: u32,
-        /// From one element to the next.
+        /// Bytes from the start of one element to the start of the next.
         stride: u64,
-        /// The bytes of an element.
+        /// Size of an element, in bytes.
         element: u64,
     },
-    /// An accessor holds something else than what it is used for.
-    #[error("{place} holds {found}, but {wanted} are wanted; {remedy}")]
+    /// An accessor has a type or component type that its use does not allow.
+    #[error("{place} holds {found}, but {wanted} are expected; {remedy}")]
     WrongType {
-        /// Which accessor.
+        /// The accessor.
         place: String,
-        /// What it holds.
+        /// Its component type and type.
         found: String,
-        /// What is wanted.
+        /// The types that are allowed.
         wanted: &'static str,
-        /// What to do about it.
+        /// How to fix it.
         remedy: &'static str,
     },
-    /// Normals, texture coordinates or colors are not as many as positions.
+    /// The number of normals, texture coordinates or colors differs from the number of positions.
     #[error("{place} has {count} {what}, but {positions} positions; export it again with one for each")]
     AttributeCount {
-        /// Which primitive.
+        /// The primitive.
         place: String,
-        /// Which of them.
+        /// The attribute.
         what: &'static str,
-        /// How many there are.
+        /// Its element count.
         count: u64,
-        /// How many there should be.
+        /// The number of positions.
         positions: u64,
     },
-    /// More elements stand instead of others than there are others.
+    /// A sparse accessor replaces more elements than it has.
     #[error("{place} has {count} sparse elements, but only {elements} in all; export it again")]
     SparseCount {
-        /// Which accessor.
+        /// The accessor.
         place: String,
-        /// Elements that stand instead of others.
+        /// Number of sparse elements.
         count: u64,
-        /// All elements.
+        /// Number of elements of the accessor.
         elements: u64,
     },
-    /// The elements that stand instead of others have numbers that are out of range or out of order.
+    /// Sparse indices are out of range or do not increase.
     #[error(
         "{place} has the sparse index {number} at position {at}, but sparse indices must increase and stay below its count of \
          {elements}; export it again"
     )]
     SparseIndex {
-        /// Which accessor.
+        /// The accessor.
         place: String,
-        /// Which of the indices.
+        /// Position of the invalid index in the list.
         at: usize,
-        /// The element it names.
+        /// The index.
         number: u64,
-        /// All elements.
+        /// Number of elements of the accessor.
         elements: u64,
     },
-    /// A compressed buffer view is damaged, or not compressed in a way that is known.
+    /// A compressed buffer view is damaged, or uses an unknown compression mode.
     #[error("{place} is compressed, but {why}; export it again, or without compression")]
     BadCompression {
-        /// Which buffer view.
+        /// The buffer view.
         place: String,
         /// What is wrong with it.
         why: String,
     },
-    /// The instances of a node are given by lists of different lengths.
+    /// The instance attributes of a node have different element counts.
     #[error(
         "{node} has {first} {first_what}, but {second} {second_what}; export it again with one of each per instance"
     )]
     InstanceCount {
         /// The node.
         node: String,
-        /// How many there are of one.
+        /// Element count of one attribute.
         first: u64,
-        /// Of which.
+        /// Name of that attribute.
         first_what: &'static str,
-        /// How many of another.
+        /// Element count of another.
         second: u64,
-        /// Of which.
+        /// Name of that attribute.
         second_what: &'static str,
     },
-    /// A way to look a texture up that glTF does not know.
-    #[error("{place} has {what} {value}, which glTF does not know; export it again")]
+    /// A sampler has a filter or wrap mode that glTF does not define.
+    #[error("{place} has {what} {value}, which glTF does not define; export it again")]
     BadSampler {
-        /// Which sampler.
+        /// The sampler.
         place: String,
-        /// Which of its values.
+        /// The property.
         what: &'static str,
         /// The value.
         value: u32,
     },
-    /// A position that a triangle uses is NaN or infinite.
+    /// A vertex position that a triangle uses is NaN or infinite.
     #[error(
         "{place} has a triangle at position {position}, which is not finite; repair the mesh and export it again"
     )]
     PositionNotFinite {
-        /// Which primitive.
+        /// The primitive.
         place: String,
-        /// Which position.
+        /// Index of the position.
         position: u32,
     },
-    /// An index names a position that is not there.
+    /// A vertex index is out of range.
     #[error("{place} has index {index} at corner {corner}, but only {positions} positions; export it again")]
     IndexOutOfRange {
-        /// Which primitive.
+        /// The primitive.
         place: String,
-        /// Which of its indices.
+        /// Position of the index in the index list.
         corner: usize,
-        /// The position it names.
+        /// The vertex index.
         index: u32,
-        /// How many there are.
+        /// Number of positions.
         positions: u64,
     },
-    /// Corners are numbered with 32 bits.
-    #[error("{place} has more than 4 billion corners; cut it in pieces")]
+    /// A mesh has more vertices than 32-bit indices can address.
+    #[error("{place} has more than 4 billion corners; split it")]
     TooManyCorners {
-        /// Which mesh.
+        /// The mesh.
         place: String,
     },
-    /// A drawing mode that glTF does not know.
+    /// A primitive has a topology mode that glTF does not define.
     #[error("{place} has mode {mode}, but modes are 0 (points) to 6 (triangle fan); export it again")]
     BadMode {
-        /// Which primitive.
+        /// The primitive.
         place: String,
-        /// Its mode.
+        /// The mode.
         mode: u32,
     },
-    /// An alpha mode that glTF does not know.
+    /// A material has an alpha mode that glTF does not define.
     #[error("{place} has alphaMode `{mode}`, but modes are OPAQUE, MASK and BLEND; export it again")]
     BadAlphaMode {
-        /// Which material.
+        /// The material.
         place: String,
-        /// Its mode.
+        /// The mode.
         mode: String,
     },
-    /// A node is a child twice.
+    /// A node has two parents, or is listed twice by one.
     #[error("{node} is a child of both {first} and {second}, but a node has one parent; export it again")]
     TwoParents {
         /// The node.
         node: String,
         /// One parent.
         first: String,
-        /// The other; the same one where it names the node twice.
+        /// The other parent; equal to `first` if that lists the node twice.
         second: String,
     },
     /// A node is its own ancestor.
-    #[error("these nodes are each other's children, in a cycle: {0}; export it again")]
+    #[error("its nodes form a cycle: {0}; export it again")]
     NodeCycle(String),
-    /// A scene begins in the middle of a tree.
+    /// A scene lists a node that is not a root.
     #[error("{scene} names {node} as a root, but it is a child of {parent}; export it again")]
     NotARoot {
         /// The scene.
@@ -370,38 +370,38 @@ pub enum BrokenRule {
         /// The node's parent.
         parent: String,
     },
-    /// A matrix whose last row is not 0, 0, 0, 1.
+    /// A node matrix whose last row is not 0, 0, 0, 1.
     #[error("{0} has a matrix with perspective: its last row is not 0, 0, 0, 1; export it again")]
     NotAffine(String),
-    /// A rotation of length zero.
+    /// A rotation quaternion of length zero.
     #[error("{0} has a rotation of length zero; correct it (no rotation is 0, 0, 0, 1) and export it again")]
     NoRotation(String),
-    /// A place beyond what 32-bit numbers hold.
+    /// A world transform overflows 32-bit floats.
     #[error(
         "{0} has a transform that is not finite; correct its position, rotation and scale, and export it again"
     )]
     NodeNotFinite(String),
-    /// A node whose transform or mesh reaches beyond [`MAX_COORDINATE`].
+    /// A node's transform or mesh extends beyond [`MAX_COORDINATE`].
     #[error(
-        "{0} reaches farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to the origin, and export \
-         it again"
+        "{0} extends beyond {MAX_COORDINATE:e} units; scale the scene down or move it to the origin, and export it \
+         again"
     )]
     NodeTooFar(String),
-    /// What is left to the mesh to check.
+    /// [`Mesh::new`](enfilade::Mesh::new) rejects a mesh.
     #[error("{place}: {why}")]
     Mesh {
-        /// Which mesh.
+        /// The mesh.
         place: String,
-        /// The rule it breaks.
+        /// The rule that it violates.
         why: MeshError,
     },
-    /// What is left to the cells to check.
-    #[error("what is visible in it cannot be used: {0}; run vis again")]
+    /// The baked cells of a map are invalid.
+    #[error("its visibility data is invalid: {0}; run vis again")]
     Cells(Box<BakedCellsError>),
-    /// What is left to the geometry to check.
+    /// The [`GeometryBuilder`](enfilade::GeometryBuilder) rejects a room.
     #[error("{0}")]
     Geometry(GeometryError),
-    /// Rooms, portals or terrain that do not make a scene: all that is wrong with them.
+    /// All errors in rooms, portals and terrain.
     #[error("{0}")]
     Authoring(Box<AuthoringErrors>),
 }

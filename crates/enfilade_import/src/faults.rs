@@ -1,11 +1,11 @@
-//! Collects what is wrong with the rooms, portals and terrain of a file, so that its author sees all of it at once.
+//! Collects the errors in rooms, portals and terrain of a file, so that its author sees all of them at once.
 
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, ReadOptions};
 use std::fmt;
 
-/// Everything that is wrong with the rooms, portals and terrain that a file's author marked. Prints as one error, or as a
-/// list with one error in each line.
+/// All errors in the rooms, portals and terrain that the author marked. Displays as a single error, or as a list with
+/// one error per line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AuthoringErrors {
     first: Vec<AuthoringError>,
@@ -14,28 +14,28 @@ pub struct AuthoringErrors {
     of_terrain: usize,
 }
 
-/// Errors that are kept: a hostile file could have more than fit in memory.
+/// Maximum number of stored errors: a hostile file could have more than fit in memory.
 const MAX_KEPT: usize = 1000;
-/// Errors that are printed: a terminal's page.
+/// Maximum number of printed errors: one terminal page.
 const MAX_PRINTED: usize = 20;
 
 impl AuthoringErrors {
-    /// The errors in the order in which they were found; the first 1,000 where there are more.
+    /// Returns the errors in the order in which they were found; the first 1,000 if there are more.
     pub fn first(&self) -> &[AuthoringError] {
         &self.first
     }
 
-    /// The number of errors. Of rooms that overlap at most 20 pairs are counted.
+    /// Returns the number of errors. Counts at most 20 pairs of overlapping rooms.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Whether [`ReadOptions::skip_bad_portals`] opens the file: all errors are of portals and mirrors.
+    /// Returns `true` if [`ReadOptions::skip_bad_portals`] opens the file: all errors concern portals and mirrors.
     pub fn can_be_skipped(&self) -> bool {
         self.of_portals == self.count
     }
 
-    /// Whether [`ReadOptions::flat`] opens the file: no error is of terrain.
+    /// Returns `true` if [`ReadOptions::flat`] opens the file: no error concerns terrain.
     pub fn flat_ignores_them(&self) -> bool {
         self.of_terrain == 0
     }
@@ -55,11 +55,7 @@ impl fmt::Display for AuthoringErrors {
         if let [only] = &*self.first {
             return only.fmt(f);
         }
-        write!(
-            f,
-            "{} things are wrong with its rooms, portals or terrain:",
-            self.count
-        )?;
+        write!(f, "{} errors in its rooms, portals or terrain:", self.count)?;
         for error in self.first.iter().take(MAX_PRINTED) {
             write!(f, "\n  {error}")?;
         }
@@ -70,18 +66,18 @@ impl fmt::Display for AuthoringErrors {
     }
 }
 
-/// What an error is about. That decides which option opens the file in spite of it.
+/// The subject of an error; it decides which option opens the file nevertheless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Subject {
     /// A portal or a mirror, which can be skipped.
     Portal,
-    /// A terrain, which is read also in a flat file.
+    /// A terrain, which is also read in a flat file.
     Terrain,
-    /// A room or anything else that is marked.
+    /// A room or any other mark.
     Room,
 }
 
-/// Collects authoring errors while a file is read, or turns into warnings those that the options tolerate.
+/// Collects authoring errors while a file is read; turns those that the options tolerate into warnings.
 #[derive(Debug, Default)]
 pub(crate) struct Faults {
     errors: AuthoringErrors,
@@ -98,11 +94,12 @@ impl Faults {
         }
     }
 
-    /// Whether bad portals are left out, so that the rest must do without them.
+    /// Returns `true` if invalid portals are skipped; later stages must then cope without them.
     pub(crate) fn skips_portals(&self) -> bool {
         self.skips_portals
     }
 
+    /// Records an error, or a warning if the options tolerate it.
     pub(crate) fn report(&mut self, subject: Subject, error: AuthoringError, warnings: &mut Warnings) {
         match subject {
             Subject::Portal | Subject::Room if self.flat => {
@@ -113,8 +110,10 @@ impl Faults {
         }
     }
 
+    /// Returns all recorded errors.
+    ///
     /// # Errors
-    /// All that were reported and are not tolerated.
+    /// [`BrokenRule::Authoring`] if any error was recorded.
     pub(crate) fn into_result(self) -> Result<(), BrokenRule> {
         if self.errors.count == 0 {
             return Ok(());
@@ -142,7 +141,7 @@ mod tests {
         let many = found([Subject::Portal; 5000]);
         assert_eq!((many.count(), many.first().len()), (5000, MAX_KEPT));
         let text = many.to_string();
-        assert!(text.starts_with("5000 things are wrong with"), "{text}");
+        assert!(text.starts_with("5000 errors in its"), "{text}");
         assert_eq!(text.lines().count(), 1 + MAX_PRINTED + 1);
         assert!(text.ends_with("\n  and 4980 more"), "{text}");
         assert_eq!(found([Subject::Portal; 20]).to_string().lines().count(), 21);

@@ -1,5 +1,5 @@
-//! Images in files: PNG and JPEG to texels. A picture that cannot be had never keeps a scene from being opened: it is grey,
-//! and a warning says why.
+//! Decodes PNG and JPEG images into textures. An image that cannot be decoded becomes grey, with a warning that gives
+//! the reason; it never makes a file unreadable.
 
 use crate::budget::Budget;
 use crate::spoken;
@@ -10,20 +10,21 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::io::Cursor;
 
-/// What stands for an image that cannot be had.
+/// Replaces an image that cannot be read.
 const GREY: [u8; 4] = [128, 128, 128, 255];
 
-/// An image in a file.
+/// An image of a file, still encoded.
 pub(crate) struct Encoded<'b> {
-    /// What it holds, or why that cannot be had.
+    /// The encoded bytes, or the reason why they cannot be read.
     pub(crate) bytes: Result<Cow<'b, [u8]>, String>,
-    /// How people call it.
+    /// Name of the texture.
     pub(crate) name: String,
-    /// What messages call it.
+    /// Name of the image in messages.
     pub(crate) place: String,
 }
 
-/// The texture of an image's bytes; grey where they are no image or one that would take too much memory.
+/// Decodes one image; returns a grey texture if the bytes are not a valid image, or one that would take too much
+/// memory.
 pub(crate) fn decode(
     bytes: &[u8],
     name: &str,
@@ -40,7 +41,7 @@ pub(crate) fn decode(
     textures.pop().unwrap_or_else(|| grey(name))
 }
 
-/// The textures of images, decoded side by side.
+/// Decodes images in parallel and returns their textures in the same order.
 pub(crate) fn decode_all(images: Vec<Encoded>, budget: &mut Budget, warnings: &mut Warnings) -> Vec<Texture> {
     let mut crowds = Crowds::default();
     let admitted: Vec<Result<Measured, String>> = images
@@ -60,7 +61,7 @@ pub(crate) fn decode_all(images: Vec<Encoded>, budget: &mut Budget, warnings: &m
         let (now, later) = waiting.split_at(crowd);
         let (sizes_now, sizes_later) = sizes.split_at(crowd);
         let decoded: Vec<Result<Texture, String>> = now.par_iter().zip(sizes_now).map(texture).collect();
-        // In order, so that warnings name the same images whichever thread was done first.
+        // In order, so that warnings name the same images whichever thread finishes first.
         for (decoded, image) in decoded.into_iter().zip(now) {
             textures.push(decoded.unwrap_or_else(|why| {
                 warnings.name(WarningKind::BadImages, || why);
@@ -72,20 +73,21 @@ pub(crate) fn decode_all(images: Vec<Encoded>, budget: &mut Budget, warnings: &m
     textures
 }
 
-/// A texture of one grey texel.
+/// Returns a texture of one grey texel.
 pub(crate) fn grey(name: &str) -> Texture {
-    Texture::new(name, [1, 1], vec![GREY]).expect("one texel")
+    Texture::new(name, [1, 1], vec![GREY]).expect("a 1x1 image is a valid texture")
 }
 
-/// The same as a file.
+/// Returns the same texture as a PNG file.
 pub(crate) fn grey_png() -> Vec<u8> {
     let mut bytes = Vec::new();
     image::RgbaImage::from_pixel(1, 1, image::Rgba(GREY))
         .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
-        .expect("into memory");
+        .expect("writing PNG to memory cannot fail");
     bytes
 }
 
+/// Decodes an image whose header was read and admitted.
 fn texture((image, measured): (&Encoded, &Result<Measured, String>)) -> Result<Texture, String> {
     let measured = measured.as_ref().map_err(String::clone)?;
     let bytes = image.bytes.as_ref().map_err(String::clone)?;
@@ -94,30 +96,31 @@ fn texture((image, measured): (&Encoded, &Result<Measured, String>)) -> Result<T
         .map_err(|why| format!("{}: {why}", image.place))
 }
 
-/// What an image's header says.
+/// Size and memory needs of an image, from its header.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
     size: [u32; 2],
-    /// Bytes that it takes as a texture.
+    /// Bytes of the decoded texture.
     kept: u64,
-    /// Bytes that it takes besides, while it is decoded.
+    /// Additional bytes while it is decoded.
     at_work: u64,
 }
 
-/// Images that are decoded at once take no more than this to do so, if it is not one that takes more. So memory does not
-/// grow with the number of threads, and there is still enough for each.
+/// Maximum total memory for images that are decoded at the same time, unless a single image needs more. So memory use
+/// does not grow with the number of threads.
 const CROWD_BYTES: u64 = 128 << 20;
 
-/// Sets memory aside for images, and says how many of them are decoded at once.
+/// Reserves memory for images and groups them into batches that are decoded in parallel.
 #[derive(Debug, Default)]
 struct Crowds {
-    /// What all images admitted would take while they are decoded, were it at once.
+    /// Bytes that all admitted images would need if they were decoded at the same time.
     all_at_work: u64,
-    /// What is set aside for that.
+    /// Bytes reserved for decoding.
     at_work: u64,
 }
 
 impl Crowds {
+    /// Reserves memory for an image, or returns why it is too large.
     fn admit(&mut self, image: Measured, budget: &mut Budget) -> Result<Measured, String> {
         let all_at_work = self.all_at_work.saturating_add(image.at_work);
         let at_work = all_at_work.min(CROWD_BYTES).max(image.at_work).max(self.at_work);
@@ -125,7 +128,7 @@ impl Crowds {
         let [width, height] = image.size;
         budget.take(needs, String::new).map_err(|_| {
             format!(
-                "{width}x{height} texels need {}, more than is allowed",
+                "{width}x{height} texels need {}, more than the memory limit allows",
                 spoken::bytes(needs)
             )
         })?;
@@ -133,7 +136,7 @@ impl Crowds {
         Ok(image)
     }
 
-    /// How many of the next images are decoded at once; at least one.
+    /// Returns the size of the next batch, at least 1.
     fn next(&self, images: &[Result<Measured, String>]) -> usize {
         let mut together = 0_u64;
         let too_many = images.iter().position(|image| {
@@ -146,7 +149,7 @@ impl Crowds {
 
 /// Reads an image's header.
 fn measure(bytes: &[u8]) -> Result<Measured, String> {
-    /// For what may stand in a header: profiles of colors, and the like.
+    /// Memory for what a header may contain, such as color profiles.
     const HEADER_BYTES: u64 = 16 << 20;
     let decoder = decoder(bytes, HEADER_BYTES)?;
     let (width, height) = decoder.dimensions();
@@ -156,22 +159,23 @@ fn measure(bytes: &[u8]) -> Result<Measured, String> {
             Texture::MAX_TEXELS
         ));
     }
-    // Decoders make up what is missing of a JPEG, and say nothing.
+    // The decoders fill the missing part of a truncated JPEG without an error.
     if is_cut_jpeg(bytes) {
-        return Err("it is cut short".to_owned());
+        return Err("it is truncated".to_owned());
     }
     let kept = 4 * u64::from(width) * u64::from(height);
     Ok(Measured {
         size: [width, height],
         kept,
-        // Its bytes once more, what it decodes to, what decoders of JPEG hold of that, and texels before they are kept.
+        // The encoded bytes, the decoder's output, the JPEG decoder's internal copies of it, and the RGBA texels.
         at_work: bytes.len() as u64 + 3 * decoder.total_bytes() + kept,
     })
 }
 
-/// Is it a JPEG without an end?
+/// Returns `true` if the bytes are a JPEG without an end marker.
 ///
-/// Segments say how long they are, up to the first that has texels. From there on the mark of the end is nothing else.
+/// Segments store their length, up to the start of scan. In the entropy-coded data after it, the end marker cannot
+/// occur by coincidence.
 /// Source: ITU-T T.81, section B.1.
 fn is_cut_jpeg(bytes: &[u8]) -> bool {
     const START: u8 = 0xD8;
@@ -184,7 +188,7 @@ fn is_cut_jpeg(bytes: &[u8]) -> bool {
     while let [0xFF, mark, after @ ..] = rest {
         rest = match (*mark, after) {
             (TEXELS, _) => return !after.windows(2).any(|pair| pair == END),
-            // A mark may begin with more of its first byte, and a few have nothing behind them.
+            // Markers may be preceded by fill bytes 0xFF, and a few have no length field.
             (0xFF, _) => &rest[1..],
             (0x01 | 0xD0..=0xD7, _) => after,
             (_, [high, low, ..]) => {
@@ -194,11 +198,11 @@ fn is_cut_jpeg(bytes: &[u8]) -> bool {
             _ => &[],
         };
     }
-    // Whatever else that is, decoders say it.
+    // The decoder reports all other errors.
     false
 }
 
-/// Rows of texels from the top.
+/// Decodes the texels, in rows from the top.
 fn texels(bytes: &[u8], measured: &Measured) -> Result<Vec<[u8; 4]>, String> {
     let decoder = decoder(bytes, measured.at_work + measured.kept)?;
     let image = image::DynamicImage::from_decoder(decoder).map_err(|why| why.to_string())?;
@@ -206,12 +210,12 @@ fn texels(bytes: &[u8], measured: &Measured) -> Result<Vec<[u8; 4]>, String> {
     Ok(texels.pixels().map(|pixel| pixel.0).collect())
 }
 
-/// What decodes the bytes, with memory of at most so many bytes.
+/// Returns a decoder for the bytes that allocates at most `most_bytes`.
 fn decoder(bytes: &[u8], most_bytes: u64) -> Result<impl ImageDecoder + '_, String> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
     let mut reader = reader.map_err(|why| why.to_string())?;
     if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-        return Err("neither PNG nor JPEG".to_owned());
+        return Err("it is neither PNG nor JPEG".to_owned());
     }
     let mut limits = Limits::default();
     limits.max_image_width = Some(Texture::MAX_TEXELS);
@@ -236,7 +240,7 @@ mod tests {
         let mut bytes = Vec::new();
         image::RgbaImage::from_fn(size[0], size[1], |x, y| image::Rgba([x as u8, y as u8, 7, 200]))
             .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
-            .expect("into memory");
+            .expect("writing PNG to memory cannot fail");
         bytes
     }
 
@@ -269,7 +273,7 @@ mod tests {
         for side in [16..20, 20..24] {
             bytes[side].copy_from_slice(&100_000_u32.to_be_bytes());
         }
-        // The header's checksum must be right, or it is not even believed.
+        // The header's checksum must be correct, otherwise the decoder rejects the header.
         let sum = crc(&bytes[12..29]);
         bytes[29..33].copy_from_slice(&sum.to_be_bytes());
         let (texture, warnings) = decoded(&bytes);

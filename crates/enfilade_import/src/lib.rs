@@ -1,5 +1,7 @@
-//! Reads scenes from files: glTF 2.0, as `.glb` and as `.gltf` with its buffers beside it or inside it; OBJ, with its MTL files
-//! and their images beside it; compiled maps of Quake and Quake 3; and terrain, as heights with a JSON file that describes them.
+//! Reads 3D scenes from files as [`enfilade`] scenes, with their rooms, portals, materials, cameras and lights.
+//!
+//! Formats: glTF 2.0 (`.glb`, or `.gltf` with embedded or separate buffers); OBJ with its MTL files and images;
+//! compiled maps of Quake and Quake 3 (`.bsp`); terrain as a raw heightmap with a JSON description.
 //!
 //! ```
 //! use enfilade::{SectorId, Method};
@@ -22,73 +24,86 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Each node with a mesh becomes an item, and nodes that share a mesh share it here too. What an author marked, by the
-//! endings of names or in `extras.enfilade`, becomes rooms, portals between them, and mirrors:
+//! # glTF
 //!
-//! | a node's name ends in | `extras.enfilade` | it is |
+//! Each node with a mesh becomes an item; nodes that share a mesh still share it after import. Node names or
+//! `extras.enfilade` mark rooms, portals, mirrors and terrain:
+//!
+//! | node name ends in | `extras.enfilade` | meaning |
 //! |---|---|---|
-//! | `-room` | `{"kind": "room", "method": "bsp"}` | a room: what is below it, up to rooms nested in it, is a sector |
-//! | `-portal` | `{"kind": "portal", "to": "Hall-room", "one_way": true}` | a flat convex mesh to look through |
-//! | `-portal` | `{"kind": "portal", "exit": "NODE"}` | the same as a teleport: in along its −Z, out along the exit's |
+//! | `-room` | `{"kind": "room", "method": "bsp"}` | a room: the node's descendants, except nested rooms, form a sector |
+//! | `-portal` | `{"kind": "portal", "to": "Hall-room", "one_way": true}` | a portal: a flat convex mesh is its polygon |
+//! | `-portal` | `{"kind": "portal", "exit": "NODE"}` | a teleport portal: enters along the node's −Z, leaves along the exit's −Z |
 //! | `-mirror` | `{"kind": "mirror"}` | a flat convex mesh that mirrors its room |
-//! | `-terrain` | `{"kind": "terrain"}` | a mesh that is a grid of heights, for the method `floating-horizon` |
+//! | `-terrain` | `{"kind": "terrain"}` | a heightfield mesh (regular grid) for the method `floating-horizon` |
 //!
-//! The name or the extras are enough, Blender's `.001` may follow, and 1 counts as true. All rooms share world space.
-//! Which two rooms a portal joins is found from what stands at its two sides, unless `to` says it; the room that it is
-//! parented to comes first where it is one of them. A room without a top, as a garden or a courtyard, extends upwards (+Y) without
-//! end: an opening with nothing but sky at one side, as a roof window, leads to the smallest such room below. Scales of a portal and its exit do not count in a teleport, which moves
-//! and turns only. What stands in no room is one more room.
+//! Either the name or the extras suffice. Blender's numeric suffix (`.001`) is ignored, and 1 counts as `true`. All
+//! rooms share world space. The importer finds the two rooms that a portal joins from the geometry on its two sides,
+//! unless `to` names one; if the portal's parent room is among the candidates, it takes precedence. A room without a
+//! ceiling, such as a garden or a courtyard, extends upwards (+Y) without bound: an opening with only sky on one side,
+//! such as a roof window, leads to the smallest such room below it. A teleport uses only the translation and rotation
+//! of the portal and its exit; it ignores their scales. Nodes outside every room form one additional room.
 //!
-//! Terrain is a mesh, y up in its own space, whose corners stand where columns of one x and rows of one z cross, with one height
-//! at each place and every cell cut in two triangles that face up, all along the same diagonal; one material, no skeleton, no
-//! morph targets, no instances. Its blocks of 32 by 32 cells are items, `Hill-terrain 3 7`: the fourth row from the north, the
-//! eighth block from the west. Triangles stay where they are, to the bit, with their places in textures, colors and
-//! normals; steps may differ, and corners may be there more than once. Where those at one place have different normals, faces are
-//! flat. Where no corner of a column has quite the same x, as in a grid that was turned before it was exported, they go to the
-//! least, which is within 2⁻²² of the greatest x or z. What is no such grid is an error that names the place.
+//! A terrain mesh is a heightfield with y up in object space. Its vertices are at the intersections of grid columns
+//! (constant x) and rows (constant z), with one height per grid point. Every cell is split into two upward-facing
+//! triangles, all along the same diagonal. It has one material, no skin, no morph targets and no instances. Its blocks
+//! of 32×32 cells become items: `Hill-terrain 3 7` is the fourth row from the north and the eighth block from the west.
+//! Vertex positions stay bit-exact, and texture coordinates, colors and normals are kept. Grid steps may vary, and
+//! vertices may be duplicated; where duplicates have different normals, faces are flat shaded. If the vertices of a
+//! column differ slightly in x, as in a grid that was rotated before export, all of them snap to the minimum; the
+//! tolerance is 2⁻²² of the maximum x or z. Any other mesh is an error that names the offending grid point.
 //!
-//! Of an OBJ file each `o` and `g` that has faces is an item, all in one room: OBJ has no tree of nodes, so it cannot say
-//! what stands in a room. Polygons of any shape are cut into triangles. Materials are seen from both sides, `d` and `Tr` make
-//! glass, an image that is both `map_Kd` and `map_d` cut-outs. Colors of materials are taken as linear, those of positions as
-//! they look on a screen. Nothing outside the file's folder is read.
+//! # OBJ
 //!
-//! Of a compiled map (`.bsp`: BSP29 and BSP2 of Quake, IBSP46 of Quake 3) the faces of the world are items by the leafs that
-//! show them, `leaf 12`, or the clusters, `cluster 12`; where several sets of leafs begin with one, the second is `leaf 12.2`.
-//! Doors, lifts and what else moves are items of their own, `func_door gate#34`: what it is, how others call it, and its number
-//! among the map's entities. What engines do not draw is left out; sky is an opaque face, for it bounds the world. Places where
-//! players start are cameras, lights are lamps. Faces with lightmaps show those instead of lamps. What is visible from where, if
-//! that has been computed, becomes the geometry's [cells](enfilade::Geometry::cells). Z is up in maps: x stays x, their z is our
-//! y, their y our −z; lengths stay theirs. The images of their textures lie in files of the game, so colors are made up by
-//! their names.
+//! Each `o` or `g` that has faces becomes an item, all in one room: OBJ has no node hierarchy, so it cannot mark rooms.
+//! Polygons of any shape are triangulated. Materials are double-sided. `d` and `Tr` make a material alpha-blended; an
+//! image that is both `map_Kd` and `map_d` makes it alpha-tested. Material colors are read as linear, vertex colors as
+//! sRGB. Nothing outside the file's folder is read.
 //!
-//! Of a map for Quake or Quake 3 [`read_portals`] reads the `.prt` that its compiler leaves beside it: the convex cells that
-//! `enfilade_bake` computes the visible pairs of, which [`with_visibility`] puts into the map, and [`with_ambient_sounds`] what is
-//! heard in each leaf. Where the `.prt` is lost,
-//! [`rebuild_portals`] makes it again out of the map.
+//! # Quake maps
 //!
-//! Terrain is a file of heights, of 16 bits or of 32, and a JSON file beside it, which is the one to be read; see [`TerrainError`] for what it must
-//! say. Its blocks of 32 by 32 cells are items, `block 3 7`: the fourth row from the north, the eighth block from the west. The
-//! diagonal of each cell goes from the corner north-east to the one south-west, unless it says otherwise. x goes east, z south, y up; metres.
+//! Supported: BSP29 and BSP2 (Quake), IBSP46 (Quake 3). World faces become items, one for each set of leafs (`leaf 12`)
+//! or clusters (`cluster 12`) that lists them; of several sets that begin with the same leaf, the second is `leaf
+//! 12.2`. Brush entities such as doors and lifts become separate items: `func_door gate#34` is the class name, the
+//! target name and the entity index. Faces that engines do not draw are left out. Sky is an opaque face, because it
+//! bounds the world. Player starts become cameras and light entities become lights; faces with lightmaps use those
+//! instead of the lights. The PVS, if the file has one, becomes the geometry's [baked
+//! cells](enfilade::Geometry::cells). Maps have Z up: x stays x, their z becomes y, and their y becomes −z; units are
+//! unchanged. The images of their textures are in other game files, so colors are derived from the texture names.
 //!
-//! What is read of how a glTF scene looks: colors and images on faces (PNG and JPEG; in the file, beside it, or in an
-//! address), their samplers, cut-outs and glass, light that things send out, normals and colors of corners, lights, and
-//! cameras, also orthographic ones ([`Camera`]). Numbers may be sparse, quantized or compressed. Of extensions these are read:
+//! [`read_portals`] reads the `.prt` file that a map compiler writes beside the map: the convex cells between which
+//! `enfilade_bake` computes the PVS. [`with_visibility`] writes that PVS into the map, and [`with_ambient_sounds`]
+//! writes the ambient sound levels of each leaf. If the `.prt` is missing, [`rebuild_portals`] reconstructs it from the
+//! map.
 //!
-//! | extension | what becomes of it |
+//! # Terrain
+//!
+//! A raw heightmap (16 or 32 bits per height) with a JSON description; read the JSON file. [`TerrainError`] lists what
+//! the description must contain. Blocks of 32×32 cells become items: `block 3 7` is the fourth row from the north and
+//! the eighth block from the west. The diagonal of each cell runs from its north-east to its south-west corner, unless
+//! the description says otherwise. x points east, z south and y up; units are metres.
+//!
+//! # What is read of glTF
+//!
+//! Base color and emissive textures (PNG and JPEG; embedded, in separate files, or data URIs), samplers, alpha test and
+//! alpha blend, emission, vertex normals and colors, lights, and perspective and orthographic cameras ([`Camera`]).
+//! Accessors may be sparse, quantized or compressed. Supported extensions:
+//!
+//! | extension | result |
 //! |---|---|
 //! | `EXT_mesh_gpu_instancing` | each instance is an item, `NAME[7]` |
 //! | `EXT_meshopt_compression`, `KHR_meshopt_compression` | decoded |
-//! | `KHR_lights_punctual` | [`Import::lights`]; a light stands in the room above its node, else in the smallest around it |
-//! | `KHR_materials_emissive_strength`, `KHR_materials_unlit` | as they say |
-//! | `KHR_materials_transmission` | glass that is seen through by nine tenths of what it transmits |
-//! | `KHR_mesh_quantization` | as it says |
-//! | `KHR_texture_transform` | the coordinates of corners are those after it |
+//! | `KHR_lights_punctual` | [`Import::lights`]; a light belongs to the room above its node, otherwise to the smallest room around it |
+//! | `KHR_materials_emissive_strength`, `KHR_materials_unlit` | applied |
+//! | `KHR_materials_transmission` | alpha-blended; 90 % of the transmission factor becomes transparency |
+//! | `KHR_mesh_quantization` | decoded |
+//! | `KHR_texture_transform` | applied to the texture coordinates |
 //!
-//! A file that requires another one is refused; one that only uses it is read, with a warning. What is not drawn or not read
-//! yet (skins, animations, maps of metal and roughness) is named in [`Import::warnings`], never silently dropped. An image
-//! that cannot be had is grey, and a warning says why. A file that breaks a rule, however it does, gives an [`ImportError`]
-//! that names the place and the rule.
-// Not forbidden, for `terrain/map.rs` allows it, in one function.
+//! A file that requires another extension is an error; a file that only uses one is read, with a warning.
+//! [`Import::warnings`] names everything that is not drawn or not supported yet (skins, animations, metallic-roughness
+//! textures). An image that cannot be read becomes grey, with a warning that gives the reason. A file that violates a
+//! rule returns an [`ImportError`] that names the element and the rule.
+// `deny`, not `forbid`: one function in `terrain/map.rs` allows unsafe code to map a file into memory.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(unsafe_code)]
 
@@ -136,59 +151,60 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Debug)]
 pub struct Import {
-    /// The rooms of the file's default scene, all in world space: y up, metres unless the file's author thought
-    /// otherwise. At least one; exactly one where none is marked, or where the file was read as [flat](ReadOptions::flat).
+    /// The rooms of the file's default scene, all in world space: y up, in metres unless the author used another unit.
+    /// At least one. Exactly one if no room is marked or the file was read as [flat](ReadOptions::flat).
     ///
-    /// An item is named for its node, `NAME#nodeIndex` where nodes with meshes share the name, `node#12` where it
-    /// has none; of several instances each has its number behind that, `NAME[7]`; of an OBJ file for its group,
-    /// `NAME#itemIndex` where groups share the name, `default` where it has none; of a map for what shows it. No two items of a
-    /// file have the same name.
+    /// Item names are unique in a file. glTF: the node's name, `NAME#nodeIndex` if several nodes with meshes share that
+    /// name, `node#12` if it has none; instances append their index, `NAME[7]`. OBJ: the group's name, `NAME#itemIndex`
+    /// if several groups share it, `default` if it has none. Quake maps: the leafs, the cluster or the entity.
     pub rooms: Vec<Room>,
-    /// The ways between them; [`SectorId`](enfilade::SectorId) n is room n. A door is two, a mirror one that reflects.
+    /// The portals between the rooms; [`SectorId`](enfilade::SectorId) n is room n. A door makes two portals, a mirror
+    /// one that reflects.
     pub portals: Vec<Portal>,
-    /// The cameras of that scene, in the order of their nodes, named as items are.
+    /// The cameras of the default scene, in node order, named like items.
     pub cameras: Vec<Camera>,
-    /// Its lights, each in the room that it stands in. Their colors are in the units of the file, whatever its author meant by
-    /// them: whoever draws chooses an exposure.
+    /// The lights, each with the room that contains it. Colors keep the units of the file; the renderer chooses an
+    /// exposure.
     pub lights: Vec<Light>,
-    /// What only a compiled map has; `None` of other files.
+    /// Data that only compiled maps have; `None` for other formats.
     pub map: Option<MapSummary>,
-    /// What the file has that was not read, or that is odd: one warning of each kind, worst first; but one of each portal that was
-    /// [skipped](ReadOptions::skip_bad_portals).
+    /// Everything in the file that was not read or looks wrong: one warning per kind, worst first, but one for each
+    /// [skipped](ReadOptions::skip_bad_portals) portal.
     pub warnings: Vec<Warning>,
-    /// The other files that it names, read or not: buffers, images, materials, heights. Whoever writes files should write
-    /// none of these.
+    /// The other files that this file references, read or not: buffers, images, materials, heights. Check output paths
+    /// against this list to avoid overwriting a source.
     pub files: Vec<PathBuf>,
 }
 
-/// A sector of a file.
+/// A room of a file; it becomes a sector of the scene.
 #[derive(Clone, Debug)]
 pub struct Room {
-    /// How its author called it; the file's name without its ending (`scene` for bytes) where nobody marked it.
+    /// Name of the room's node; the file stem (`scene` for bytes) if the file marks no room.
     pub name: String,
-    /// What stands in it, and its openings, which are named for the nodes of their portals.
+    /// The room's items and openings; an opening is named after its portal's node.
     pub geometry: Arc<Geometry>,
-    /// Which nodes of a glTF file those items come from; empty for other files.
+    /// The glTF nodes that the items come from; empty for other formats.
     pub nodes: SourceNodes,
-    /// How it is to be seen, where its author says so.
+    /// The visibility method that the author chose for this room, if any.
     pub method: Option<Method>,
-    /// It has no top, as a garden or a courtyard: what is above it, however far, is in it.
+    /// Whether the room has no ceiling, such as a garden or a courtyard: it contains everything above it, at any
+    /// height.
     pub open_above: bool,
-    /// Terrain that would not have fit in memory as meshes: then `geometry` holds nothing, and this is the sector, whatever
-    /// `method` says.
+    /// Terrain too large to fit in memory as meshes. If present, it is the sector, `geometry` is empty and `method` is
+    /// ignored.
     pub large: Option<Arc<LargeTerrain>>,
 }
 
 impl Import {
-    /// The rooms joined by their portals. Where a room says no method it is seen by `method`; what that builds may take
-    /// `limit_bytes` in each room.
+    /// Builds a scene from the rooms and their portals. Rooms without a chosen method use `method`. The data structures
+    /// that a method builds may take up to `limit_bytes` per room.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`], and [`SceneError::NotConvex`] or [`SceneError::NotBaked`] where a room says a method that does
-    /// not suit it.
+    /// [`SceneError::TooLarge`] if a room exceeds `limit_bytes`; [`SceneError::NotConvex`] or [`SceneError::NotBaked`]
+    /// if a room's geometry does not meet the requirements of its method.
     pub fn scene(&self, method: Method, limit_bytes: u64) -> Result<Scene, SceneError> {
         let mut builder = SceneBuilder::new();
         builder.limit_bytes(limit_bytes);
@@ -216,22 +232,23 @@ impl Import {
     }
 }
 
-/// How a file is read.
+/// Options of [`read`] and [`read_bytes`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadOptions {
-    /// Bytes that reading may take, file included. What would take more, by an estimate made before anything is
-    /// allocated, is refused. 1 GiB unless told: enough for some 10 million triangles, each stored once.
+    /// Maximum memory for reading, in bytes, including the file itself. A file that would take more, by an estimate
+    /// made before anything is allocated, is an error. Default: 1 GiB, enough for about 10 million triangles, each
+    /// stored once.
     ///
-    /// Only terrain described by a JSON file is not: what would take more stays in its file, which is then mapped into memory
-    /// ([`Room::large`]). Nobody must cut that file off or write into it until the room is dropped.
+    /// Exception: terrain with a JSON description that would take more stays in its file, which is mapped into memory
+    /// ([`Room::large`]). Do not truncate or write that file until the room is dropped.
     pub limit_bytes: u64,
-    /// Take everything as one room: portals are plain holes, and a mirror is what its mesh is. Where rooms and portals are
-    /// is not asked then, so a file in which they make no sense can still be looked at.
+    /// Read everything as one room: portals become plain holes and mirrors ordinary meshes. Marked rooms and portals
+    /// are not validated, so a file in which they are wrong can still be viewed. Default: `false`.
     pub flat: bool,
-    /// Leave out portals and mirrors that do not make sense, each with a warning: they become plain holes. Otherwise such a
-    /// file is refused.
+    /// Skip invalid portals and mirrors, each with a warning; they become plain holes. Otherwise such a file is an
+    /// error. Default: `false`.
     pub skip_bad_portals: bool,
-    /// Read images on faces? Who only asks what can be seen needs none, and reads faster without.
+    /// Whether to read textures. Visibility queries need none, and reading is faster without them. Default: `true`.
     pub textures: bool,
 }
 
@@ -246,12 +263,13 @@ impl Default for ReadOptions {
     }
 }
 
-/// Reads a file of any kind. Its first bytes say what it is, not its name; but OBJ files may begin with anything, so what is none of the
-/// others is OBJ where it is called so, or begins with positions, materials or comments before them.
+/// Reads a file of any supported format. The first bytes decide the format, not the file name. OBJ files may begin with
+/// anything, so a file of no other format is OBJ if its extension is `.obj`, or if it begins with positions, materials
+/// or comments before them.
 ///
 /// # Errors
-/// An [`ImportError`] for the first broken rule that is met; the same one every time. Of what is wrong with rooms, portals and
-/// terrain it holds all ([`AuthoringErrors`]).
+/// Returns an [`ImportError`] for the first violated rule, deterministically. Errors in rooms, portals and terrain are
+/// collected and returned together ([`AuthoringErrors`]).
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     read_file(path, options, |bytes, name, budget| {
         let is_called_obj = path
@@ -268,7 +286,7 @@ fn read_gltf(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> 
     })
 }
 
-/// Reads the bytes of a file, and what they hold by `import`, which gets the file's name without its ending.
+/// Reads the bytes of a file and passes them to `import`, together with the file stem.
 fn read_file<T>(
     path: &Path,
     options: &ReadOptions,
@@ -284,11 +302,11 @@ fn read_file<T>(
     import(&bytes, name, budget).map_err(failed)
 }
 
-/// Reads the bytes of a file. `folder` is where the files lie that it names; with `None`, naming a buffer is an error, and an
-/// image or a file of materials a warning.
+/// Reads a file of any supported format from memory. `folder` is where referenced files are looked for; if it is
+/// `None`, a referenced buffer is an error, and a referenced image or material file a warning.
 ///
 /// # Errors
-/// As [`read`].
+/// The same as [`read`].
 pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) -> Result<Import, ImportError> {
     let failed = |rule| ImportError {
         file: "the bytes given".to_owned(),
@@ -301,8 +319,8 @@ pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) ->
     import(bytes, folder, OsStr::new("scene"), false, options, budget).map_err(failed)
 }
 
-/// Finds out what the bytes are, and reads them. OBJ has no first bytes of its own, so what is not clearly something else
-/// is taken for OBJ where it is called so.
+/// Detects the format of the bytes and reads them. OBJ has no magic number, so bytes of no other format are read as OBJ
+/// if `is_called_obj`, or if they begin like OBJ.
 fn import(
     bytes: &[u8],
     folder: Option<&Path>,
@@ -330,14 +348,15 @@ fn import(
     })
 }
 
-/// The first `most` bytes of a file, or all. Never waits on a pipe, and never reads more than the budget allows.
+/// Reads the first `most` bytes of a file, or all of it. Never blocks on a pipe, and never reads more than the budget
+/// allows.
 fn read_regular_file(
     path: &Path,
     most: Option<u64>,
     place: &dyn Fn() -> String,
     budget: &mut Budget,
 ) -> Result<Vec<u8>, BrokenRule> {
-    // Asked before opening: a pipe without a writer would not open until someone writes.
+    // Check the file type before opening: opening a pipe blocks until it has a writer.
     if !std::fs::metadata(path).map_err(BrokenRule::Unreadable)?.is_file() {
         return Err(BrokenRule::NotAFile);
     }

@@ -1,4 +1,4 @@
-//! Pins methods: writes into a copy of a file how each of its rooms is to be seen from then on.
+//! Stores chosen methods: writes the visibility method of each room into a copy of a file.
 
 use crate::budget::Budget;
 use crate::{BrokenRule, ImportError, ReadOptions, gltf, read_file, terrain};
@@ -6,34 +6,35 @@ use enfilade::Method;
 use std::path::Path;
 use thiserror::Error;
 
-/// Why methods are not written into a file.
+/// Errors of [`with_methods`].
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PinError {
-    /// It is no sound file.
+    /// The file cannot be read.
     #[error(transparent)]
     File(#[from] Box<ImportError>),
-    /// Files of its kind have no place for methods.
+    /// The format cannot store methods.
     #[error("methods cannot be stored in an OBJ file or a map; convert it to glTF, or leave out -o")]
     NoPlace,
-    /// A `.glb` has at most 4 GiB.
-    #[error("with methods it would be larger than 4 GiB, which no .glb can be; split it")]
+    /// The result exceeds 4 GiB, the maximum size of a `.glb`.
+    #[error("with methods it would be larger than 4 GiB, the maximum size of a .glb; split it")]
     TooLong,
 }
 
-/// What became of a file.
+/// Result of writing the methods.
 enum Pinned {
     Done(Vec<u8>),
     NoPlace,
     TooLong,
 }
 
-/// A copy of a file of which room n, as [`read`](crate::read) gives them, is seen by method n. Rooms of glTF say so in
-/// `extras.enfilade.method` of their nodes, and what stands in no room in that of its scene; terrain in `method`. The files that it
-/// names are still looked for beside it.
+/// Returns a copy of a file in which room n, as numbered by [`read`](crate::read), has method n. For glTF, the method
+/// is written to `extras.enfilade.method` of the room's node, and of the scene for the room of nodes outside every
+/// room; for terrain, to `method` of its description. Store the copy in the same folder, because its references are
+/// relative.
 ///
 /// # Errors
-/// [`PinError`].
+/// Returns a [`PinError`] if the file cannot be read, cannot store methods, or would become too large.
 pub fn with_methods(path: &Path, methods: &[Method], limit_bytes: u64) -> Result<Vec<u8>, PinError> {
     let options = ReadOptions {
         limit_bytes,

@@ -1,23 +1,24 @@
-//! Which nodes of a file the items of a room come from.
+//! Maps the items of a room to the nodes of its file.
 
 use enfilade::ItemId;
 use std::collections::BTreeMap;
 
-/// The nodes that the items of a room come from: their indices in the file, and the ids that other programs know them by.
+/// The nodes that the items of a room come from: their indices in the file, and ids that other programs assigned to
+/// them.
 ///
-/// Empty where a file has no nodes: OBJ, compiled maps and described terrain. Takes 8 bytes for each node, however many items
-/// the node makes, and nothing for a node without an id.
+/// Empty for formats without nodes: OBJ, compiled maps and terrain descriptions. Takes 8 bytes per node, however many
+/// items the node makes, and nothing for the id of a node without one.
 #[derive(Clone, Debug, Default)]
 pub struct SourceNodes {
-    /// The first item of each node, in the order of the items.
+    /// First item of each node, with the node's index, in item order.
     firsts: Vec<(ItemId, u32)>,
-    /// By node.
+    /// Ids by node index.
     ids: BTreeMap<u32, Box<str>>,
 }
 
 impl SourceNodes {
-    /// Says which node an item comes from. Items come in order, those of one node one after the other; only the first of them
-    /// must be added.
+    /// Records that `item` comes from `node`. Items must be added in increasing order and grouped by node; only the
+    /// first item of each node is required.
     pub(crate) fn add(&mut self, item: ItemId, node: u32, id: Option<&str>) {
         if self.firsts.last().is_some_and(|&(_, last)| last == node) {
             return;
@@ -28,20 +29,20 @@ impl SourceNodes {
         }
     }
 
-    /// Returns the index of an item's node in the `nodes` of its glTF file; `None` where the file has no nodes.
+    /// Returns the index of an item's node in the `nodes` of its glTF file; `None` if the file has no nodes.
     ///
-    /// Instances of one node, and the blocks of one terrain, are items of the same node.
+    /// All instances of a node, and all blocks of a terrain, return the same node.
     pub fn node(&self, item: ItemId) -> Option<u32> {
         let after = self.firsts.partition_point(|&(first, _)| first <= item);
         Some(self.firsts[..after].last()?.1)
     }
 
-    /// Returns the id that the `extras` of an item's node give it, such as the `globalId` of an IFC element; `None` where they
-    /// give none.
+    /// Returns the id in the `extras` of an item's node, such as the `globalId` of an IFC element; `None` if there is
+    /// none.
     ///
-    /// An id is the value of `globalId`, `ifcGuid`, `guid`, `uuid` or `id`; where a node has several of these keys, of the first
-    /// in this order. Case and underscores of the key do not count: `GlobalId` and `global_id` are `globalId`. The value is a
-    /// text that is not empty, or a whole number, of at most 256 bytes.
+    /// The id is the value of `globalId`, `ifcGuid`, `guid`, `uuid` or `id`; if a node has several of these keys, the
+    /// first in this order. Case and underscores of the key are ignored: `GlobalId` and `global_id` match `globalId`.
+    /// The value is a non-empty string or an integer, of at most 256 bytes.
     pub fn id(&self, item: ItemId) -> Option<&str> {
         self.ids.get(&self.node(item)?).map(|id| &**id)
     }

@@ -1,4 +1,4 @@
-//! Numbers and failures as messages say them.
+//! Formats numbers and I/O errors for messages.
 
 use std::io::{Error, ErrorKind};
 
@@ -7,7 +7,7 @@ pub(crate) fn short(number: f64) -> f64 {
     format!("{number:.3e}").parse().unwrap_or(number)
 }
 
-/// `12.3 MB`, in powers of a thousand.
+/// Formats a size, such as `12.3 MB`, in powers of a thousand.
 pub(crate) fn bytes(number: u64) -> String {
     let (unit, name) = match number {
         1 => (1.0, "byte"),
@@ -19,7 +19,7 @@ pub(crate) fn bytes(number: u64) -> String {
     format!("{} {name}", short(number as f64 / unit))
 }
 
-/// Why a file cannot be read, and what to do about it.
+/// Describes why a file cannot be read, and how to fix it.
 pub(crate) fn unreadable(why: &Error) -> String {
     match why.kind() {
         ErrorKind::NotFound => "there is no such file; check its path".to_owned(),

@@ -1,94 +1,94 @@
-//! What a reader leaves out, said in few words.
+//! Warnings: what a reader leaves out or repairs.
 
 use crate::AuthoringError;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Something that a file has and that was not read, or that is odd. Its text is one line.
+/// Something in a file that was not read, or that looks wrong. Displays as one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What it is.
+    /// Category of the warning.
     pub kind: WarningKind,
-    /// How many of them there are; 0 for what cannot be counted.
+    /// Number of occurrences; 0 if they cannot be counted.
     pub count: usize,
-    /// The first few of them by name, where names help to find them.
+    /// Names of the first few occurrences, if names help to find them.
     pub first: Vec<String>,
 }
 
-/// What a warning is about, worst first.
+/// Category of a warning, worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum WarningKind {
-    /// Nothing can be seen.
+    /// The scene has no triangles.
     EmptyScene,
     /// The file has more scenes than the one that was read.
     OtherScenes,
-    /// A portal or mirror that makes no sense and is left out, since
-    /// [`ReadOptions::skip_bad_portals`](crate::ReadOptions::skip_bad_portals) says so: each has a warning of its own, up to 20.
+    /// A portal or mirror is invalid and was skipped because of
+    /// [`ReadOptions::skip_bad_portals`](crate::ReadOptions::skip_bad_portals). Each has a separate warning, up to 20.
     SkippedPortal,
-    /// More of them.
+    /// Skipped portals after the first 20.
     MoreSkippedPortals,
-    /// Errors in what an author marked that do not matter where the file is read as [flat](crate::ReadOptions::flat).
+    /// Authoring errors that do not matter because the file is read as [flat](crate::ReadOptions::flat).
     IgnoredMarks,
-    /// Nodes with meshes that stand in no room, in a file that has rooms, and that no portal leads to.
+    /// Nodes with meshes outside every room, in a file with rooms, that no portal leads to.
     InNoRoom,
-    /// Rooms without a face.
+    /// Rooms without faces.
     EmptyRooms,
-    /// Nodes called like portals or mirrors in a file without rooms.
+    /// Nodes named like portals or mirrors in a file without rooms.
     OpeningsWithoutRooms,
-    /// Nodes with something in `extras.enfilade` that is not read.
+    /// Nodes with unknown keys in `extras.enfilade`.
     UnreadNotes,
-    /// Extensions that the file uses.
+    /// Unsupported extensions that the file uses but does not require.
     Extensions,
-    /// Primitives that are points.
+    /// Point primitives.
     Points,
-    /// Primitives that are lines.
+    /// Line primitives.
     Lines,
-    /// Objects of an OBJ file that are called like rooms, portals or mirrors.
+    /// Objects of an OBJ file that are named like rooms, portals or mirrors.
     NoRoomsInObj,
-    /// Lines of an OBJ file that are not read, by what they begin with.
+    /// Unsupported statements of an OBJ file, by keyword.
     UnreadStatements,
-    /// Files of materials that cannot be had.
+    /// Material files that cannot be read.
     MaterialFiles,
-    /// Materials that no file defines.
+    /// Materials that are used but not defined.
     UnknownMaterials,
-    /// Lines of files of materials that are not read.
+    /// Unsupported statements of material files.
     MaterialLines,
-    /// Polygons that cross themselves.
+    /// Self-intersecting polygons.
     RoughPolygons,
-    /// Faces of a map that engines never draw, for no leaf lists them.
+    /// Faces of a map that no leaf lists, so engines never draw them.
     UnmarkedFaces,
-    /// Things of a map whose shape is in a file of the game.
+    /// Entities of a map whose model is in another game file.
     ModelFiles,
-    /// Lights of a map that dazzle.
+    /// Flares of a map.
     Flares,
-    /// Lightmaps that a map says are beyond its end, or larger than any compiler makes them.
+    /// Lightmaps that exceed the lump, or are larger than any compiler makes them.
     Lightmaps,
-    /// Normals, texture coordinates and colors that are NaN or infinite.
+    /// Normals, texture coordinates or colors of an OBJ file that are NaN or infinite.
     NotFinite,
     /// Primitives without positions.
     NoPositions,
-    /// Triangle lists whose last corners make no triangle.
+    /// Triangle lists with a number of indices that is not a multiple of 3.
     CornersLeft,
-    /// Nodes that make their mesh flat: a scale of zero, or a matrix that cannot be undone.
+    /// Nodes whose transform is singular: a scale of zero, or a matrix that cannot be inverted.
     Flattened,
     /// Nodes whose matrix shears, which glTF forbids.
     Sheared,
-    /// Cameras whose angle, near distance or place makes no picture.
+    /// Cameras with an invalid angle, near plane or transform.
     BadCameras,
-    /// Lights whose color, range, cone or place makes no light.
+    /// Lights with an invalid color, range, cone or transform.
     BadLights,
-    /// Portals and mirrors that are to be there many times.
+    /// Portals and mirrors with instances.
     InstancedOpenings,
-    /// Meshes that change their shape.
+    /// Meshes with morph targets.
     MorphTargets,
-    /// Nodes whose mesh follows a skeleton.
+    /// Nodes with a skin.
     Skins,
-    /// Movements.
+    /// Animations.
     Animations,
-    /// Images that cannot be had.
+    /// Images that cannot be read.
     BadImages,
-    /// Faces with a texture, but without places in it.
+    /// Textured faces without texture coordinates.
     NoTextureCoordinates,
     /// Primitives with normals that are NaN or infinite.
     BadNormals,
@@ -96,9 +96,9 @@ pub enum WarningKind {
     BadTextureCoordinates,
     /// Primitives with colors that are NaN or infinite.
     BadColors,
-    /// Materials whose texture of the light they send out lies otherwise than that of their color.
+    /// Materials whose emissive texture uses other coordinates than the color texture.
     EmissionElsewhere,
-    /// Maps of materials for what is not drawn.
+    /// Textures that are not drawn: metallic-roughness, normal, occlusion and transmission.
     OtherMaps,
 }
 
@@ -183,13 +183,13 @@ impl fmt::Display for Warning {
     }
 }
 
-/// Names in a warning, at most.
+/// Maximum number of names in a warning.
 const FEW: usize = 6;
 
-/// Portals that are skipped with a warning of their own, at most.
+/// Maximum number of skipped portals with a separate warning.
 const MAX_SKIPPED: usize = 20;
 
-/// Gathers warnings, one of each kind but for skipped portals.
+/// Collects warnings: one per kind, except for skipped portals.
 #[derive(Debug, Default)]
 pub(crate) struct Warnings {
     of_kind: BTreeMap<WarningKind, Warning>,
@@ -197,14 +197,14 @@ pub(crate) struct Warnings {
 }
 
 impl Warnings {
-    /// Notes `count` things that need no names; notes nothing where there are none.
+    /// Adds `count` occurrences without names; adds no warning if `count` is 0.
     pub(crate) fn count(&mut self, kind: WarningKind, count: usize) {
         if count > 0 {
             self.of(kind).count += count;
         }
     }
 
-    /// Notes one thing, which is named while there are few.
+    /// Adds one occurrence, with its name while there are few.
     pub(crate) fn name(&mut self, kind: WarningKind, name: impl FnOnce() -> String) {
         let warning = self.of(kind);
         warning.count += 1;
@@ -213,14 +213,14 @@ impl Warnings {
         }
     }
 
-    /// Notes what is so or not.
+    /// Adds a warning without a count if `is_so`.
     pub(crate) fn state(&mut self, kind: WarningKind, is_so: bool) {
         if is_so {
             self.of(kind);
         }
     }
 
-    /// Notes a portal that is left out, and why.
+    /// Adds a warning for a skipped portal, with the reason.
     pub(crate) fn skipped_portal(&mut self, why: &AuthoringError) {
         if self.skipped.len() == MAX_SKIPPED {
             return self.count(WarningKind::MoreSkippedPortals, 1);
@@ -232,7 +232,7 @@ impl Warnings {
         });
     }
 
-    /// Takes over the warnings of a later part of the file.
+    /// Merges the warnings of a later part of the file.
     pub(crate) fn absorb(&mut self, later: Warnings) {
         self.skipped.extend(later.skipped);
         for (kind, more) in later.of_kind {

@@ -1,24 +1,24 @@
-//! Places to look from.
+//! Named cameras.
 
 use enfilade::View;
 
-/// A place to look from, with a name.
+/// A camera with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// How people call it; unique in its scene.
+    /// Name of the camera, unique in its scene.
     pub name: String,
-    /// The eye's place.
+    /// Camera position.
     pub eye: [f32; 3],
-    /// A point in the middle of the picture.
+    /// A point at the centre of the picture.
     pub toward: [f32; 3],
-    /// A direction that is seen upright.
+    /// Up vector.
     pub up: [f32; 3],
-    /// Vertical angle of the lens, in radians.
+    /// Vertical field of view, in radians.
     pub fov_y: f32,
 }
 
 impl Camera {
-    /// A camera with y up and a lens of 60 degrees.
+    /// Creates a camera with y up and a vertical field of view of 60 degrees.
     pub fn new(name: &str, eye: [f32; 3], toward: [f32; 3]) -> Camera {
         Camera {
             name: name.to_owned(),
@@ -29,7 +29,7 @@ impl Camera {
         }
     }
 
-    /// The same camera with a lens of `degrees`, measured upright.
+    /// Returns the same camera with a vertical field of view of `degrees`.
     #[must_use]
     pub fn lens(self, degrees: f32) -> Camera {
         Camera {
@@ -38,7 +38,7 @@ impl Camera {
         }
     }
 
-    /// What it sees on a screen of `size` pixels.
+    /// Returns the view of this camera with a viewport of `size` pixels.
     pub fn view(&self, size: [u32; 2]) -> View {
         let mut view = View::new(self.eye, self.toward, size);
         view.up = self.up;

@@ -1,60 +1,60 @@
-//! The list of all scenes.
+//! The list of all built-in scenes.
 
 use crate::{Camera, laws, palace, thesis};
 use enfilade::Scene;
 
-/// A scene, and places to look at it from; the first is the default.
+/// A scene with its cameras; the first camera is the default.
 #[derive(Clone)]
 pub struct BuiltIn {
-    /// The scene. Every sector is seen by the method that its author chose.
+    /// The scene. Each sector uses the method that the scene's author chose.
     pub scene: Scene,
-    /// At least one; names are unique.
+    /// At least one camera; names are unique.
     pub cameras: Vec<Camera>,
 }
 
-/// A scene by its name.
+/// An entry of [`SCENES`]: builds a scene by name.
 #[derive(Clone, Copy, Debug)]
 pub struct Named {
-    /// What one types after `@`.
+    /// Name of the scene, as typed after `@` on the command line.
     pub name: &'static str,
-    /// What there is to see, in a line.
+    /// One-line description.
     pub about: &'static str,
-    /// What it contains that not every method can handle.
+    /// Features that not every method supports.
     pub groups: &'static [Group],
     build: fn() -> BuiltIn,
 }
 
-/// What a scene contains: laws name their exceptions by it.
+/// A feature of a scene. Conformance tests exclude methods by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Group {
-    /// Openings that lead into other sectors.
+    /// Openings into other sectors.
     Doors,
     /// Mirrors.
     Mirrors,
-    /// Portals that lead to a place where no opening stands, so that there is no way back.
+    /// One-way portals whose destination has no opening back.
     Teleports,
-    /// Scenes within the scene.
+    /// Nested scenes.
     Nested,
-    /// Faces that overlap in a cycle, so that no order paints them.
+    /// Cyclically overlapping faces, which no painting order draws correctly.
     Cycles,
-    /// Faces that go through each other.
+    /// Intersecting faces.
     Intersections,
-    /// Faces of different items in one plane.
+    /// Coplanar faces of different items.
     Coplanar,
-    /// Glass or cut-outs.
+    /// Alpha-blended or alpha-tested faces.
     Glass,
-    /// Faces seen from behind.
+    /// One-sided faces seen from behind.
     OneSided,
-    /// Faces or items without area, or nearly so.
+    /// Faces or items with no or nearly no area.
     Slivers,
-    /// Coordinates far above or below a metre.
+    /// Coordinates much larger or smaller than a metre.
     Extreme,
-    /// Eyes within a millimetre of a face or an opening, or inside a thing.
+    /// Cameras within a millimetre of a face or an opening, or inside an item.
     Close,
     /// Thousands of items, or meshes of thousands of faces.
     Large,
-    /// Cells that were computed ahead: its walls are not to be moved.
+    /// Baked cells (PVS): the sector's walls must not be moved.
     Baked,
 }
 
@@ -64,13 +64,13 @@ impl Named {
         (self.build)()
     }
 
-    /// Does the scene contain this?
+    /// Returns `true` if the scene has a feature.
     pub fn is(&self, group: Group) -> bool {
         self.groups.contains(&group)
     }
 }
 
-/// All scenes: the default, those of the laws, and the figures of the thesis.
+/// All scenes: the palace (the default), the scenes of the conformance suite, and the figures of the thesis.
 pub const SCENES: [Named; 42] = [
     Named {
         name: "enfilade",
@@ -88,7 +88,7 @@ pub const SCENES: [Named; 42] = [
     },
     law(
         "two-rooms",
-        "a door, and what is in line with it",
+        "a door, and items in line with it",
         &[Group::Doors],
         laws::two_rooms,
     ),
@@ -112,7 +112,7 @@ pub const SCENES: [Named; 42] = [
     ),
     law(
         "teleport",
-        "openings that turn, shrink and enlarge what is seen, some with no way back",
+        "portals that rotate and scale, some of them one-way",
         &[Group::Doors, Group::Teleports],
         laws::teleport,
     ),
@@ -130,13 +130,13 @@ pub const SCENES: [Named; 42] = [
     ),
     law(
         "free-doorway",
-        "a doorway that stands free and leads one way",
+        "a free-standing one-way doorway",
         &[Group::Doors],
         laws::free_doorway,
     ),
     law(
         "crossing",
-        "sheets that cross, boxes that overlap in a cycle",
+        "intersecting sheets, boxes that overlap cyclically",
         &[Group::Cycles, Group::Intersections],
         laws::crossing,
     ),
@@ -148,13 +148,13 @@ pub const SCENES: [Named; 42] = [
     ),
     law(
         "glass",
-        "panes and leaves before and behind things",
+        "panes and leaves before and behind other items",
         &[Group::Glass, Group::Doors, Group::Intersections],
         laws::glass,
     ),
     law(
         "bottles",
-        "glass upon glass: crossing, nested, through a statue, in a mirror",
+        "stacked glass layers: crossing, nested, through a statue, in a mirror",
         &[Group::Glass, Group::Doors, Group::Mirrors, Group::Intersections],
         laws::bottles,
     ),
@@ -190,13 +190,13 @@ pub const SCENES: [Named; 42] = [
     ),
     law(
         "degenerate",
-        "faces without area, slivers, things scaled flat",
+        "faces without area, slivers, items scaled flat",
         &[Group::Slivers, Group::Coplanar, Group::Intersections],
         laws::degenerate,
     ),
     law(
         "crowd",
-        "three thousand things behind walls, pebbles of a pixel",
+        "three thousand items behind walls, pebbles the size of a pixel",
         &[Group::Large, Group::Intersections],
         laws::crowd,
     ),
@@ -208,7 +208,7 @@ pub const SCENES: [Named; 42] = [
     ),
     law(
         "wings",
-        "two faces with one edge, and a beam before one and behind the other",
+        "two faces that share an edge, and a beam before one and behind the other",
         &[],
         laws::wings,
     ),
@@ -220,7 +220,7 @@ pub const SCENES: [Named; 42] = [
     ),
     law(
         "eye-in-things",
-        "eyes in doorways, in boxes, on walls",
+        "cameras in doorways, in boxes, on walls",
         &[Group::Doors, Group::Close],
         laws::eye_in_things,
     ),
@@ -232,13 +232,13 @@ pub const SCENES: [Named; 42] = [
     ),
     law(
         "random",
-        "a handful of things at random",
+        "a few random items",
         &[Group::Doors, Group::Glass, Group::OneSided, Group::Intersections],
         || crate::random_scene(2),
     ),
     law(
         "house",
-        "six rooms and an annex that know what can be seen from them",
+        "six rooms and an annex with baked PVS cells",
         &[
             Group::Baked,
             Group::Doors,
@@ -250,13 +250,13 @@ pub const SCENES: [Named; 42] = [
     ),
     law(
         "tetrahedron",
-        "four faces: minimal z paints the base over them, mean z does not",
+        "four faces: wrong by minimal z, right by mean z",
         &[],
         thesis::tetrahedron,
     ),
     law(
         "parallel-triangles",
-        "three triangles, one before the other: both painters are right",
+        "three triangles, one before the other: both painters' sorts are right",
         &[],
         thesis::parallel_triangles,
     ),
@@ -268,85 +268,85 @@ pub const SCENES: [Named; 42] = [
     ),
     law(
         "crossing-triangles",
-        "two triangles through each other: no order paints them",
+        "two intersecting triangles: no painting order is right",
         &[Group::Intersections],
         thesis::crossing_triangles,
     ),
     law(
         "cycle",
-        "three bars, each before the next: no order paints them",
+        "three bars that overlap cyclically: no painting order is right",
         &[Group::Cycles],
         thesis::cycle,
     ),
     law(
         "overlap",
-        "a sail before a long wall: minimal z is wrong, and mean z too once the eye has moved",
+        "a sail before a long wall: minimal z is wrong, and from one camera mean z too",
         &[],
         thesis::overlap,
     ),
     law(
         "triangle-through-cube",
-        "a triangle through a cube: painters are wrong, trees must cut",
+        "a triangle through a cube: painters' sorts are wrong, BSP trees must split",
         &[Group::Intersections],
         thesis::triangle_through_cube,
     ),
     law(
         "wrong-winding",
-        "the tetrahedron with corners in no order: wrong for trees that trust it",
+        "the tetrahedron with inconsistent winding: wrong for BSP trees that rely on it",
         &[],
         thesis::wrong_winding,
     ),
     law(
         "cylinders-8",
-        "8 rectangles, a lid and a bottom: both painters are right",
+        "8 rectangles, a lid and a bottom: both painters' sorts are right",
         &[],
         || thesis::cylinder(8),
     ),
     law(
         "cylinders-16",
-        "16 rectangles, a lid and a bottom: both painters are right",
+        "16 rectangles, a lid and a bottom: both painters' sorts are right",
         &[],
         || thesis::cylinder(16),
     ),
     law(
         "cylinders-32",
-        "32 rectangles, a lid and a bottom: both painters are right",
+        "32 rectangles, a lid and a bottom: both painters' sorts are right",
         &[],
         || thesis::cylinder(32),
     ),
     law(
         "cones-8",
-        "8 triangles and a base: both painters are right where the base is seen",
+        "8 triangles and a base: both painters' sorts are right where the base is visible",
         &[],
         || thesis::cone(8),
     ),
     law(
         "cones-16",
-        "16 triangles and a base: both painters are right where the base is seen",
+        "16 triangles and a base: both painters' sorts are right where the base is visible",
         &[],
         || thesis::cone(16),
     ),
     law(
         "cones-32",
-        "32 triangles and a base: both painters are right where the base is seen",
+        "32 triangles and a base: both painters' sorts are right where the base is visible",
         &[],
         || thesis::cone(32),
     ),
     law(
         "four-cylinders",
-        "four tubes of sixty rectangles: what painters and trees are timed on",
+        "four tubes of sixty rectangles, for timing painters' sorts and BSP trees",
         &[],
         thesis::four_cylinders,
     ),
 ];
 
-/// The names of all scenes, as in [`SCENES`].
+/// Names of all scenes, in the order of [`SCENES`].
 pub const NAMES: [&str; SCENES.len()] = {
     let mut names = [""; SCENES.len()];
-    let mut place = 0;
-    while place < names.len() {
-        names[place] = SCENES[place].name;
-        place += 1;
+    let mut index = 0;
+    while index < names.len() {
+        names[index] = SCENES[index].name;
+        index += 1;
     }
     names
 };
@@ -365,18 +365,18 @@ const fn law(
     }
 }
 
-/// Builds the scene that is called `name`; `None` if none is.
+/// Builds the scene with a name; returns `None` if there is none.
 pub fn built_in(name: &str) -> Option<BuiltIn> {
     SCENES.iter().find(|named| named.name == name).map(Named::build)
 }
 
-/// The small scenes that the laws run on: all but the palace.
+/// Returns the small scenes of the conformance suite: all but the palace.
 pub fn law_scenes() -> impl Iterator<Item = &'static Named> {
     const LAWS: &[Named] = SCENES.split_at(1).1;
     LAWS.iter()
 }
 
-/// The figures of the thesis, on which the painters are compared: from the tetrahedron on.
+/// Returns the figures of the thesis, which compare painter's algorithms.
 pub fn figures() -> impl Iterator<Item = &'static Named> {
     SCENES.iter().skip_while(|named| named.name != "tetrahedron")
 }

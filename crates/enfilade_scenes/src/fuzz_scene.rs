@@ -1,7 +1,7 @@
-//! Small random scenes of what breaks visibility code, and cameras where it breaks.
+//! Small random scenes with inputs that tend to break visibility code, and cameras where it tends to break.
 //!
-//! Positions are on a coarse grid in most scenes, so that faces, openings and eyes share planes, edges and corners.
-//! The whole scene is then scaled, rotated and moved, for all coordinates are f32: tiny, huge, and far from the origin.
+//! Most scenes have positions on a coarse grid, so that faces, openings and eyes share planes, edges and corners. The
+//! whole scene is then scaled, rotated and translated: tiny, huge, or far from the origin, because coordinates are f32.
 
 use crate::random::Random;
 use enfilade::{
@@ -10,37 +10,37 @@ use enfilade::{
 };
 use glam::{Vec2, Vec3, vec3};
 
-/// A scene, and views of it.
+/// A random scene with views of it.
 pub struct FuzzScene {
     /// One to four sectors, joined by portals of every kind.
     pub scene: Scene,
-    /// Views on planes, edges, corners and in openings; some at random.
+    /// Views on planes, edges, corners and in openings, and some at random positions.
     pub views: Vec<View>,
 }
 
-/// Rooms are cubes of this side, before the scene is scaled.
+/// Edge length of a room's cube, before the scene is scaled.
 const ROOM: f32 = 4.0;
 
-/// Where the whole scene is.
+/// Transform of the whole scene.
 struct World {
     scale: f32,
     world_from_local: Transform,
 }
 
-/// A sector while it is made.
+/// A sector under construction.
 struct Room {
     geometry: GeometryBuilder,
-    /// Its corner of least coordinates, in rooms.
+    /// Minimum corner, in units of rooms.
     cell: Vec3,
     outlines: Vec<ConvexPolygon>,
-    /// Corners of faces: eyes are put there.
+    /// Corners of faces, used as eye positions.
     corners: Vec<Vec3>,
 }
 
-/// Makes the scene of a seed; the same for the same seed.
+/// Creates the random scene of a seed. The same seed gives the same scene.
 ///
 /// # Panics
-/// If a scene that it makes is refused, which is a fault of this function.
+/// If a generated scene is invalid, which is a bug of this function.
 pub fn fuzz_scene(seed: u64) -> FuzzScene {
     let mut random = Random::new(seed);
     let world = World::new(&mut random);
@@ -77,7 +77,7 @@ pub fn fuzz_scene(seed: u64) -> FuzzScene {
     for portal in portals {
         portal.add_to(&mut scene);
     }
-    let mut scene = scene.build().expect("portals between rooms that are there");
+    let mut scene = scene.build().expect("portals between existing rooms");
     for portal in 0..scene.portals().len() as u32 {
         if random.once_in(12) {
             scene.set_open(enfilade::PortalId(portal), false);
@@ -109,8 +109,8 @@ impl World {
     }
 }
 
-/// The materials of every room, by number: 0 to 2 opaque and one-sided, 3 and 4 opaque and seen from both sides, 5 a
-/// cut-out, 6 and 7 glass.
+/// Returns the materials of every room: 0 to 2 opaque and one-sided, 3 and 4 opaque and two-sided, 5 alpha-tested, 6
+/// and 7 alpha-blended.
 fn materials() -> Vec<Material> {
     let colored = |color, double_sided, alpha| Material {
         double_sided,
@@ -129,7 +129,7 @@ fn materials() -> Vec<Material> {
     ]
 }
 
-/// A point in a box of one room; mostly on a grid of half units.
+/// Returns a point in one room's box, mostly on a grid of half units.
 fn grid_point(random: &mut Random) -> Vec3 {
     let at = Vec3::from(std::array::from_fn(|_| random.between(0.0, ROOM)));
     if random.once_in(4) {
@@ -153,7 +153,7 @@ impl Room {
         self.cell * ROOM
     }
 
-    /// Some of the six sides of the room's cube, in one mesh or in several.
+    /// Adds some of the six sides of the room's cube, in one mesh or in several.
     fn walls(&mut self, world: &World, random: &mut Random) {
         let material = MaterialId(random.pick(&[2, 2, 2, 3]));
         let mut triangles = Vec::new();
@@ -192,7 +192,7 @@ impl Room {
         }
     }
 
-    /// Triangles in scene space, then `moved`, as one item.
+    /// Adds triangles in scene space, transformed by `moved`, as one item.
     fn item(
         &mut self,
         name: &str,
@@ -225,7 +225,7 @@ impl Room {
                 vec3(1.0, 0.0, random.pick(&[0.0, 1e-5])),
             ]],
             3 => {
-                // Two sheets in one plane that overlap.
+                // Two overlapping coplanar sheets.
                 let sheet = |from: f32| {
                     let corner = |x: f32, y: f32| vec3(from + x, from + y, 0.0);
                     let quad = [
@@ -299,7 +299,7 @@ fn pyramid(sides: usize) -> Vec<[Vec3; 3]> {
         .collect()
 }
 
-/// A portal to be, in the terms of the builder.
+/// A portal to be added to the builder.
 enum Portal {
     Door([(SectorId, OpeningId); 2]),
     Mirror(SectorId, OpeningId),
@@ -322,7 +322,7 @@ impl Portal {
     }
 }
 
-/// A convex outline in scene space: in a wall of the room, or free inside it.
+/// Returns a convex outline in scene space, in a wall of the room or free inside it.
 fn outline(room: &Room, world: &World, random: &mut Random) -> Option<ConvexPolygon> {
     let axis = random.below(3);
     let mut corner = room.origin();
@@ -358,7 +358,7 @@ fn outline(room: &Room, world: &World, random: &mut Random) -> Option<ConvexPoly
         }
     }
     let corners: Vec<[f32; 3]> = corners.into_iter().map(|at| world.point(at)).collect();
-    // Far from the origin f32 may leave nothing of a small outline.
+    // Far from the origin f32 rounding may collapse a small outline.
     let outline = ConvexPolygon::new(&corners).ok()?;
     Some(if random.once_in(2) {
         outline.flipped()
@@ -367,7 +367,7 @@ fn outline(room: &Room, world: &World, random: &mut Random) -> Option<ConvexPoly
     })
 }
 
-/// A portal from one room to another, or back into the same.
+/// Creates a portal from one room to another, or back into the same.
 fn join(rooms: &mut [Room], [from, to]: [usize; 2], world: &World, random: &mut Random) -> Option<Portal> {
     let outline = outline(&rooms[from], world, random)?;
     let here = SectorId(from as u32);
@@ -385,7 +385,7 @@ fn join(rooms: &mut [Room], [from, to]: [usize; 2], world: &World, random: &mut 
         ];
         return Some(Portal::Door(ends));
     }
-    // One way, to where it stands or somewhere else: turned, shrunk, enlarged or mirrored about the outline's corner.
+    // One way: to its own position, or rotated, scaled or mirrored about a corner of the outline.
     let pivot = outline.corners()[0];
     let away = Transform::translation(pivot.map(|value| -value));
     let turn = Transform::rotation(random.point(1.0), f64::from(random.between(-3.0, 3.0)));
@@ -413,7 +413,7 @@ fn join(rooms: &mut [Room], [from, to]: [usize; 2], world: &World, random: &mut 
     Some(Portal::OneWay(ends, moved))
 }
 
-/// A view from somewhere hard.
+/// Creates a view from a difficult position.
 fn view(rooms: &[(SectorId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, random: &mut Random) -> View {
     let (sector, outlines, corners) = &rooms[random.below(rooms.len())];
     let anywhere =
@@ -422,10 +422,10 @@ fn view(rooms: &[(SectorId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, rand
     let eye = match random.below(5) {
         0 | 1 if !outlines.is_empty() => {
             let outline = &outlines[random.below(outlines.len())];
-            let eye = place_in(outline, random);
+            let eye = point_in_outline(outline, random);
             let normal = Vec3::from(outline.normal());
             let off = random.pick(&[0.0, 0.0, 0.0, 1e-7, -1e-7, 1e-5, 1e-3, -1e-3, 5e-3, 0.02]) * world.scale;
-            let along = Vec3::from(place_in(outline, random)) - Vec3::from(eye);
+            let along = Vec3::from(point_in_outline(outline, random)) - Vec3::from(eye);
             let eye = Vec3::from(eye) + off * normal;
             let step = match random.below(5) {
                 0 => normal,
@@ -470,8 +470,8 @@ fn view(rooms: &[(SectorId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, rand
     view
 }
 
-/// A place in an outline: a corner, on an edge, or between.
-fn place_in(outline: &ConvexPolygon, random: &mut Random) -> [f32; 3] {
+/// Returns a point of an outline: a corner, on an edge, or inside.
+fn point_in_outline(outline: &ConvexPolygon, random: &mut Random) -> [f32; 3] {
     let corners = outline.corners();
     let corner = |at: usize| Vec3::from(corners[at % corners.len()]);
     let first = random.below(corners.len());

@@ -1,21 +1,21 @@
-//! Random numbers that are the same on every machine.
+//! A random number generator with the same output on every machine.
 //!
-//! A counter with odd steps, scrambled by two multiplications: small, fast, and any seed is a good one.
+//! A counter with odd steps, scrambled by two multiplications: small and fast, and every seed works equally well.
 //! Source: Steele, Lea, Flood. Fast splittable pseudorandom number generators. OOPSLA 2014 (SplitMix64).
 
 use enfilade::Aabb;
 
-/// A sequence of random numbers that follows from a seed.
+/// A pseudorandom sequence determined by its seed.
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// The sequence of a seed; any is a good one.
+    /// Creates the sequence of a seed. Every seed works equally well.
     pub fn new(seed: u64) -> Random {
         Random(seed)
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut bits = self.0;
@@ -24,37 +24,37 @@ impl Random {
         bits ^ (bits >> 31)
     }
 
-    /// From 0 up to, not including, 1.
+    /// Returns a number in [0, 1).
     pub fn unit(&mut self) -> f32 {
         (self.bits() >> 40) as f32 / (1_u64 << 24) as f32
     }
 
-    /// From `low` to `high`.
+    /// Returns a number from `low` to `high`.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
     }
 
-    /// From 0 to `count - 1`; `count` must not be 0.
+    /// Returns an index from 0 to `count - 1`; `count` must not be 0.
     pub fn below(&mut self, count: usize) -> usize {
         (self.bits() % count as u64) as usize
     }
 
-    /// True once in `times`.
+    /// Returns `true` with probability 1 / `times`.
     pub fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }
 
-    /// One of `choices`; there must be one.
+    /// Returns a random element of `choices`, which must not be empty.
     pub fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.below(choices.len())]
     }
 
-    /// A point in a box.
+    /// Returns a random point in a box.
     pub fn point_in(&mut self, bounds: &Aabb) -> [f32; 3] {
         std::array::from_fn(|axis| bounds.min[axis] + (bounds.max[axis] - bounds.min[axis]) * self.unit())
     }
 
-    /// A point whose coordinates lie between `-reach` and `reach`.
+    /// Returns a point whose coordinates are between `-reach` and `reach`.
     pub fn point(&mut self, reach: f32) -> [f32; 3] {
         std::array::from_fn(|_| self.between(-reach, reach))
     }

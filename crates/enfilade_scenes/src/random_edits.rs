@@ -1,12 +1,13 @@
-//! Edits at random, for properties that must hold of a scene however it was changed.
+//! Random edits, to test properties that must hold for every edited scene.
 
 use crate::random::Random;
 use enfilade::{EditStats, Geometry, ItemId, Scene, SceneError, SectorId, Transform};
 use std::sync::Arc;
 
-/// So many edits at random, all done at once: things go, come as copies of others, move near and far, turn, are mirrored and
-/// flattened, become copies of other meshes, and hide or do not. The same for the same scene and numbers. Where a sector
-/// has more items than `at_first`, by sector, more go than come.
+/// Applies `count` random edits in one transaction: adds copies of items, removes, moves, rotates, mirrors, flattens,
+/// swaps meshes, and changes which items are occluders. The edits depend on the scene, `at_first` and `random` only.
+///
+/// `at_first` holds a number of items for each sector: while a sector has more items, removals outnumber additions.
 ///
 /// # Errors
 /// As [`Edit::finish`](enfilade::Edit::finish).
@@ -36,7 +37,7 @@ pub fn random_edits(
         let there = elsewhere(geometry, item, random);
         let is_there = geometry.holds(item);
         let crowded = geometry.item_count() > at_first[sector.0 as usize];
-        // Some cannot be: of what has gone already, or would have no faces. Then nothing is asked for.
+        // Edits of removed items, and edits that leave an item without faces, return an error and change nothing.
         let _ = match random.below(10) {
             0 if crowded => edit.remove(sector, item),
             0 | 1 if is_there => edit.add(sector, &name, mesh, there).map(|_| ()),
@@ -49,16 +50,17 @@ pub fn random_edits(
     edit.finish()
 }
 
-/// Where something may be moved to: near, anywhere in the sector or a little outside, turned, mirrored, flattened.
+/// Returns a random transform for an item: moved a little or anywhere in and around the sector's bounds, and sometimes
+/// rotated, mirrored or flattened.
 fn elsewhere(geometry: &Geometry, item: ItemId, random: &mut Random) -> Transform {
-    let held = geometry.bounds();
-    let size = held.size();
-    let place = geometry.item(item).transform();
+    let bounds = geometry.bounds();
+    let size = bounds.size();
+    let transform = geometry.item(item).transform();
     let step = match random.below(3) {
         0 => size.map(|side| (random.unit() - 0.5) * 0.02 * side),
         _ => {
             let middle = geometry.item(item).bounds.center();
-            [0, 1, 2].map(|axis| held.min[axis] + (1.2 * random.unit() - 0.1) * size[axis] - middle[axis])
+            [0, 1, 2].map(|axis| bounds.min[axis] + (1.2 * random.unit() - 0.1) * size[axis] - middle[axis])
         }
     };
     let turn = match random.below(12) {
@@ -67,9 +69,9 @@ fn elsewhere(geometry: &Geometry, item: ItemId, random: &mut Random) -> Transfor
         2 => Transform::from_columns([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]),
         _ => Transform::IDENTITY,
     };
-    // Turned where it stands.
+    // Rotates about the item's centre.
     let middle = geometry.item(item).bounds.center();
     let there = [0, 1, 2].map(|axis| middle[axis] + step[axis]);
     let back = middle.map(|value| -value);
-    Transform::translation(there) * turn * Transform::translation(back) * place
+    Transform::translation(there) * turn * Transform::translation(back) * transform
 }

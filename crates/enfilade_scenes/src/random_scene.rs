@@ -1,4 +1,4 @@
-//! Small scenes at random, for properties that must hold of any.
+//! Small random scenes, to test properties that must hold for every scene.
 
 use crate::envelope::Side;
 use crate::laws::Stage;
@@ -29,10 +29,10 @@ const MATERIALS: [MaterialId; 14] = [
     RED_GLASS,
 ];
 
-/// A handful of things, in the open or in one or two rooms, and a camera or two among them. The same for the same
-/// seed.
+/// Creates a random scene: three to eleven items in the open or in one or two rooms, and one or two cameras. The same
+/// seed gives the same scene.
 ///
-/// Things may cross, touch, lie in one plane, be mirrored, flattened, glass, or seen from behind.
+/// Items may intersect, touch, be coplanar, mirrored, flattened, alpha-blended, or seen from behind.
 pub fn random_scene(seed: u64) -> BuiltIn {
     let mut random = Random::new(seed);
     let mut scene = SceneBuilder::new();
@@ -91,16 +91,16 @@ pub fn random_scene(seed: u64) -> BuiltIn {
     finished(scene, cameras)
 }
 
-/// From where to where a hole reaches along its wall.
+/// Returns the extent of a hole along its wall.
 fn stretch(random: &mut Random) -> [f32; 2] {
     let from = random.between(-2.5, 1.5);
     [from, from + random.between(0.2, 1.2)]
 }
 
-/// Puts a handful of things into the box of 6 by 3 by 6 units whose middle is at x = `middle`.
+/// Adds three to eleven items in a box of 6 × 3 × 6 units centred at x = `middle`.
 fn scatter(stage: &mut Stage, random: &mut Random, middle: f32) {
     for _ in 0..3 + random.below(9) {
-        // Now and then on a grid, so that faces meet in one plane.
+        // Sometimes on a grid, so that faces become coplanar.
         let mut at = vec3(
             random.between(-2.6, 2.6),
             random.between(0.0, 2.4),

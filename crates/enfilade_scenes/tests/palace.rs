@@ -1,11 +1,11 @@
-//! The palace stands as drawn: counted, closed, joined, and the same every time.
+//! Invariants of the palace: item counts, closed rooms, joined doors, determinism.
 
 use enfilade::{Aabb, Geometry, ItemId, Method, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, FOUNTAIN_SECONDS, built_in, fountain};
 use std::collections::{BTreeSet, HashMap};
 
 fn palace() -> BuiltIn {
-    built_in("enfilade").expect("the palace is built in")
+    built_in("enfilade").expect("a built-in scene")
 }
 
 fn rooms(scene: &Scene) -> impl Iterator<Item = (SectorId, &str, &Geometry)> {
@@ -13,7 +13,7 @@ fn rooms(scene: &Scene) -> impl Iterator<Item = (SectorId, &str, &Geometry)> {
         (
             id,
             scene.sector_name(id),
-            &**scene.geometry(id).expect("all rooms are ours"),
+            &**scene.geometry(id).expect("a room with geometry"),
         )
     })
 }
@@ -49,7 +49,7 @@ fn two_builds_are_equal() {
     assert_eq!(fingerprint(&palace().scene), fingerprint(&palace().scene));
 }
 
-/// The hash of Fowler, Noll and Vo.
+/// FNV hash (Fowler, Noll, Vo).
 struct Fnv(u64);
 
 impl Fnv {
@@ -93,13 +93,13 @@ fn the_fountain_moves_and_comes_back_and_keeps_its_things_and_openings() {
         hash.0
     };
     let moments: BTreeSet<u64> = (0..10).map(|i| fingerprint(0.37 * i as f32)).collect();
-    assert_eq!(moments.len(), 10, "it stands still");
+    assert_eq!(moments.len(), 10, "the water does not move");
     assert_eq!(fingerprint(FOUNTAIN_SECONDS), fingerprint(0.0));
     assert_eq!(fingerprint(-0.5), fingerprint(FOUNTAIN_SECONDS - 0.5));
     let scene = palace().scene;
     let id = room(&scene, "Fountain");
     assert_eq!(scene.method(id), Some(Method::ZBuffer));
-    let built = scene.geometry(id).expect("it is ours");
+    let built = scene.geometry(id).expect("a sector with geometry");
     let later = fountain(1.3);
     assert_eq!(later.openings(), built.openings());
     let names = |geometry: &Geometry| -> Vec<String> {
@@ -128,7 +128,9 @@ fn one_comes_out_of_the_secret_passage_and_out_of_the_living_picture_but_not_bac
 #[test]
 fn two_mirrors_of_the_mirror_room_face_each_other() {
     let scene = palace().scene;
-    let geometry = scene.geometry(room(&scene, "Mirror Room")).expect("it is ours");
+    let geometry = scene
+        .geometry(room(&scene, "Mirror Room"))
+        .expect("a sector with geometry");
     let mirrors: Vec<_> = (geometry.openings().iter())
         .filter(|opening| opening.name.starts_with("mirror "))
         .map(|opening| &opening.outline)
@@ -225,7 +227,9 @@ fn one_can_walk_from_the_first_room_to_every_other() {
 fn a_camera_that_is_named_for_a_room_stands_in_it() {
     let BuiltIn { scene, cameras } = palace();
     let located = |camera: &enfilade_scenes::Camera| {
-        let room = scene.locate(camera.eye, camera.toward).expect("there are rooms");
+        let room = scene
+            .locate(camera.eye, camera.toward)
+            .expect("a position inside a room");
         scene.sector_name(room).to_lowercase()
     };
     let names: BTreeSet<String> = rooms(&scene).map(|(_, name, _)| name.to_lowercase()).collect();
@@ -257,12 +261,12 @@ fn rooms_meet_at_their_doors_and_nowhere_overlap() {
         .iter()
         .filter(|portal| portal.there_from_here == Transform::IDENTITY)
     {
-        let geometry = scene.geometry(portal.from).expect("all rooms are ours");
+        let geometry = scene.geometry(portal.from).expect("a room with geometry");
         let opening = &geometry.openings()[usize::from(portal.opening.0)];
         let Aabb { min, max } = opening.outline.bounds();
         let axis = (0..3)
             .find(|&axis| min[axis] == max[axis])
-            .expect("doors stand square to the axes");
+            .expect("an axis-aligned door");
         let bounds = geometry.bounds();
         let end = if opening.outline.normal()[axis] > 0.0 {
             bounds.min[axis]
@@ -278,9 +282,9 @@ fn rooms_meet_at_their_doors_and_nowhere_overlap() {
     }
 }
 
-/// Every edge of a room's floor, walls and ceiling has a neighbour that runs the other way, or is an edge of one of
-/// its openings: no ray gets out elsewhere. Only the court, the terrace and the garden are open to the sky; the garden's
-/// walls stand in the ground, and end in hills.
+/// Asserts that every edge of a room's floor, walls and ceiling has an opposite edge or is an edge of one of its
+/// openings, so rays leave through openings only. The court, the terrace and the garden are open to the sky; the
+/// garden's walls extend into the ground and end in hills.
 #[test]
 fn every_room_is_closed_but_for_its_openings() {
     let scene = palace().scene;

@@ -1,16 +1,16 @@
-//! The palace is painted and lit as it should be: every face that has a texture says where it is in it, lamps hang in
-//! their rooms, and the sun comes in through the windows.
+//! Textures and lights of the palace: every face with a texture has texture coordinates, lamps hang in their rooms, and
+//! sunlight enters through the windows.
 
 use enfilade::{Geometry, LightId, LightShape, Limits, Scene, SectorId};
 use enfilade_scenes::built_in;
 use std::collections::{BTreeMap, BTreeSet};
 
 fn palace() -> Scene {
-    built_in("enfilade").expect("the palace is built in").scene
+    built_in("enfilade").expect("a built-in scene").scene
 }
 
 fn geometry(scene: &Scene, room: SectorId) -> &Geometry {
-    scene.geometry(room).expect("all rooms are ours")
+    scene.geometry(room).expect("a room with geometry")
 }
 
 #[test]

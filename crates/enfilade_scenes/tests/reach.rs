@@ -1,4 +1,4 @@
-//! What reaches where through portals, held against all chains of portals tried one by one.
+//! Light reach and sight lines through portals, compared with an exhaustive search over all chains of portals.
 
 use enfilade::laws::{chains, goes_straight};
 use enfilade::{Light, Limits, Location, PortalId, Ray, RayEnd, Scene, SectorId, Transform};
@@ -14,7 +14,7 @@ fn limits() -> Limits {
     limits
 }
 
-/// Points all over a sector's box.
+/// Returns a grid of points in a sector's bounds.
 fn points(scene: &Scene, sector: SectorId, per_side: u32) -> Vec<[f32; 3]> {
     let bounds = scene.bounds(sector);
     let along = |axis: usize, i: u32| {
@@ -33,9 +33,11 @@ fn points(scene: &Scene, sector: SectorId, per_side: u32) -> Vec<[f32; 3]> {
 fn a_beam_holds_what_a_straight_line_through_the_same_openings_leads_to() {
     let (mut held, mut beyond) = (0, 0);
     for name in SCENES {
-        let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
+        let BuiltIn { scene, cameras } = built_in(name).expect("a built-in scene");
         for camera in &cameras {
-            let sector = scene.locate(camera.eye, camera.toward).expect("a room");
+            let sector = scene
+                .locate(camera.eye, camera.toward)
+                .expect("a camera inside a sector");
             let from = Location {
                 sector,
                 position: camera.eye,
@@ -74,9 +76,11 @@ fn a_beam_holds_what_a_straight_line_through_the_same_openings_leads_to() {
 fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
     let (mut seen, mut through) = (0, 0);
     for name in SCENES {
-        let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
+        let BuiltIn { scene, cameras } = built_in(name).expect("a built-in scene");
         let camera = &cameras[0];
-        let sector = scene.locate(camera.eye, camera.toward).expect("a room");
+        let sector = scene
+            .locate(camera.eye, camera.toward)
+            .expect("a camera inside a sector");
         let from = Location {
             sector,
             position: camera.eye,
@@ -110,11 +114,11 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
     assert!(seen > 100 && through > 10, "{seen}, {through} through portals");
 }
 
-/// Is there no face on a straight line that is known to go through a chain of portals?
+/// Returns `true` if no face is on a straight line that passes through a given chain of portals.
 fn is_free(scene: &Scene, from: [f32; 3], sector: SectorId, chain: &[PortalId], to: [f32; 3]) -> bool {
     let back = chain.iter().rev().fold(Transform::IDENTITY, |sum, id| {
         let portal = &scene.portals()[id.0 as usize];
-        portal.there_from_here.inverse().expect("it leads back") * sum
+        portal.there_from_here.inverse().expect("an invertible transform") * sum
     });
     let target = Vec3::from(back.point(to));
     let ray = Ray {
@@ -128,8 +132,10 @@ fn is_free(scene: &Scene, from: [f32; 3], sector: SectorId, chain: &[PortalId], 
 
 #[test]
 fn a_lamp_reaches_no_farther_than_its_range() {
-    let BuiltIn { scene, cameras } = built_in("two-rooms").expect("it is built in");
-    let sector = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
+    let BuiltIn { scene, cameras } = built_in("two-rooms").expect("a built-in scene");
+    let sector = scene
+        .locate(cameras[0].eye, cameras[0].toward)
+        .expect("a camera inside a sector");
     let portal = scene
         .portals()
         .iter()
@@ -156,20 +162,20 @@ fn light_fades_to_nothing_at_its_range_and_stays_finite_at_the_lamp() {
 
 #[test]
 fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed() {
-    let BuiltIn { mut scene, .. } = built_in("two-rooms").expect("it is built in");
+    let BuiltIn { mut scene, .. } = built_in("two-rooms").expect("a built-in scene");
     let ids: Vec<PortalId> = (0..scene.portals().len() as u32).map(PortalId).collect();
     let [here, there] = [scene.portals()[0].from, scene.portals()[0].to];
-    // Beside the door, at the wall in which it is: the way to the box beyond bends at the post.
+    // Beside the door, close to its wall: the path to the box beyond bends at the post.
     let place = Location {
         sector: here,
         position: [-0.6, 1.0, -2.0],
     };
     let named = |scene: &Scene, sector: SectorId, name: &str| {
-        let geometry = scene.geometry(sector).expect("ours");
+        let geometry = scene.geometry(sector).expect("a sector with geometry");
         let mut items = (0..geometry.items().len() as u32).map(enfilade::ItemId);
         let item = items
             .find(|&item| geometry.name(item) == name)
-            .expect("it is there");
+            .expect("an existing item");
         (item, geometry.item(item).bounds)
     };
     let (left_box, bounds) = named(&scene, there, "left box");
@@ -178,13 +184,13 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
     let found = all
         .iter()
         .find(|near| near.sector == there && near.item == left_box)
-        .expect("it is near");
+        .expect("a path within range");
     assert_eq!(found.crossed.len(), 1);
     let nearest: Vec3 = Vec3::from(place.position)
         .max(bounds.min.into())
         .min(bounds.max.into());
     let straight = f64::from(nearest.distance(place.position.into()));
-    // Around the post at z = -0.5, level with the eye: two straight lines, up to the wall's thickness of nothing.
+    // Around the post at z = −0.5, level with the eye: two straight lines, because the wall has no thickness.
     let post = Vec3::new(0.0, 1.0, -0.5);
     let corner = Vec3::new(bounds.min[0], 1.0, bounds.max[2]).min(bounds.max.into());
     let round = f64::from(post.distance(place.position.into()) + post.distance(corner));

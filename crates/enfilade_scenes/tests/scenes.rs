@@ -1,4 +1,4 @@
-//! What holds of every scene that comes with Enfilade.
+//! Invariants of all built-in scenes.
 
 use enfilade::{ConvexPolygon, Portal, Scene};
 use enfilade_scenes::{BuiltIn, Group, NAMES, SCENES, built_in, figures, law_scenes, random_scene};
@@ -18,7 +18,7 @@ fn names_are_unique_and_lead_to_their_scenes() {
 fn every_camera_sees_with_a_sound_view_and_has_a_name_of_its_own() {
     for named in &SCENES {
         let BuiltIn { cameras, scene } = named.build();
-        // Figures are seen from where they tell their story.
+        // Figures have fixed cameras.
         let few = named.name == "random" || figures().any(|figure| figure.name == named.name);
         let least = if few { 1 } else { 3 };
         assert!(cameras.len() >= least, "{} has too few cameras", named.name);
@@ -50,8 +50,8 @@ fn both_sides_of_every_door_have_one_outline() {
                 .iter()
                 .map(|&corner| portal.there_from_here.point(corner))
                 .collect();
-            let geometry = scene.geometry(portal.to).expect("all sectors are ours");
-            // A mirror leads back through its own outline; elsewhere front and back are exchanged.
+            let geometry = scene.geometry(portal.to).expect("a sector with geometry");
+            // A mirror leads back through its own outline; other portals exchange front and back.
             let arrives = geometry.openings().iter().any(|opening| {
                 let mut corners = opening.outline.corners().to_vec();
                 if !portal.there_from_here.mirrors() {
@@ -73,20 +73,20 @@ fn both_sides_of_every_door_have_one_outline() {
         }
     }
     assert!(doors > 80);
-    let told: BTreeSet<&str> = SCENES
+    let listed: BTreeSet<&str> = SCENES
         .iter()
         .filter(|named| named.is(Group::Teleports))
         .map(|named| named.name)
         .collect();
-    assert_eq!(teleports, told, "scenes that are said to have teleports");
+    assert_eq!(teleports, listed, "scenes listed as having teleports");
 }
 
 fn outline<'a>(scene: &'a Scene, portal: &Portal) -> &'a ConvexPolygon {
-    let geometry = scene.geometry(portal.from).expect("all sectors are ours");
+    let geometry = scene.geometry(portal.from).expect("a sector with geometry");
     &geometry.openings()[usize::from(portal.opening.0)].outline
 }
 
-/// The same corners in the same order, wherever they begin, up to the rounding of f32.
+/// Returns `true` for the same corners in the same order, from any start, up to f32 rounding.
 fn coincide(a: &[[f32; 3]], b: &[[f32; 3]]) -> bool {
     let size = a
         .iter()

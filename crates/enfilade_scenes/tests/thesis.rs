@@ -1,13 +1,13 @@
-//! The thesis' painters go wrong exactly where it says.
+//! The painter's algorithms of the thesis fail exactly where it says.
 //!
-//! They are written here again, in a few lines, with a ray for each sample as the truth, so that the figures can be
-//! trusted whatever the methods do; then the methods are held against the same table.
+//! They are reimplemented here in a few lines, with a ray per sample as the reference, so that the figures are verified
+//! independently of the methods. Then the methods are tested against the same table.
 
 use enfilade::{Canvas, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer};
 use enfilade_scenes::{BuiltIn, Camera, Group, figures};
 use glam::{DMat3, DVec3};
 
-/// Figure, camera, and whether painters by minimal and by mean z are right.
+/// Figure, camera, and whether sorting by minimal and by mean z is right.
 const TABLE: [(&str, &str, bool, bool); 19] = [
     ("tetrahedron", "front", false, true),
     ("parallel-triangles", "front", true, true),
@@ -33,11 +33,11 @@ const TABLE: [(&str, &str, bool, bool); 19] = [
 const SIZE: [u32; 2] = [320, 240];
 const SAMPLES: usize = (SIZE[0] * SIZE[1]) as usize;
 
-/// A picture is wrong where at least this part of what is painted shows another polygon than the nearest. It is right
-/// where none does; there is nothing in between.
+/// A picture is wrong if at least this part of the painted samples shows another polygon than the nearest, and right if
+/// none does; nothing is in between.
 const WRONG: f64 = 0.01;
 
-/// Relative distance within which two polygons are equally near: along a shared edge either may be seen.
+/// Relative distance within which two polygons have equal depth: along a shared edge either is right.
 const EQUAL: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug)]
@@ -46,11 +46,11 @@ enum Key {
     Mean,
 }
 
-/// A polygon as a camera sees it.
+/// A polygon in camera space.
 struct Polygon {
-    /// Right, down and W, from the eye.
+    /// Right, down and W, relative to the eye.
     corners: Vec<DVec3>,
-    /// W at each sample; infinite beside the polygon.
+    /// W at each sample; infinite outside the polygon.
     distances: Vec<f64>,
 }
 
@@ -79,7 +79,7 @@ impl Polygon {
         }
     }
 
-    /// In f32, so that what is equal for a method is equal here.
+    /// In f32, so that keys that are equal for a method are equal here.
     fn key(&self, key: Key) -> f32 {
         let distances = self.corners.iter().map(|corner| corner.z);
         let key = match key {
@@ -101,10 +101,13 @@ fn edges(corners: &[DVec3]) -> impl Iterator<Item = [DVec3; 2]> {
 }
 
 fn geometry(figure: &BuiltIn) -> &Geometry {
-    figure.scene.geometry(SectorId(0)).expect("figures are ours")
+    figure
+        .scene
+        .geometry(SectorId(0))
+        .expect("a figure with geometry")
 }
 
-/// The polygons of a figure, item after item.
+/// Returns the polygons of a figure, item after item.
 fn polygons(figure: &BuiltIn) -> Vec<Vec<DVec3>> {
     let geometry = geometry(figure);
     let polygons_of = |item| {
@@ -140,7 +143,7 @@ fn look(figure: &BuiltIn, camera: &Camera) -> Vec<Polygon> {
     polygons(figure).into_iter().map(seen).collect()
 }
 
-/// The part of what is painted that shows a polygon which is not the nearest, when polygons are painted in this
+/// Returns the part of the painted samples that shows a polygon other than the nearest, if polygons are painted in this
 /// order.
 fn wrong_part(order: &[&Polygon]) -> f64 {
     let [mut wrong, mut painted] = [0_usize; 2];
@@ -156,7 +159,7 @@ fn wrong_part(order: &[&Polygon]) -> f64 {
     wrong as f64 / painted as f64
 }
 
-/// Is a painter right? Asked with both orders of equal keys, which must not decide.
+/// Returns whether a sort is right. Tests both orders of equal keys, which must agree.
 fn is_right(polygons: &[Polygon], key: Key) -> bool {
     let right = |mut order: Vec<&Polygon>| {
         order.sort_by(|a, b| b.key(key).total_cmp(&a.key(key)));
@@ -175,7 +178,7 @@ fn judged(wrong: f64) -> bool {
     wrong == 0.0
 }
 
-/// Every figure from each of its cameras, in the order of the catalogue.
+/// Returns every figure from each of its cameras, in the order of the catalogue.
 fn looks() -> Vec<(&'static str, BuiltIn, Camera)> {
     let looks: Vec<_> = figures()
         .flat_map(|named| {
@@ -186,7 +189,7 @@ fn looks() -> Vec<(&'static str, BuiltIn, Camera)> {
                 .map(move |camera| (named.name, figure.clone(), camera))
         })
         .collect();
-    let told: Vec<_> = TABLE
+    let expected: Vec<_> = TABLE
         .iter()
         .map(|&(figure, camera, ..)| (figure, camera))
         .collect();
@@ -194,7 +197,7 @@ fn looks() -> Vec<(&'static str, BuiltIn, Camera)> {
         .iter()
         .map(|(figure, _, camera)| (*figure, &*camera.name))
         .collect();
-    assert_eq!(met, told);
+    assert_eq!(met, expected);
     looks
 }
 
@@ -212,7 +215,7 @@ fn painters_are_right_and_wrong_where_the_thesis_says() {
     }
 }
 
-/// The owner of each sample.
+/// Returns the owner of each sample.
 struct Owners(Vec<Option<Owner>>);
 
 impl Canvas for Owners {
@@ -229,7 +232,7 @@ impl Canvas for Owners {
 fn painted(scene: &Scene, method: Method, camera: &Camera) -> Owners {
     let scene = scene
         .with_method(method, Method::DEFAULT_LIMIT)
-        .expect("figures are small");
+        .expect("within the memory limit");
     let mut owners = Owners(vec![None; SAMPLES]);
     Viewer::new().draw(&scene, &camera.view(SIZE), &mut owners);
     owners
@@ -257,7 +260,10 @@ fn no_order_paints_what_crosses_or_overlaps_in_a_cycle() {
         let (_, figure, camera) = looks().into_iter().find(|look| look.0 == name).expect("a figure");
         let polygons = look(&figure, &camera);
         let mut order: Vec<&Polygon> = polygons.iter().collect();
-        assert!(order.len() <= 3, "turned and reversed, not every order is met");
+        assert!(
+            order.len() <= 3,
+            "rotations and reversals cover all orders of three only"
+        );
         for _ in 0..order.len() {
             order.rotate_left(1);
             assert!(wrong_part(&order) >= WRONG);
@@ -266,7 +272,7 @@ fn no_order_paints_what_crosses_or_overlaps_in_a_cycle() {
     }
 }
 
-/// Does an edge of `a` go through the inside of `b`? Touching is not enough.
+/// Returns `true` if an edge of `a` passes through the interior of `b`; touching does not count.
 fn pierces(a: &[DVec3], b: &[DVec3]) -> bool {
     const TOUCHING: f64 = 1e-4;
     let normal = normal(b).normalize();
@@ -306,7 +312,7 @@ fn every_polygon_is_seen_from_both_sides_and_is_an_item_of_its_own() {
                 let (kind, sides) = named
                     .name
                     .split_once('-')
-                    .expect("cylinders or cones of so many sides");
+                    .expect("a name that ends in the number of sides");
                 let ends = if kind == "cylinders" { 2 } else { 1 };
                 [sides.parse::<usize>().expect("a number") + ends; 2]
             }
@@ -323,7 +329,7 @@ fn corners_run_counter_clockwise_but_where_they_are_in_no_order() {
             continue;
         }
         let polygons = polygons(&named.build());
-        // All of these solids have the origin inside.
+        // All of these solids contain the origin.
         let outwards = polygons
             .iter()
             .filter(|corners| normal(corners).dot(corners[0]) > 0.0);

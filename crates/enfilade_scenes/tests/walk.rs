@@ -1,13 +1,13 @@
-//! Walking through the built-in scenes: nobody leaks through an edge or a corner, and everybody knows where they are.
+//! Random walks through the built-in scenes: no body leaks through an edge or a corner, and its sector stays correct.
 
 use enfilade::{Location, Ray, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, built_in};
 
-/// Numbers by chance, the same every time. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
-struct Chance(u64);
+/// A fixed pseudorandom sequence. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
+struct Random(u64);
 
-impl Chance {
-    /// From -1 to 1.
+impl Random {
+    /// Returns a number from −1 to 1.
     fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -16,7 +16,7 @@ impl Chance {
     }
 }
 
-/// The sectors whose boxes hold a place, a hair's breadth more or less: told without any portal.
+/// Returns the sectors whose bounds contain a position, within a small tolerance, without using portals.
 fn holders(scene: &Scene, position: [f32; 3]) -> Vec<SectorId> {
     const HAIR: f32 = 1e-3;
     let holds = |&id: &SectorId| {
@@ -26,7 +26,7 @@ fn holders(scene: &Scene, position: [f32; 3]) -> Vec<SectorId> {
     scene.sectors().filter(holds).collect()
 }
 
-/// Wanders about in the free space that rays find; gives how many portals were crossed.
+/// Walks randomly in the free space found by ray casts; returns the number of portals crossed.
 fn wander(
     scene: &Scene,
     from: Location,
@@ -34,11 +34,11 @@ fn wander(
     seed: u64,
     check: impl Fn(&Location, &Location),
 ) -> usize {
-    let mut chance = Chance(seed);
+    let mut random = Random(seed);
     let (mut place, mut crossings) = (from, 0);
     for step in 0..steps {
-        let mut direction: [f32; 3] = std::array::from_fn(|_| chance.next());
-        // Courts have no roof: from so high up one comes down.
+        let mut direction: [f32; 3] = std::array::from_fn(|_| random.next());
+        // Courts have no roof: come down again from this height.
         if place.position[1] > 4.0 {
             direction[1] = -direction[1].abs();
         }
@@ -47,13 +47,13 @@ fn wander(
             direction,
         };
         let cast = scene.cast(place.sector, &ray);
-        // Nobody walks into a wall, nor so near that the next ray starts in it.
+        // Keep a distance from walls, so that the next ray does not start in one.
         const AWAY: f32 = 0.05;
         let length = direction.map(|value| value * value).iter().sum::<f32>().sqrt();
         let far = (cast.distance as f32 - AWAY / length).clamp(0.0, 2.0);
         let walked = scene.walk(place, direction.map(|value| value * far));
         assert!(walked.complete);
-        // As far as a ray that goes the same way.
+        // Must move as far as a ray in the same direction.
         assert!(
             cast.crossed.starts_with(&walked.crossed),
             "step {step} from {place:?}: {:?}, but the ray {:?}",
@@ -77,10 +77,12 @@ fn wander(
 
 #[test]
 fn a_hundred_thousand_steps_through_the_palace_never_leak() {
-    let BuiltIn { scene, cameras } = built_in("enfilade").expect("it is built in");
+    let BuiltIn { scene, cameras } = built_in("enfilade").expect("a built-in scene");
     let mut crossings = 0;
     for (camera, seed) in cameras.iter().zip(0..) {
-        let sector = scene.locate(camera.eye, camera.toward).expect("there are rooms");
+        let sector = scene
+            .locate(camera.eye, camera.toward)
+            .expect("a position inside a room");
         let place = Location {
             sector,
             position: camera.eye,
@@ -99,16 +101,18 @@ fn a_hundred_thousand_steps_through_the_palace_never_leak() {
             },
         );
     }
-    assert!(crossings > 500, "only {crossings} doors were gone through");
+    assert!(crossings > 500, "only {crossings} doors were crossed");
 }
 
 #[test]
 fn steps_through_teleports_mirrors_and_other_scales_go_where_rays_go() {
     let mut crossings = 0;
     for name in ["teleport", "impossible", "mirrors", "nested", "free-doorway"] {
-        let BuiltIn { scene, cameras } = built_in(name).expect("it is built in");
+        let BuiltIn { scene, cameras } = built_in(name).expect("a built-in scene");
         for (camera, seed) in cameras.iter().zip(0..) {
-            let sector = scene.locate(camera.eye, camera.toward).expect("a room");
+            let sector = scene
+                .locate(camera.eye, camera.toward)
+                .expect("a position inside a sector");
             let place = Location {
                 sector,
                 position: camera.eye,
@@ -116,24 +120,25 @@ fn steps_through_teleports_mirrors_and_other_scales_go_where_rays_go() {
             crossings += wander(&scene, place, 2000, seed, |_, _| {});
         }
     }
-    assert!(crossings > 400, "only {crossings} portals were gone through");
+    assert!(crossings > 400, "only {crossings} portals were crossed");
 }
 
 #[test]
 fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
-    // A block of 3 × 3 × 3 rooms whose walls are all openings: everywhere edges meet four to four, corners eight to eight.
+    // A block of 3 × 3 × 3 rooms with openings on all sides: every inner edge is shared by four openings, every corner
+    // by eight rooms.
     let scene = honeycomb();
-    let mut chance = Chance(7);
+    let mut random = Random(7);
     let mut place = Location {
         sector: SectorId(13),
         position: [1.5; 3],
     };
     let mut at_edges = 0;
     for _ in 0..100_000 {
-        // To multiples of a quarter: planes, edges and corners are met exactly, and all the time.
+        // Multiples of a quarter hit planes, edges and corners exactly.
         let mut end = place
             .position
-            .map(|value| value + (chance.next() * 8.0).round() * 0.25);
+            .map(|value| value + (random.next() * 8.0).round() * 0.25);
         for value in &mut end {
             *value = value.clamp(0.25, 2.75);
         }
@@ -154,7 +159,7 @@ fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
     assert!(at_edges > 4000, "only {at_edges}");
 }
 
-/// Rooms of 1 × 1 × 1, each open to its neighbours on all of its sides.
+/// Builds rooms of 1 × 1 × 1, each open to its neighbours on all sides.
 fn honeycomb() -> Scene {
     use enfilade::{ConvexPolygon, GeometryBuilder, Material, Method, SceneBuilder};
     const N: u32 = 3;
@@ -176,7 +181,7 @@ fn honeycomb() -> Scene {
                 let [mut along, mut across] = [[0.0; 3]; 2];
                 along[(axis + 1) % 3] = 1.0;
                 across[(axis + 2) % 3] = 1.0;
-                // Its front is towards the room: upwards for a wall below.
+                // Its front faces the room: upwards for a wall below.
                 let outline = ConvexPolygon::rectangle(corner, along, across).expect("a square");
                 let outline = if up { outline.flipped() } else { outline };
                 let mut lower = at;
@@ -202,7 +207,7 @@ fn honeycomb() -> Scene {
 
 #[test]
 fn who_walks_through_a_mirror_stands_before_it_again_turned_over() {
-    let BuiltIn { scene, .. } = built_in("mirror").expect("it is built in");
+    let BuiltIn { scene, .. } = built_in("mirror").expect("a built-in scene");
     let before = Location {
         sector: SectorId(0),
         position: [0.3, 1.5, -2.0],
@@ -219,7 +224,7 @@ fn who_walks_through_a_mirror_stands_before_it_again_turned_over() {
 
 #[test]
 fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
-    let BuiltIn { scene, cameras } = built_in("two-rooms").expect("it is built in");
+    let BuiltIn { scene, cameras } = built_in("two-rooms").expect("a built-in scene");
     let portal = &scene.portals()[0];
     let door = &scene.sector(portal.from).openings()[usize::from(portal.opening.0)].outline;
     let middle: [f32; 3] = door.bounds().center();
@@ -237,7 +242,9 @@ fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
             assert_eq!(other.location.sector, portal.to);
         }
     }
-    let sector = scene.locate(cameras[0].eye, cameras[0].toward).expect("a room");
+    let sector = scene
+        .locate(cameras[0].eye, cameras[0].toward)
+        .expect("a position inside a sector");
     let far = Location {
         sector,
         position: cameras[0].eye,

@@ -47,8 +47,8 @@ pub(crate) struct VisArgs {
     /// Save unfinished work beside the map every so many seconds [default: grows with the run and the time of a save]
     #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
     pub(crate) save_every: Option<f64>,
-    /// Test the PVS with random lines through the portals; if one proves that a pair is missing, print it, write nothing
-    /// and exit with 1
+    /// Test the PVS with random lines through the portals; if one proves that a pair is missing, print it, write
+    /// nothing and exit with 1
     #[arg(long, value_name = "LINES", num_args = 0..=1, require_equals = true, default_missing_value = "1000000")]
     pub(crate) check: Option<u64>,
     /// Compare with another PVS of the same map: list the pairs it misses, with a line of sight where one is found, and

@@ -115,8 +115,8 @@ Examples:
 pub(crate) struct LookArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Compare with the reference, and exit with 1 on any false cull or wrong pixel. Above 1, also test strict methods at
-    /// this many random samples per pixel
+    /// Compare with the reference, and exit with 1 on any false cull or wrong pixel. Above 1, also test strict methods
+    /// at this many random samples per pixel
     #[arg(long, value_name = "SAMPLES", num_args = 0..=1, require_equals = true, default_missing_value = "1",
           value_parser = values::check)]
     pub(crate) check: Option<u32>,
@@ -314,7 +314,8 @@ pub(crate) struct HowArgs {
     /// Disable temporal coherence: forget the previous view before each look
     #[arg(long)]
     pub(crate) no_coherence: bool,
-    /// Select at most N occluders per passage for masked, svbsp and mobsp; 0 selects none [default: depends on the method]
+    /// Select at most N occluders per passage for masked, svbsp and mobsp; 0 selects none [default: depends on the
+    /// method]
     #[arg(long, value_name = "N")]
     pub(crate) occluders: Option<u32>,
     /// Set the resolution of the covers of hierarchical-z, hierarchical-s and masked, up to the screen size; lower is

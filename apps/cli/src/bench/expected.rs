@@ -1,42 +1,43 @@
-//! Holds the set of every method at every view against the one that is expected there.
+//! Compares the visible set of every method at every view with the expected one.
 //!
-//! Expected is what a z-buffer sees: it is exact, builds next to nothing, and is the simplest. Exact methods must see the
-//! same, others that promise something at least that. Items that lie in one plane, or whose edges meet a sample, are
-//! contested: sets may differ in them and be right. So where sets differ, and only there, the reference is asked.
+//! The set of a z-buffer is expected: it is exact, builds almost nothing, and is the simplest method. Exact methods
+//! must return the same set, strict and conservative ones at least its items. Coplanar items, and items whose edges hit
+//! a sample, are contested: sets may differ in them and still be right. So the reference decides where sets differ, and
+//! only there.
 
 use crate::check;
 use crate::measure::distinct;
 use crate::names::Names;
-use crate::prepare::{Prepared, drawn_by};
+use crate::prepare::{PreparedScene, drawn_by};
 use crate::progress::Progress;
 use crate::report::{ExpectedReport, Report};
 use anyhow::Result;
 use enfilade::{Contract, ItemId, Method, SectorId, View, Viewer};
 
-/// Looks at all views once more, by the viewers that were timed, and adds to the reports how what they see compares with
-/// what they saw before and with what is expected.
-pub(super) fn hold(
+/// Looks at all views once more, with the timed viewers, and adds to the reports how the sets compare with those of the
+/// pass before and with the expected ones.
+pub(super) fn check_sets(
     reports: &mut [Report],
-    prepared: &[Prepared],
+    prepared: &[PreparedScene],
     viewers: &mut [Viewer],
     views: &[View],
 ) -> Result<()> {
     let Some(first) = prepared.first() else {
         return Ok(());
     };
-    let yardstick = drawn_by(first, Method::ZBuffer)?;
-    let mut measuring = yardstick.viewer();
-    let limits = measuring.limits();
+    let baseline = drawn_by(first, Method::ZBuffer)?;
+    let mut baseline_viewer = baseline.viewer();
+    let limits = baseline_viewer.limits();
     let mut reference = None;
     let progress = Progress::steps("checking", views.len());
     for (number, view) in views.iter().enumerate() {
-        let expected = distinct(measuring.look(&yardstick.scene, view));
+        let expected = distinct(baseline_viewer.look(&baseline.scene, view));
         let mut truth = None;
         for ((prepared, viewer), report) in prepared.iter().zip(&mut *viewers).zip(&mut *reports) {
             let names = Names::new(&prepared.scene);
             let set = viewer.look(&prepared.scene, view);
             let seen = distinct(set);
-            let mut held = ExpectedReport {
+            let mut comparison = ExpectedReport {
                 items_visible: expected.len(),
                 missed: Vec::new(),
                 extra: 0,
@@ -50,24 +51,24 @@ pub(super) fn hold(
                 truth = truth.or_else(seen);
                 let Some(truth) = &truth else { continue };
                 let verdict = truth.check(set, None);
-                held.missed = verdict.missed.iter().map(|&item| names.of(item)).collect();
+                comparison.missed = verdict.missed.iter().map(|&item| names.of(item)).collect();
                 if prepared.contract == Contract::Exact {
-                    held.extra = verdict.extra;
+                    comparison.extra = verdict.extra;
                 }
             }
             let shown = &mut report.views[number];
-            held.same_again = seen
+            comparison.same_again = seen
                 .iter()
                 .map(|&item| names.of(item))
                 .eq(shown.visible.iter().map(|name| &**name));
-            shown.expected = Some(held);
+            shown.expected = Some(comparison);
         }
         progress.step();
     }
     Ok(())
 }
 
-/// Is a set what it must be, even if nothing were contested? Both are in order.
+/// Returns `true` if a set satisfies its contract even if no item is contested. Both sets are sorted.
 fn is_plainly_right(
     contract: Contract,
     seen: &[(SectorId, ItemId)],

@@ -1,4 +1,4 @@
-//! `bench`: what every method costs over a path, each set held against the one that is expected.
+//! `bench`: times every method over a list of views, and compares each visible set with the expected one.
 
 mod expected;
 mod micro;
@@ -9,9 +9,9 @@ use crate::Outcome;
 use crate::args::BenchArgs;
 use crate::cameras;
 use crate::measure;
-use crate::open::{For, open, settle};
+use crate::open::{Purpose, configure, open};
 use crate::out;
-use crate::prepare::{Prepared, prepare};
+use crate::prepare::{PreparedScene, prepare};
 use crate::report::{Report, Reports, SceneReport, Sink, left_out};
 use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, plural, point, short, table};
@@ -20,7 +20,7 @@ use anyhow::Result;
 use enfilade::{ChoiceGoal, Contract, Viewer};
 use std::ffi::OsStr;
 
-/// Views of the survey, where no camera is told.
+/// Number of survey views if no camera option is given.
 const VIEWS: u32 = 16;
 
 /// Runs `bench`.
@@ -31,10 +31,10 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
     let scene = args.scene.as_deref().unwrap_or(OsStr::new("@enfilade"));
     let mut files = RunFiles::of(scene, args.cameras.path.as_deref())?;
     let sink = Sink::new(&args.json, &mut files)?;
-    settle(&args.how)?;
+    configure(&args.how)?;
     let opened = open(
         scene,
-        For::Pictures,
+        Purpose::Pictures,
         args.method,
         args.how.portals,
         &args.how.limits,
@@ -43,9 +43,9 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
     args.cameras.survey_by_default(VIEWS);
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, ChoiceGoal::Look, &args.how, views.first())?;
-    let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
+    let mut viewers: Vec<Viewer> = prepared.iter().map(PreparedScene::viewer).collect();
     let mut reports = measure::all(&opened, &prepared, &mut viewers, &views, args.cameras.size);
-    expected::hold(&mut reports, &prepared, &mut viewers, &views)?;
+    expected::check_sets(&mut reports, &prepared, &mut viewers, &views)?;
     let scene = SceneReport::new(&opened);
     let left_out = left_out(&skipped);
     let reports = Reports::new(args.method == Choice::All, reports, skipped);
@@ -53,7 +53,7 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
         out::print(&(for_people(&scene, reports.each()) + &left_out))?;
     }
     sink.write(&reports)?;
-    reports.each().iter().for_each(tell_what_is_wrong);
+    reports.each().iter().for_each(print_failures);
     Ok(if reports.each().iter().any(Report::is_not_as_expected) {
         Outcome::CheckFailed
     } else {
@@ -111,31 +111,31 @@ fn verdict(report: &Report) -> &'static str {
     match (report.is_not_as_expected(), report.contract) {
         (true, _) => "wrong",
         (false, Contract::Exact) => "as expected",
-        (false, Contract::Approximate) => "not held to it",
+        (false, Contract::Approximate) => "not checked",
         (false, _) => "misses nothing",
     }
 }
 
-/// Says at which views a set is not what it must be.
-fn tell_what_is_wrong(report: &Report) {
+/// Prints the views at which a set violates its contract.
+fn print_failures(report: &Report) {
     for (number, view) in report.views.iter().enumerate() {
         let Some(expected) = &view.expected else { continue };
-        let tell = |what: String| {
+        let print = |failure: String| {
             let eye = point(view.eye);
             out::note(format_args!(
-                "bench: {}, view {} (eye {eye}): {what}",
+                "bench: {}, view {} (eye {eye}): {failure}",
                 report.method,
                 number + 1
             ));
         };
         if !expected.missed.is_empty() {
-            tell(format!("missed {}", expected.missed.join(", ")));
+            print(format!("missed {}", expected.missed.join(", ")));
         }
         if expected.extra > 0 {
-            tell(format!("{} that cannot be seen", plural(expected.extra, "item")));
+            print(format!("{} in the set", plural(expected.extra, "hidden item")));
         }
         if !expected.same_again {
-            tell("a second pass gave another set".to_owned());
+            print("a second pass returned another set".to_owned());
         }
     }
 }

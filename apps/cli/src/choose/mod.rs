@@ -1,10 +1,10 @@
-//! `choose`: which method suits which sector, with what each costs there; and what `--method auto` takes.
+//! `choose`: measures which method is fastest in each sector. Also implements `--method auto`.
 
 mod report;
 
 use crate::Outcome;
 use crate::args::{ChooseArgs, PortalArgs};
-use crate::open::{For, Opened, open, settle_on};
+use crate::open::{OpenedScene, Purpose, configure_with, open};
 use crate::out;
 use crate::prepare::stays_visible;
 use crate::progress::Progress;
@@ -16,11 +16,11 @@ use enfilade::{ChoiceGoal, ChoiceOptions, MethodChoice, Scene, SectorId, View, c
 use std::path::Path;
 use std::time::Instant;
 
-pub(crate) use report::{ChoiceReport, in_words};
-use report::{Chosen, HeldBack};
+pub(crate) use report::{ChoiceReport, summary_line};
+use report::{ChooseReport, HeldOut};
 
-/// Views in each sector that methods are tried on, and as many that are held back.
-const PLACES: usize = 32;
+/// Number of views per sector that methods are measured on; `--check` uses as many others.
+const VIEWS_PER_SECTOR: usize = 32;
 
 /// Runs `choose`.
 pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
@@ -28,11 +28,11 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     let sink = Sink::new(&args.json, &mut files)?;
     let output = args.output.as_deref();
     let destination = output.map(|output| files.writes(output)).transpose()?;
-    settle_on(&args.limits, args.simd.as_deref())?;
-    // As it is read for answers with a method of its own for each room, so that pins are no part of the question.
+    configure_with(&args.limits, args.simd.as_deref())?;
+    // With `Choice::Auto` the file's methods are ignored, so that pinned ones do not influence the measurement.
     let opened = open(
         &args.scene.scene,
-        For::Answers,
+        Purpose::Visibility,
         Choice::Auto,
         PortalArgs {
             flat: false,
@@ -46,23 +46,23 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     if let Some(output) = output {
         ensure!(
             !opened.file.starts_with('@'),
-            "{}: methods cannot be written into a built-in scene; leave out -o, or name a file",
+            "{}: methods cannot be written into a built-in scene; leave out -o, or name a scene file",
             opened.file
         );
-        must_lie_beside(file, output)?;
+        check_same_folder(file, output)?;
     }
-    let mut terms = ChoiceOptions::default();
-    terms.aim = args.aim;
-    terms.exact = !args.conservative;
-    terms.limit_bytes = args.limits.memory();
-    terms.moving = named(&args.moving, &opened)?;
-    let choices = choose(&opened.scene, args.size, &terms);
+    let mut options = ChoiceOptions::default();
+    options.aim = args.aim;
+    options.exact = !args.conservative;
+    options.limit_bytes = args.limits.memory();
+    options.moving = named(&args.moving, &opened)?;
+    let choices = choose(&opened.scene, args.size, &options);
     let held_back = args.check.then(|| {
         let views = views(&opened.scene, args.size, 1);
-        let again = measured(&opened.scene, &views, &terms, "measuring again");
-        HeldBack::new(&choices, &again, views.len())
+        let again = measured(&opened.scene, &views, &options, "measuring again");
+        HeldOut::new(&choices, &again, views.len())
     });
-    let chosen = Chosen::new(&opened, &choices, &terms, args.size, held_back);
+    let chosen = ChooseReport::new(&opened, &choices, &options, args.size, held_back);
     if let Some(destination) = &destination {
         let methods: Vec<_> = choices.iter().map(|choice| choice.method).collect();
         let pinned = enfilade_import::with_methods(file, &methods, args.limits.memory())
@@ -76,37 +76,38 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Finds the methods that suit a scene's sectors, by views from places all over them.
-pub(crate) fn choose(scene: &Scene, size: [u32; 2], terms: &ChoiceOptions) -> Vec<MethodChoice> {
-    measured(scene, &views(scene, size, 0), terms, "trying methods")
+/// Chooses the methods of a scene's sectors, by views from positions all over them.
+pub(crate) fn choose(scene: &Scene, size: [u32; 2], options: &ChoiceOptions) -> Vec<MethodChoice> {
+    measured(scene, &views(scene, size, 0), options, "measuring methods")
 }
 
-/// Views from every other place in each sector, from the first on (those that methods are chosen by) or the second.
+/// Returns views from every second survey position of each sector: for `from` 0 those that methods are chosen by, for 1
+/// those that `--check` uses.
 fn views(scene: &Scene, size: [u32; 2], from: usize) -> Vec<View> {
-    let places = scene.sectors().flat_map(|sector| {
-        let places = survey_in(scene, sector, 2 * PLACES).views;
-        places.into_iter().skip(from).step_by(2)
+    let positions = scene.sectors().flat_map(|sector| {
+        let positions = survey_in(scene, sector, 2 * VIEWS_PER_SECTOR).views;
+        positions.into_iter().skip(from).step_by(2)
     });
-    places
-        .map(|place| View::new(place.eye, place.toward, size))
+    positions
+        .map(|position| View::new(position.eye, position.toward, size))
         .collect()
 }
 
-fn measured(scene: &Scene, views: &[View], terms: &ChoiceOptions, what: &str) -> Vec<MethodChoice> {
-    let progress = Progress::spinner(what);
+fn measured(scene: &Scene, views: &[View], options: &ChoiceOptions, label: &str) -> Vec<MethodChoice> {
+    let progress = Progress::spinner(label);
     let start = Instant::now();
-    let choices = choose_methods(scene, views, terms, &|| start.elapsed());
+    let choices = choose_methods(scene, views, options, &|| start.elapsed());
     drop(progress);
     choices
 }
 
-/// Takes choices over.
+/// Applies choices to a scene.
 ///
 /// # Errors
-/// What a method of the choice builds was within the limit when it was tried, so none is expected.
-pub(crate) fn take_over(scene: &mut Scene, choices: &[MethodChoice]) -> Result<()> {
+/// None are expected: every chosen method was built within the limit when it was measured.
+pub(crate) fn apply(scene: &mut Scene, choices: &[MethodChoice]) -> Result<()> {
     for choice in choices {
-        // A sector that is no geometry has no other method.
+        // Custom sectors have no method to replace.
         let method = scene.method(choice.sector);
         if method.is_some_and(|method| method != choice.method) {
             scene.set_method(choice.sector, choice.method)?;
@@ -115,32 +116,28 @@ pub(crate) fn take_over(scene: &mut Scene, choices: &[MethodChoice]) -> Result<(
     Ok(())
 }
 
-/// Says for what `--method auto` chose, in the words of a verb.
-pub(crate) fn terms(aim: ChoiceGoal, exact: bool, limit_bytes: u64) -> ChoiceOptions {
-    let mut terms = ChoiceOptions::default();
-    (terms.aim, terms.exact, terms.limit_bytes) = (aim, exact, limit_bytes);
-    terms
+/// Returns the options of `--method auto`.
+pub(crate) fn auto_options(aim: ChoiceGoal, exact: bool, limit_bytes: u64) -> ChoiceOptions {
+    let mut options = ChoiceOptions::default();
+    (options.aim, options.exact, options.limit_bytes) = (aim, exact, limit_bytes);
+    options
 }
 
-/// Sectors by their names.
-fn named(names: &[String], opened: &Opened) -> Result<Vec<SectorId>> {
+/// Returns the sectors with these names.
+fn named(names: &[String], opened: &OpenedScene) -> Result<Vec<SectorId>> {
     let scene = &opened.scene;
     let find = |name: &String| {
         let mut found = scene.sectors().filter(|&id| scene.sector_name(id) == name);
         found.next().ok_or_else(|| {
             let all = scene.sectors().map(|id| scene.sector_name(id));
-            anyhow!(
-                "{}: there is no sector `{name}`; {}",
-                opened.file,
-                among(name, all)
-            )
+            anyhow!("{}: no sector `{name}`; {}", opened.file, among(name, all))
         })
     };
     names.iter().map(find).collect()
 }
 
-/// Files that a file names are looked for in its folder, so a copy of it must lie there too.
-fn must_lie_beside(file: &Path, output: &Path) -> Result<()> {
+/// Fails if the copy of a file with side files would be in another folder: side files are found relative to the file.
+fn check_same_folder(file: &Path, output: &Path) -> Result<()> {
     let folder = |path: &Path| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
         folder.unwrap_or(Path::new(".")).canonicalize().ok()
@@ -150,7 +147,7 @@ fn must_lie_beside(file: &Path, output: &Path) -> Result<()> {
         .is_some_and(|ending| ending.eq_ignore_ascii_case("glb"));
     ensure!(
         is_whole || folder(file) == folder(output),
-        "cannot write {}: {} names other files, which are looked for in its folder; write the copy there",
+        "cannot write {}: {} names other files relative to its folder; write the copy to that folder",
         output.display(),
         file.display()
     );

@@ -1,6 +1,6 @@
-//! What was chosen and why, for people and for programs.
+//! The report of `choose`, as text and as JSON.
 
-use crate::open::Opened;
+use crate::open::OpenedScene;
 use crate::report::{SceneReport, rounded};
 use crate::text::{bytes, count, ms, plural, short, table};
 use enfilade::{
@@ -9,9 +9,9 @@ use enfilade::{
 use serde::Serialize;
 use std::time::Duration;
 
-/// All choices for a scene.
+/// The JSON report: all choices of a scene.
 #[derive(Debug, Serialize)]
-pub(super) struct Chosen {
+pub(super) struct ChooseReport {
     scene: SceneReport,
     size: [u32; 2],
     threads: usize,
@@ -19,15 +19,15 @@ pub(super) struct Chosen {
     aim: &'static str,
     choices: Vec<ChoiceReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    held_back: Option<HeldBack>,
+    held_back: Option<HeldOut>,
 }
 
-/// The method of a sector, and what all cost there.
+/// The method of a sector, and the cost of all methods there.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ChoiceReport {
     sector: String,
     method: &'static str,
-    /// Whether both halves of the views agree; else it is the sector's own.
+    /// Whether both halves of the views agree; if not, the sector keeps its method.
     sure: bool,
     views: usize,
     trials: Vec<TrialReport>,
@@ -51,25 +51,25 @@ enum OutcomeReport {
         edit_ms: f64,
         frame_ms: f64,
     },
-    Not {
+    Skipped {
         why: String,
         #[serde(skip)]
         word: &'static str,
     },
 }
 
-/// How choices stand on views that they were not made by.
+/// Measurement of the choices on held-out views.
 #[derive(Debug, Serialize)]
-pub(super) struct HeldBack {
+pub(super) struct HeldOut {
     views: usize,
-    /// Of each sector that both see, in order.
-    sectors: Vec<HeldBackReport>,
-    /// How many of them take at most a tenth longer than the best there.
+    /// Each sector that both sets of views see, in order.
+    sectors: Vec<HeldOutSector>,
+    /// Number of sectors whose choice takes at most a tenth longer than the fastest method.
     near_the_best: usize,
 }
 
 #[derive(Debug, Serialize)]
-struct HeldBackReport {
+struct HeldOutSector {
     sector: u32,
     chosen: &'static str,
     chosen_ms: f64,
@@ -77,8 +77,8 @@ struct HeldBackReport {
     best_ms: f64,
 }
 
-/// So much longer than the best is near it.
-const NEAR: f64 = 1.1;
+/// Maximum ratio to the fastest method that counts as near it.
+const NEAR_RATIO: f64 = 1.1;
 
 impl ChoiceReport {
     pub(crate) fn new(scene: &Scene, choice: &MethodChoice) -> ChoiceReport {
@@ -95,13 +95,13 @@ impl ChoiceReport {
         let trial = self.trials.iter().find(|trial| trial.method == method)?;
         match trial.outcome {
             OutcomeReport::Cost { frame_ms, .. } => Some(frame_ms),
-            OutcomeReport::Not { .. } => None,
+            OutcomeReport::Skipped { .. } => None,
         }
     }
 }
 
-/// `chosen: cell in Tribune, Bay and 3 more; z-buffer in Hall`; nothing where nothing was.
-pub(crate) fn in_words(choices: &[ChoiceReport]) -> String {
+/// Returns the choices in one line: `chosen: cell in Tribune, Bay and 3 more; z-buffer in Hall`. Empty without choices.
+pub(crate) fn summary_line(choices: &[ChoiceReport]) -> String {
     const FEW: usize = 3;
     let of = |method: Method| {
         let here = choices.iter().filter(|choice| choice.method == method.name());
@@ -116,7 +116,7 @@ pub(crate) fn in_words(choices: &[ChoiceReport]) -> String {
     if methods.is_empty() {
         return String::new();
     }
-    format!("chosen: {} (--json - says why)\n", methods.join("; "))
+    format!("chosen: {} (--json - lists the times)\n", methods.join("; "))
 }
 
 impl TrialReport {
@@ -138,7 +138,7 @@ impl TrialReport {
                 edit_ms: in_ms(*edit),
                 frame_ms: in_ms(*frame),
             },
-            Err(why) => OutcomeReport::Not {
+            Err(why) => OutcomeReport::Skipped {
                 why: why.to_string(),
                 word: word(why),
             },
@@ -150,14 +150,14 @@ impl TrialReport {
     }
 }
 
-/// The reason in a word or two.
+/// Returns a short label of the reason.
 fn word(why: &SkipReason) -> &'static str {
     match why {
-        SkipReason::Promise(Contract::Approximate) => "sets that may lack something",
-        SkipReason::Promise(_) => "sets that may hold more (--conservative)",
+        SkipReason::Promise(Contract::Approximate) => "sets that may miss items",
+        SkipReason::Promise(_) => "sets that may contain hidden items (--conservative)",
         SkipReason::BuildsTooLong(_) => "too long to build",
-        SkipReason::Moves => "what moves",
-        SkipReason::NotSeen => "not seen",
+        SkipReason::Moves => "items move",
+        SkipReason::NotSeen => "in no view",
         SkipReason::Unsuited(Unsuited::TooLarge(_)) => "too large (--memory)",
         SkipReason::Unsuited(Unsuited::NotBaked(_)) => "not baked",
         SkipReason::Unsuited(Unsuited::NotConvex(_)) => "not convex",
@@ -170,29 +170,29 @@ fn in_ms(time: Duration) -> f64 {
     rounded(time.as_secs_f64() * 1e3)
 }
 
-impl HeldBack {
-    /// Holds choices against the same sectors measured on other views.
-    pub(super) fn new(choices: &[MethodChoice], again: &[MethodChoice], views: usize) -> HeldBack {
-        let sectors: Vec<HeldBackReport> = choices.iter().zip(again).filter_map(held_back).collect();
-        HeldBack {
+impl HeldOut {
+    /// Compares choices with the same sectors measured on other views.
+    pub(super) fn new(choices: &[MethodChoice], again: &[MethodChoice], views: usize) -> HeldOut {
+        let sectors: Vec<HeldOutSector> = choices.iter().zip(again).filter_map(held_back).collect();
+        HeldOut {
             views,
             near_the_best: sectors
                 .iter()
-                .filter(|held| held.chosen_ms <= NEAR * held.best_ms)
+                .filter(|held| held.chosen_ms <= NEAR_RATIO * held.best_ms)
                 .count(),
             sectors,
         }
     }
 }
 
-fn held_back((choice, again): (&MethodChoice, &MethodChoice)) -> Option<HeldBackReport> {
+fn held_back((choice, again): (&MethodChoice, &MethodChoice)) -> Option<HeldOutSector> {
     let costs = || {
         let trials = again.trials.iter();
         trials.filter_map(|trial| Some((trial.method, trial.outcome.as_ref().ok()?.frame)))
     };
     let (best, best_frame) = costs().min_by_key(|&(_, frame)| frame)?;
     let (_, chosen_frame) = costs().find(|&(method, _)| method == choice.method)?;
-    (choice.views > 0).then(|| HeldBackReport {
+    (choice.views > 0).then(|| HeldOutSector {
         sector: choice.sector.0,
         chosen: choice.method.name(),
         chosen_ms: in_ms(chosen_frame),
@@ -201,20 +201,20 @@ fn held_back((choice, again): (&MethodChoice, &MethodChoice)) -> Option<HeldBack
     })
 }
 
-impl Chosen {
+impl ChooseReport {
     pub(super) fn new(
-        opened: &Opened,
+        opened: &OpenedScene,
         choices: &[MethodChoice],
-        terms: &ChoiceOptions,
+        options: &ChoiceOptions,
         size: [u32; 2],
-        held_back: Option<HeldBack>,
-    ) -> Chosen {
-        Chosen {
+        held_back: Option<HeldOut>,
+    ) -> ChooseReport {
+        ChooseReport {
             scene: SceneReport::new(opened),
             size,
             threads: rayon::current_num_threads(),
             simd: enfilade::simd_level(),
-            aim: if terms.aim == ChoiceGoal::Draw {
+            aim: if options.aim == ChoiceGoal::Draw {
                 "draw"
             } else {
                 "look"
@@ -237,7 +237,7 @@ impl Chosen {
             ..
         } = &self.scene;
         let mut text = format!(
-            "{file}: {}, {} triangles, {}; ms a frame to {}, {width}x{height}, {}, {}\n\n",
+            "{file}: {}, {} triangles, {}; ms per frame to {}, {width}x{height}, {}, {}\n\n",
             plural(*items, "item"),
             count(*triangles),
             plural(*sectors, "sector"),
@@ -253,7 +253,7 @@ impl Chosen {
         text
     }
 
-    /// What a frame takes in each sector by each method that was tried anywhere.
+    /// Returns the table of frame times, by sector and by method that was measured anywhere.
     fn costs(&self) -> String {
         let names = Method::ALL.map(Method::name);
         let tried = |name: &&&str| self.choices.iter().any(|choice| choice.frame_ms(name).is_some());
@@ -289,11 +289,11 @@ impl Chosen {
 }
 
 impl ChoiceReport {
-    /// What is chosen, or kept where nothing is sure.
+    /// Returns the method, and whether it is a default because no view sees the sector or the choice is unsure.
     fn chosen(&self) -> String {
         match (self.sure, self.views) {
             (true, _) => self.method.to_owned(),
-            (false, 0) => format!("{} (not seen)", self.method),
+            (false, 0) => format!("{} (in no view)", self.method),
             (false, _) => format!("{} (unsure)", self.method),
         }
     }
@@ -316,12 +316,12 @@ fn in_three_places(ms: f64) -> String {
     format!("{ms:.3}")
 }
 
-/// The methods that were tried in no sector, by why not in the first.
+/// Returns the methods that were measured in no sector, grouped by the reason in the first sector.
 fn left_out(choices: &[ChoiceReport]) -> String {
     let mut by_reason: Vec<(&str, Vec<&str>)> = Vec::new();
-    for (place, method) in Method::ALL.into_iter().enumerate() {
-        let mut reasons = choices.iter().map(|choice| match choice.trials[place].outcome {
-            OutcomeReport::Not { word, .. } => Some(word),
+    for (index, method) in Method::ALL.into_iter().enumerate() {
+        let mut reasons = choices.iter().map(|choice| match choice.trials[index].outcome {
+            OutcomeReport::Skipped { word, .. } => Some(word),
             OutcomeReport::Cost { .. } => None,
         });
         let Some(Some(word)) = reasons.next().filter(|_| reasons.all(|other| other.is_some())) else {
@@ -332,14 +332,15 @@ fn left_out(choices: &[ChoiceReport]) -> String {
             None => by_reason.push((word, vec![method.name()])),
         }
     }
-    let line = |(word, methods): &(&str, Vec<&str>)| format!("  not tried: {}: {word}\n", methods.join(", "));
+    let line =
+        |(word, methods): &(&str, Vec<&str>)| format!("  not measured: {}: {word}\n", methods.join(", "));
     by_reason.iter().map(line).collect()
 }
 
-impl HeldBack {
+impl HeldOut {
     fn for_people(&self, choices: &[ChoiceReport]) -> String {
-        let header = ["sector", "chosen", "ms", "best", "ms", "times"];
-        let row = |held: &HeldBackReport| {
+        let header = ["sector", "chosen", "ms", "fastest", "ms", "ratio"];
+        let row = |held: &HeldOutSector| {
             vec![
                 choices[held.sector as usize].sector.clone(),
                 held.chosen.to_owned(),
@@ -351,7 +352,7 @@ impl HeldBack {
         };
         let rows: Vec<Vec<String>> = self.sectors.iter().map(row).collect();
         format!(
-            "\non {} that methods were not chosen by:\n{}{} of {} within a tenth of the best\n",
+            "\non {} held out from the choice:\n{}{} of {} within 10 % of the fastest method\n",
             plural(self.views, "view"),
             table(&header, &rows),
             self.near_the_best,

@@ -1,4 +1,4 @@
-//! Bars, one for each method, as SVG inside the page.
+//! Draws bar charts with one bar per method, as inline SVG.
 
 use crate::text::{bytes, count, short};
 use anyhow::{Result, anyhow};
@@ -6,7 +6,7 @@ use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// What a bar's length is.
+/// Unit of the bars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unit {
     Milliseconds,
@@ -22,33 +22,32 @@ pub(super) struct Bar<'a> {
 }
 
 const WIDTH: u32 = 400;
-/// Left of the bars, for the names.
+/// Width of the names, left of the bars.
 const NAMES: u32 = 118;
 const ROW: u32 = 27;
-/// Under the bars, for the numbers of the axis.
+/// Height of the axis labels, below the bars.
 const AXIS: u32 = 30;
 const INK: RGBColor = RGBColor(38, 43, 51);
 const FAINT: RGBColor = RGBColor(118, 125, 137);
 const GRID: RGBColor = RGBColor(228, 230, 234);
-/// From the shortest to the longest, as a ratio, above which lengths are logarithms.
+/// Ratio of the longest to the shortest bar above which the axis is logarithmic.
 const WIDE_RANGE: f64 = 25.0;
 
-/// A chart as an `<svg>` element. Where the values span more than a decade and a half its axis is logarithmic, and the
-/// second part of the answer says so.
+/// Returns a chart as an `<svg>` element, and whether its axis is logarithmic (see [`WIDE_RANGE`]).
 pub(super) fn bars(bars: &[Bar], unit: Unit) -> Result<(String, bool)> {
-    let most = bars.iter().map(|bar| bar.value).fold(0.0, f64::max);
-    let least = bars.iter().map(|bar| bar.value).filter(|&value| value > 0.0);
-    let least = least.fold(most, f64::min);
-    let logarithmic = most > WIDE_RANGE * least;
+    let max = bars.iter().map(|bar| bar.value).fold(0.0, f64::max);
+    let positive = bars.iter().map(|bar| bar.value).filter(|&value| value > 0.0);
+    let min = positive.fold(max, f64::min);
+    let logarithmic = max > WIDE_RANGE * min;
     let mut svg = String::new();
     if logarithmic {
-        // Less than the shortest bar, so that it can be seen.
-        let from = 10_f64.powf((0.7 * least).log10().floor());
-        // Beyond the longest bar there must be room for its number.
-        let to = most * (most / from).powf(0.32);
+        // Below the shortest bar, so that it has some length.
+        let from = 10_f64.powf((0.7 * min).log10().floor());
+        // Leave room for the label of the longest bar.
+        let to = max * (max / from).powf(0.32);
         draw(&mut svg, bars, unit, (from..to).log_scale(), from)?;
     } else {
-        let to = if most > 0.0 { 1.28 * most } else { 1.0 };
+        let to = if max > 0.0 { 1.28 * max } else { 1.0 };
         draw(&mut svg, bars, unit, 0.0..to, 0.0)?;
     }
     Ok((svg, logarithmic))
@@ -107,18 +106,18 @@ where
 }
 
 fn text(size: u32, color: &RGBColor) -> TextStyle<'static> {
-    // The page's own font takes its place there.
+    // The style sheet of the page overrides the font.
     ("sans-serif", size).into_font().color(color)
 }
 
-/// The colour of a method, the same in every chart, table and page; grey where it is not one method.
+/// Returns the colour of a method, the same in every chart, table and page; grey for an unknown name.
 pub(super) fn color(method: &str) -> [u8; 3] {
     let known = COLORS.iter().find(|(name, _)| *name == method);
     let [_, color @ ..] = known.map_or(0x8A_919C, |(_, color)| *color).to_be_bytes();
     color
 }
 
-/// By name, so that methods keep their colours when there are more.
+/// Listed by name, so that methods keep their colours when others are added.
 const COLORS: [(&str, u32); 16] = [
     ("painter-min", 0xE3_A008),
     ("painter-mean", 0xC9_6A22),
@@ -138,7 +137,7 @@ const COLORS: [(&str, u32); 16] = [
     ("own", 0x8A_919C),
 ];
 
-/// A bar's number, with as many places as mean something, and its unit.
+/// Formats the label of a bar, with its unit.
 fn label(value: f64, unit: Unit) -> String {
     match unit {
         Unit::Bytes => bytes(value as u64),
@@ -147,13 +146,13 @@ fn label(value: f64, unit: Unit) -> String {
     }
 }
 
-/// A number of the axis; the chart's title has the unit of times.
+/// Formats an axis label. Milliseconds have no unit here; the title of the chart has it.
 fn tick(value: f64, unit: Unit) -> String {
     let plain = |value: f64| {
         if value >= 1000.0 {
             count(value as u64)
         } else {
-            // Powers of ten, and sums of a few tenths, come with errors in the last place.
+            // Removes rounding errors of powers of ten and sums of tenths.
             ((value * 1e6).round() / 1e6).to_string()
         }
     };
@@ -165,7 +164,8 @@ fn tick(value: f64, unit: Unit) -> String {
     }
 }
 
-/// Three digits that count, as `0.0123`, `1.23`, `123` or `12,346`; times end at the tenth of a microsecond.
+/// Formats three significant digits, as `0.0123`, `1.23`, `123` or `12,346`; milliseconds end at a tenth of a
+/// microsecond.
 fn significant(value: f64) -> String {
     match value {
         v if v >= 99.95 => count((v + 0.5) as u64),

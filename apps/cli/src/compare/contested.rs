@@ -1,33 +1,33 @@
-//! Which samples more than one item may own, as far as neighbours show it.
+//! Finds contested samples at edges: those that a neighbouring item may own as well.
 //!
-//! A picture is painted four more times, moved by one sample left, right, up and down; where the truth allows what has
-//! moved in, and that is another item, the sample is contested. So edges are found, and not items that lie in one plane.
+//! The owners are drawn four more times, shifted by one sample left, right, up and down. If the truth allows the
+//! shifted owner and that is another item, the sample is contested. This finds edges, but not coplanar items.
 
 use enfilade::laws::{OwnerPicture, Truth};
 use enfilade::{Canvas, Owner, Passage, PassageId, Span};
 
-/// A canvas that keeps owners, where they are and moved by one sample.
+/// A canvas that stores the owners, unshifted and shifted by one sample in four directions.
 pub(super) struct Neighbours {
     size: [u32; 2],
     pictures: [OwnerPicture; 5],
 }
 
-const MOVES: [[i32; 2]; 5] = [[0, 0], [-1, 0], [1, 0], [0, -1], [0, 1]];
+const SHIFTS: [[i32; 2]; 5] = [[0, 0], [-1, 0], [1, 0], [0, -1], [0, 1]];
 
 impl Neighbours {
     pub(super) fn new(size: [u32; 2]) -> Neighbours {
         Neighbours {
             size,
-            pictures: MOVES.map(|_| OwnerPicture::new(size)),
+            pictures: SHIFTS.map(|_| OwnerPicture::new(size)),
         }
     }
 
-    /// The owners, where they are.
+    /// Returns the unshifted owners.
     pub(super) fn owners(&self) -> &OwnerPicture {
         &self.pictures[0]
     }
 
-    /// Samples (x, y) at which a neighbour's item would be as right, each once.
+    /// Returns the samples (x, y) at which the truth also allows the item of a neighbour, each once.
     pub(super) fn contested(&self, truth: &Truth) -> Vec<[u32; 2]> {
         let [width, height] = self.size;
         let item = |picture: &OwnerPicture, sample| picture.owner(sample).and_then(Owner::item);
@@ -57,7 +57,7 @@ impl Canvas for Neighbours {
 
     fn row(&mut self, y: u16, spans: &[Span]) {
         let [width, height] = self.size.map(|side| side as i32);
-        for (picture, [right, down]) in self.pictures.iter_mut().zip(MOVES) {
+        for (picture, [right, down]) in self.pictures.iter_mut().zip(SHIFTS) {
             let y = i32::from(y) + down;
             if !(0..height).contains(&y) {
                 continue;

@@ -1,4 +1,4 @@
-//! Where a picture is wrong: red over a grey picture of what should be there.
+//! Difference pictures: wrong samples in red over the reference in grey.
 
 use enfilade_draw::RgbImage;
 use image::Rgb;
@@ -6,7 +6,7 @@ use image::Rgb;
 const WRONG: [u8; 3] = [255, 36, 48];
 const CONTESTED: [u8; 3] = [236, 178, 72];
 
-/// A picture in dimmed greys, on which marks stand out.
+/// Returns a picture in dark greys, on which marks stand out.
 pub(super) fn dimmed(image: &RgbImage) -> RgbImage {
     let mut grey = image.clone();
     for Rgb(pixel) in grey.pixels_mut() {
@@ -18,8 +18,8 @@ pub(super) fn dimmed(image: &RgbImage) -> RgbImage {
     grey
 }
 
-/// The dimmed picture, each of whose pixels stands for `step` × `step` samples, with contested samples faintly marked
-/// and wrong ones in red.
+/// Marks contested samples faintly and wrong ones in red. Each pixel of the dimmed picture covers `step` × `step`
+/// samples.
 pub(super) fn marked(
     dimmed: &RgbImage,
     step: u32,
@@ -31,7 +31,7 @@ pub(super) fn marked(
         let grey = dimmed.get_pixel(x, y).0;
         picture.put_pixel(x, y, Rgb([0, 1, 2].map(|c| mixed(grey[c], CONTESTED[c]))));
     }
-    // One wrong sample among a million must be found by eye.
+    // Enlarge the marks: one wrong sample among a million must be visible.
     let reach = u32::from(dimmed.width() >= 240);
     for [x, y] in wrong.map(|sample| sample.map(|at| at / step)) {
         for y in y.saturating_sub(reach)..=(y + reach).min(dimmed.height() - 1) {

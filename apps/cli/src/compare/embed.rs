@@ -1,4 +1,4 @@
-//! Pictures inside a page: made small, and written as data URIs.
+//! Embeds pictures in the page: downscaled, as data URIs.
 
 use anyhow::{Context, Result};
 use base64::Engine;
@@ -6,15 +6,15 @@ use base64::engine::general_purpose::STANDARD;
 use enfilade_draw::RgbImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 
-/// Pixels along the longer side, at most.
-const LONGEST: u32 = 640;
+/// Maximum number of pixels along the longer side.
+const MAX_SIDE: u32 = 640;
 
-/// Samples along x and along y that become one pixel of the page.
+/// Returns the number of samples along x, and along y, per pixel of the page.
 pub(super) fn step(size: [u32; 2]) -> u32 {
-    size[0].max(size[1]).div_ceil(LONGEST).max(1)
+    size[0].max(size[1]).div_ceil(MAX_SIDE).max(1)
 }
 
-/// Each pixel the mean of `step` × `step` samples, of fewer at the right and lower edges.
+/// Downscales a picture: each pixel is the mean of `step` × `step` samples, of fewer at the right and bottom edges.
 pub(super) fn shrunk(image: &RgbImage, step: u32) -> RgbImage {
     let [width, height] = [image.width(), image.height()];
     RgbImage::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| {
@@ -31,10 +31,10 @@ pub(super) fn shrunk(image: &RgbImage, step: u32) -> RgbImage {
     })
 }
 
-/// A picture as `data:image/png;base64,…`.
+/// Encodes a picture as `data:image/png;base64,…`.
 pub(super) fn data_uri(image: &RgbImage) -> Result<String> {
     let mut png = Vec::new();
-    // There are dozens on a page: what is saved here is saved dozens of times.
+    // A page has dozens of pictures, so the best compression pays.
     image
         .write_with_encoder(PngEncoder::new_with_quality(
             &mut png,

@@ -1,6 +1,6 @@
-//! Text that a browser takes as text.
+//! Escapes text for HTML.
 
-/// A text with what HTML reads as markup written out. Names come from files and may hold anything.
+/// Escapes everything that HTML would read as markup. Names come from files and may contain anything.
 pub(super) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for character in text.chars() {
@@ -10,7 +10,7 @@ pub(super) fn escaped(text: &str) -> String {
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&#39;"),
-            // Not allowed in HTML at all.
+            // HTML allows no control characters, not even escaped.
             c if c.is_control() => safe.push('\u{FFFD}'),
             c => safe.push(c),
         }

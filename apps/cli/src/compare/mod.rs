@@ -1,4 +1,4 @@
-//! `compare`: all methods on one scene, side by side on one page.
+//! `compare`: compares all methods on one scene, on an HTML page.
 
 mod charts;
 mod contested;
@@ -13,33 +13,33 @@ mod views;
 use crate::Outcome;
 use crate::args::CompareArgs;
 use crate::cameras;
-use crate::check::{Found, hold, reference};
-use crate::look::{tell_what_is_contested, tell_what_is_wrong};
+use crate::check::{CheckResult, check_view, reference};
+use crate::look::{print_failures, warn_of_contested};
 use crate::measure;
-use crate::open::{For, open, settle};
+use crate::open::{Purpose, configure, open};
 use crate::out;
-use crate::prepare::{Prepared, prepare};
+use crate::prepare::{PreparedScene, prepare};
 use crate::progress::Progress;
-use crate::report::{Report, Reports, SceneReport, Sink, Skipped, left_out};
+use crate::report::{Report, Reports, SceneReport, Sink, SkippedMethod, left_out};
 use crate::run_files::RunFiles;
 use crate::save::Destination;
 use crate::text::plural;
 use anyhow::{Result, bail};
 use enfilade::{ChoiceGoal, Scene, View, Viewer};
-use pictures::{Artist, ViewPictures};
+use pictures::{ViewPictures, ViewRenderer};
 use std::path::Path;
 
-/// All that the page shows.
+/// The content of the page.
 struct Comparison<'a> {
     args: &'a CompareArgs,
     scene: SceneReport,
-    /// Before any is cut.
+    /// Number of faces of the scene, before any is split.
     faces: u64,
     views: usize,
-    /// One for each method, checked.
+    /// The checked reports, one per method.
     reports: &'a [Report],
-    skipped: &'a [Skipped],
-    /// Of the first views.
+    skipped: &'a [SkippedMethod],
+    /// Pictures of the first views.
     pictures: Vec<ViewPictures>,
 }
 
@@ -48,10 +48,10 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
     let page = destination(&args.output, &mut files)?;
     let sink = Sink::new(&args.json, &mut files)?;
-    settle(&args.how)?;
+    configure(&args.how)?;
     let opened = open(
         &args.scene.scene,
-        For::Pictures,
+        Purpose::Pictures,
         args.method,
         args.how.portals,
         &args.how.limits,
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     )?;
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, ChoiceGoal::Draw, &args.how, views.first())?;
-    let mut viewers: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
+    let mut viewers: Vec<Viewer> = prepared.iter().map(PreparedScene::viewer).collect();
     let mut reports = measure::all(&opened, &prepared, &mut viewers, &views, args.cameras.size);
     let (found, pictures) = check_and_draw(&prepared, &mut viewers, &views, args.pictures)?;
     for ((report, found), prepared) in reports.iter_mut().zip(&found).zip(&prepared) {
@@ -79,10 +79,10 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     if !args.json.takes_stdout() {
         out::print(&(for_people(&comparison) + &left_out(&skipped)))?;
     }
-    tell_what_is_contested(&reports);
-    // What is allowed to be wrong is on the page.
+    warn_of_contested(&reports);
+    // Errors of approximate methods are on the page only.
     let broken = reports.iter().filter(|report| report.breaks_its_contract());
-    broken.for_each(tell_what_is_wrong);
+    broken.for_each(print_failures);
     let outcome = Outcome::of(&reports);
     sink.write(&Reports::All {
         methods: reports,
@@ -105,50 +105,50 @@ fn destination(path: &Path, files: &mut RunFiles) -> Result<Destination> {
         .is_some_and(|ending| ending.eq_ignore_ascii_case("html"))
     {
         bail!(
-            "cannot write {}: the report is a page, so its name must end in .html",
+            "cannot write {}: the report is a page, so the name must end in .html",
             path.display()
         );
     }
     files.writes(path)
 }
 
-/// Holds every method against the reference at every view, and draws the first ones.
+/// Checks every method at every view, and draws the pictures of the first views.
 ///
-/// `viewers` are those that were timed, so that what they remember is put to the test too.
+/// `viewers` are those of the timed passes, so that their temporal coherence is tested too.
 fn check_and_draw(
-    prepared: &[Prepared],
+    prepared: &[PreparedScene],
     viewers: &mut [Viewer],
     views: &[View],
     pictures: usize,
-) -> Result<(Vec<Vec<Found>>, Vec<ViewPictures>)> {
-    let mut found: Vec<Vec<Found>> = prepared.iter().map(|_| Vec::new()).collect();
+) -> Result<(Vec<Vec<CheckResult>>, Vec<ViewPictures>)> {
+    let mut found: Vec<Vec<CheckResult>> = prepared.iter().map(|_| Vec::new()).collect();
     let mut drawn = Vec::new();
     let Some(first) = prepared.first().filter(|_| !views.is_empty()) else {
         return Ok((found, drawn));
     };
     let reference = reference(&first.scene)?;
-    let mut artist = Artist::new(prepared, views)?;
+    let mut renderer = ViewRenderer::new(prepared, views)?;
     let progress = Progress::steps("checking and drawing", views.len() * prepared.len());
     for (number, view) in views.iter().enumerate() {
         let truth = reference.see(&first.scene, view, &viewers[0].limits());
-        let mut sitting = match number < pictures {
-            true => Some(artist.sit(view, &truth)?),
+        let mut rendering = match number < pictures {
+            true => Some(renderer.begin(view, &truth)?),
             false => None,
         };
         for (method, (prepared, viewer)) in prepared.iter().zip(&mut *viewers).enumerate() {
-            let (verdict, owners) = hold(&truth, prepared, viewer, view);
+            let (verdict, owners) = check_view(&truth, prepared, viewer, view);
             found[method].push(verdict);
-            if let Some(sitting) = &mut sitting {
-                sitting.draw(method, viewer, &owners)?;
+            if let Some(rendering) = &mut rendering {
+                rendering.draw(method, viewer, &owners)?;
             }
             progress.step();
         }
-        drawn.extend(sitting.map(|sitting| sitting.into_pictures()));
+        drawn.extend(rendering.map(|rendering| rendering.into_pictures()));
     }
     Ok((found, drawn))
 }
 
-/// The summary, and where the page is.
+/// Returns the text output: the summary, and the path of the page.
 fn for_people(comparison: &Comparison) -> String {
     let methods = plural(comparison.reports.len(), "method");
     format!(

@@ -1,4 +1,4 @@
-//! The page: one file, with everything in it.
+//! The HTML page: one self-contained file.
 
 use super::charts::{self, Bar, Unit};
 use super::html::escaped;
@@ -6,7 +6,7 @@ use super::{Comparison, summary, views};
 use crate::report::Report;
 use anyhow::Result;
 
-/// The whole page.
+/// Returns the whole page.
 pub(super) fn page(comparison: &Comparison) -> Result<String> {
     let scene = escaped(&comparison.scene.file);
     Ok(format!(
@@ -26,16 +26,16 @@ pub(super) fn page(comparison: &Comparison) -> Result<String> {
     ))
 }
 
-/// A browser that is asked to fetch anything for this page refuses.
+/// The content security policy: the page may not load anything from outside.
 const ALLOWED: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
 
 const STYLE: &str = include_str!("style.css");
 
-const TIMES: &str = "Times of looking and drawing are medians over the views; each view’s is the median of three passes \
-    over all views in order, after one to warm up, so that what a method remembers is the view before. Building is timed \
-    once. Looking gathers the visible set and paints nothing; drawing paints it, shading included. The verdict is the \
-    reference’s: rays followed through portals, traced in double precision by code that shares nothing with the methods \
-    but their input.";
+const TIMES: &str = "Times to look and draw are medians over the views; the time of a view is the median of three passes \
+    over all views in order, after one warm-up pass, so temporal coherence always uses the view before. Building is timed \
+    once. A look computes the visible set without a picture; drawing renders it, shading included. The verdict compares with \
+    the reference: rays through portals, traced in double precision by code that shares nothing with the methods but their \
+    input.";
 
 fn title(comparison: &Comparison, scene: &str) -> String {
     match comparison.reports {
@@ -52,7 +52,7 @@ fn facts(comparison: &Comparison) -> String {
     format!("<dl class=\"facts\">\n{}</dl>\n", facts.collect::<String>())
 }
 
-/// A chart: its title, the unit of its axis, and where it has its values; none where nothing was measured.
+/// A chart: its title, the unit of its axis, and its values; `None` if not measured.
 struct Chart {
     title: &'static str,
     about: &'static str,
@@ -63,7 +63,7 @@ struct Chart {
 const CHARTS: [Chart; 6] = [
     Chart {
         title: "Draw",
-        about: "ms a picture, shading included",
+        about: "ms per picture, shading included",
         unit: Unit::Milliseconds,
         value: |_, report| report.median_ms(|view| view.draw_ms),
     },
@@ -75,7 +75,7 @@ const CHARTS: [Chart; 6] = [
     },
     Chart {
         title: "Order",
-        about: "ms to walk it, nothing hidden",
+        about: "ms to walk the traversal order, nothing culled",
         unit: Unit::Milliseconds,
         value: |_, report| report.median_ms(|view| view.order_ms),
     },
@@ -87,13 +87,13 @@ const CHARTS: [Chart; 6] = [
     },
     Chart {
         title: "Memory",
-        about: "of scene, order and buffers",
+        about: "of scene, method and buffers",
         unit: Unit::Bytes,
         value: |_, report| Some(report.bytes as f64),
     },
     Chart {
         title: "Growth of faces",
-        about: "faces built for each there is",
+        about: "faces built per face of the scene",
         unit: Unit::Times,
         value: summary::growth,
     },

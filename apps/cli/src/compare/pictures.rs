@@ -1,10 +1,10 @@
-//! The pictures of a view: what is really seen, and what each method makes of it.
+//! Renders the pictures of a view: the reference, and those of each method.
 
 use super::contested::Neighbours;
 use super::difference::{dimmed, marked};
 use super::embed::{data_uri, shrunk, step};
 use crate::draw::{draw, settings};
-use crate::prepare::{Prepared, drawn_by};
+use crate::prepare::{PreparedScene, drawn_by};
 use anyhow::Result;
 use enfilade::laws::{OwnerPicture, Truth};
 use enfilade::{Method, View, Viewer};
@@ -14,34 +14,34 @@ use enfilade_draw::{RgbImage, Show};
 pub(super) struct ViewPictures {
     pub(super) image: String,
     pub(super) items: String,
-    /// Columns and rows of each picture.
+    /// Width and height of each picture, in pixels.
     pub(super) size: [u32; 2],
-    /// Samples of the reference's own picture that the reference does not allow.
+    /// Number of samples of the baseline picture that the reference does not allow.
     pub(super) wrong: u64,
-    /// Contested samples that are marked, each once.
+    /// Number of contested samples that are marked.
     pub(super) marked: usize,
     pub(super) methods: Vec<MethodPictures>,
 }
 
-/// What one method makes of a view, as data URIs.
+/// The pictures of one method, as data URIs.
 pub(super) struct MethodPictures {
     pub(super) image: String,
     pub(super) difference: String,
     pub(super) overdraw: String,
 }
 
-/// Draws views, one after the other, by all methods.
-pub(super) struct Artist<'a> {
-    prepared: &'a [Prepared],
-    /// Draws what the reference is shown as: it has owners but no surfaces.
-    baseline: Prepared,
-    /// Of their own, for what they remember must be the view before, as it was when times were taken.
+/// Renders views, one after the other, with all methods.
+pub(super) struct ViewRenderer<'a> {
+    prepared: &'a [PreparedScene],
+    /// Renders the picture that represents the reference, which itself has owners but no shading.
+    baseline: PreparedScene,
+    /// Separate viewers, so that temporal coherence uses the view before, as in the timed passes.
     overdraw: Vec<Viewer>,
 }
 
-/// One view at work.
-pub(super) struct Sitting<'a, 'b> {
-    artist: &'b mut Artist<'a>,
+/// One view while it is being rendered.
+pub(super) struct ViewRendering<'a, 'b> {
+    renderer: &'b mut ViewRenderer<'a>,
     view: &'b View,
     truth: &'b Truth,
     step: u32,
@@ -50,25 +50,26 @@ pub(super) struct Sitting<'a, 'b> {
     pictures: ViewPictures,
 }
 
-impl<'a> Artist<'a> {
-    /// Of methods that have been prepared, at least one, for views of which there is at least one.
-    pub(super) fn new(prepared: &'a [Prepared], views: &[View]) -> Result<Artist<'a>> {
-        let mut overdraw: Vec<Viewer> = prepared.iter().map(Prepared::viewer).collect();
+impl<'a> ViewRenderer<'a> {
+    /// Creates a renderer; `prepared` must not be empty. Looks at the last view, so that the first has a view before
+    /// it.
+    pub(super) fn new(prepared: &'a [PreparedScene], views: &[View]) -> Result<ViewRenderer<'a>> {
+        let mut overdraw: Vec<Viewer> = prepared.iter().map(PreparedScene::viewer).collect();
         for (viewer, prepared) in overdraw.iter_mut().zip(prepared) {
             // The view before the first is the last, as in the passes that are timed.
             if let Some(last) = views.last() {
                 viewer.look(&prepared.scene, last);
             }
         }
-        Ok(Artist {
+        Ok(ViewRenderer {
             baseline: drawn_by(&prepared[0], Method::ZBuffer)?,
             prepared,
             overdraw,
         })
     }
 
-    /// Draws the reference's pictures of a view, and makes ready for those of the methods.
-    pub(super) fn sit<'b>(&'b mut self, view: &'b View, truth: &'b Truth) -> Result<Sitting<'a, 'b>> {
+    /// Renders the pictures of the reference, and returns the state that renders those of the methods.
+    pub(super) fn begin<'b>(&'b mut self, view: &'b View, truth: &'b Truth) -> Result<ViewRendering<'a, 'b>> {
         let baseline = &self.baseline;
         let mut viewer = baseline.viewer();
         let mut neighbours = Neighbours::new(view.size);
@@ -77,7 +78,7 @@ impl<'a> Artist<'a> {
         let image = shrunk(&picture(baseline, &mut viewer, view, Show::Image), step);
         let items = shrunk(&picture(baseline, &mut viewer, view, Show::Items), step);
         let contested = neighbours.contested(truth);
-        Ok(Sitting {
+        Ok(ViewRendering {
             view,
             truth,
             step,
@@ -91,24 +92,24 @@ impl<'a> Artist<'a> {
                 methods: Vec::new(),
             },
             contested,
-            artist: self,
+            renderer: self,
         })
     }
 }
 
-/// A view as a method draws it.
-fn picture(prepared: &Prepared, viewer: &mut Viewer, view: &View, show: Show) -> RgbImage {
+/// Renders a view with a method.
+fn picture(prepared: &PreparedScene, viewer: &mut Viewer, view: &View, show: Show) -> RgbImage {
     draw(prepared, viewer, view, &settings(show)).image
 }
 
-impl Sitting<'_, '_> {
-    /// Draws what the method of this number makes of the view; `owners` is what it painted when it was checked.
+impl ViewRendering<'_, '_> {
+    /// Renders the pictures of a method, by its index. `owners` are those it drew when it was checked.
     pub(super) fn draw(&mut self, method: usize, viewer: &mut Viewer, owners: &OwnerPicture) -> Result<()> {
-        let prepared = &self.artist.prepared[method];
+        let prepared = &self.renderer.prepared[method];
         let image = picture(prepared, viewer, self.view, Show::Image);
         let overdraw = picture(
             prepared,
-            &mut self.artist.overdraw[method],
+            &mut self.renderer.overdraw[method],
             self.view,
             Show::Overdraw,
         );
@@ -122,7 +123,7 @@ impl Sitting<'_, '_> {
         Ok(())
     }
 
-    /// All pictures of the view.
+    /// Returns all pictures of the view.
     pub(super) fn into_pictures(self) -> ViewPictures {
         self.pictures
     }

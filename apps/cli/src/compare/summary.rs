@@ -1,4 +1,4 @@
-//! What each method costs and whether it is right, a row for each.
+//! The summary table: cost and verdict, one row per method.
 
 use super::Comparison;
 use super::charts::color;
@@ -9,17 +9,17 @@ use enfilade::Contract;
 
 /// A column of the table.
 struct Column {
-    /// On the page.
+    /// Header on the page.
     name: &'static str,
-    /// What it means, where the name does not say.
+    /// Explanation, shown as a tooltip.
     hint: &'static str,
-    /// On standard output, where lines are short; left out where that is empty.
+    /// Short header on standard output; empty to omit the column there.
     short: &'static str,
     cell: fn(&Comparison, &Report) -> String,
 }
 
 impl Column {
-    /// What is not on standard output is not on a narrow page either.
+    /// Returns the HTML class. Columns omitted on standard output are also hidden on narrow pages.
     fn class(&self) -> &'static str {
         if self.short.is_empty() {
             " class=\"minor\""
@@ -32,19 +32,19 @@ impl Column {
 const COLUMNS: [Column; 12] = [
     Column {
         name: "build ms",
-        hint: "building what the method needs over the scene, once",
+        hint: "time to build the data of the method, once",
         short: "build ms",
         cell: |_, report| ms(report.build_ms),
     },
     Column {
         name: "faces built",
-        hint: "faces after the method has cut them where it must",
+        hint: "faces after the splits of the method",
         short: "",
         cell: |_, report| count(report.faces_built),
     },
     Column {
         name: "growth",
-        hint: "faces built for each face of the scene",
+        hint: "faces built per face of the scene",
         short: "growth",
         cell: |comparison, report| {
             growth(comparison, report).map_or_else(none, |growth| format!("{}×", short(growth)))
@@ -52,31 +52,31 @@ const COLUMNS: [Column; 12] = [
     },
     Column {
         name: "memory",
-        hint: "the scene, what is built over it, and the buffers for this screen",
+        hint: "the scene, the data of the method, and the buffers for this screen",
         short: "memory",
         cell: |_, report| bytes(report.bytes),
     },
     Column {
         name: "order ms",
-        hint: "walking the order alone, nothing hidden",
+        hint: "time to walk the traversal order alone, nothing culled",
         short: "order ms",
         cell: |_, report| report.median_ms(|view| view.order_ms).map_or_else(none, ms),
     },
     Column {
         name: "look ms",
-        hint: "the visible set, without a picture",
+        hint: "time to compute the visible set, without a picture",
         short: "look ms",
         cell: |_, report| ms(report.summary.ms_median),
     },
     Column {
         name: "draw ms",
-        hint: "the picture, shading included",
+        hint: "time to render the picture, shading included",
         short: "draw ms",
         cell: |_, report| report.median_ms(|view| view.draw_ms).map_or_else(none, ms),
     },
     Column {
         name: "items",
-        hint: "items in the visible set, the mean over the views",
+        hint: "items in the visible set, mean over the views",
         short: "items",
         cell: |_, report| {
             let mean = report.summary.items_visible_mean;
@@ -88,9 +88,9 @@ const COLUMNS: [Column; 12] = [
         },
     },
     Column {
-        name: "called ÷ truly visible",
-        hint: "items in the visible set for each of them that can be seen; 1.00: no item too many",
-        short: "÷ true",
+        name: "in set ÷ visible",
+        hint: "items in the visible set per item of it that is visible; 1.00: no hidden item",
+        short: "÷ visible",
         cell: |_, report| {
             report
                 .overestimate()
@@ -99,7 +99,7 @@ const COLUMNS: [Column; 12] = [
     },
     Column {
         name: "missed",
-        hint: "items that certainly are seen and are not in the set, over all views",
+        hint: "false culls over all views: items that are certainly visible and not in the set",
         short: "missed",
         cell: |_, report| count(report.summary.missed as u64),
     },
@@ -111,7 +111,7 @@ const COLUMNS: [Column; 12] = [
     },
     Column {
         name: "contested",
-        hint: "samples that more than one item may own, over all views; whoever is painted there is right",
+        hint: "samples over all views that have more than one possible owner; any of them is right",
         short: "",
         cell: |_, report| {
             let checks = report.views.iter().filter_map(|view| view.check.as_ref());
@@ -124,31 +124,35 @@ fn none() -> String {
     "–".to_owned()
 }
 
-/// Faces built for each face of the scene.
+/// Returns the number of faces built per face of the scene.
 pub(super) fn growth(comparison: &Comparison, report: &Report) -> Option<f64> {
     (comparison.faces > 0).then(|| report.faces_built as f64 / comparison.faces as f64)
 }
 
-/// A method that calls so many items visible for each that is misses nothing, but culls little.
-const FAR_TOO_MANY: f64 = 2.0;
+/// Ratio of items in the set to visible ones from which the verdict is "culls little".
+const CULLS_LITTLE_RATIO: f64 = 2.0;
 
-/// How a method stands before the reference: a class of the style sheet, and words.
-pub(super) fn standing(report: &Report) -> (&'static str, &'static str) {
+/// Returns the verdict of a method: its class in the style sheet, and its text.
+pub(super) fn verdict(report: &Report) -> (&'static str, &'static str) {
     if report.views.is_empty() {
-        return ("allowed", "not looked at");
+        return ("allowed", "no views");
     }
     match (report.is_wrong(), report.contract) {
-        (false, _) if report.overestimate().is_some_and(|ratio| ratio >= FAR_TOO_MANY) => {
+        (false, _)
+            if report
+                .overestimate()
+                .is_some_and(|ratio| ratio >= CULLS_LITTLE_RATIO) =>
+        {
             ("allowed", "misses nothing, culls little")
         }
         (false, Contract::Conservative) => ("right", "misses nothing"),
         (false, _) => ("right", "right"),
-        (true, Contract::Approximate) => ("allowed", "wrong, as allowed"),
+        (true, Contract::Approximate) => ("allowed", "wrong, allowed"),
         (true, _) => ("broken", "breaks its contract"),
     }
 }
 
-/// The table for standard output.
+/// Returns the table for standard output.
 pub(super) fn as_text(comparison: &Comparison) -> String {
     let columns = || COLUMNS.iter().filter(|column| !column.short.is_empty());
     let mut header = vec!["method", "contract"];
@@ -157,13 +161,13 @@ pub(super) fn as_text(comparison: &Comparison) -> String {
     let row = |report: &Report| {
         let mut row = vec![report.method.to_owned(), report.contract.to_string()];
         row.extend(columns().map(|column| (column.cell)(comparison, report)));
-        row.push(standing(report).1.to_owned());
+        row.push(verdict(report).1.to_owned());
         row
     };
     table(&header, &comparison.reports.iter().map(row).collect::<Vec<_>>())
 }
 
-/// The table for the page, and what is skipped.
+/// Returns the table for the page, and the skipped methods.
 pub(super) fn as_html(comparison: &Comparison) -> String {
     let mut html = String::from(
         "<div class=\"wide\"><table class=\"summary\"><thead><tr><th scope=\"col\">method</th>\
@@ -196,7 +200,7 @@ pub(super) fn as_html(comparison: &Comparison) -> String {
 }
 
 fn row(comparison: &Comparison, report: &Report) -> String {
-    let (class, words) = standing(report);
+    let (class, words) = verdict(report);
     let mut row = format!(
         "<tr><th scope=\"row\">{}<small class=\"narrow\">{contract}</small></th>\
          <td class=\"word\"><span class=\"badge {class}\">{words}</span></td><td class=\"word minor\">{contract}</td>",
@@ -209,7 +213,7 @@ fn row(comparison: &Comparison, report: &Report) -> String {
     row + "</tr>\n"
 }
 
-/// A method's name, after a square of its colour.
+/// Returns the name of a method, after a square of its colour.
 pub(super) fn method(name: &str) -> String {
     let [r, g, b] = color(name);
     format!(
@@ -218,7 +222,7 @@ pub(super) fn method(name: &str) -> String {
     )
 }
 
-/// The scene in words: `1,200 items`, and so on.
+/// Returns the facts of the scene and the run, as names and values.
 pub(super) fn scene_facts(comparison: &Comparison) -> Vec<(&'static str, String)> {
     let scene = &comparison.scene;
     let [width, height] = comparison.args.cameras.size;
@@ -237,19 +241,19 @@ pub(super) fn scene_facts(comparison: &Comparison) -> Vec<(&'static str, String)
         facts.push(("openings", "plain holes".to_owned()));
     }
     if comparison.args.how.no_coherence {
-        facts.push(("last view", "forgotten".to_owned()));
+        facts.push(("temporal coherence", "off".to_owned()));
     }
     facts
 }
 
-/// `2 missed, 1,234 pixels wrong`, or nothing to say.
-pub(super) fn what_is_wrong(missed: usize, pixels: u64) -> Option<String> {
-    let mut said = Vec::new();
+/// Returns `2 missed, 1,234 pixels wrong`; `None` if nothing is wrong.
+pub(super) fn failures(missed: usize, pixels: u64) -> Option<String> {
+    let mut failures = Vec::new();
     if missed > 0 {
-        said.push(format!("{} missed", count(missed as u64)));
+        failures.push(format!("{} missed", count(missed as u64)));
     }
     if pixels > 0 {
-        said.push(format!("{} wrong", plural(pixels as usize, "pixel")));
+        failures.push(format!("{} wrong", plural(pixels as usize, "pixel")));
     }
-    (!said.is_empty()).then(|| said.join(", "))
+    (!failures.is_empty()).then(|| failures.join(", "))
 }

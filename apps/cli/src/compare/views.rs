@@ -1,13 +1,13 @@
-//! The pictures of each view, and the numbers that belong to them.
+//! The sections of the page: pictures and numbers of each view.
 
 use super::Comparison;
 use super::html::escaped;
 use super::pictures::{MethodPictures, ViewPictures};
-use super::summary::{method, what_is_wrong};
+use super::summary::{failures, method};
 use crate::report::{CheckReport, Report, ViewReport};
 use crate::text::{count, ms, plural, point};
 
-/// A section for each view with pictures, and a table of the others.
+/// Returns a section per view with pictures, and a table of the others.
 pub(super) fn as_html(comparison: &Comparison) -> String {
     let mut html = String::new();
     for (number, pictures) in comparison.pictures.iter().enumerate() {
@@ -22,7 +22,7 @@ fn section(comparison: &Comparison, number: usize, pictures: &ViewPictures) -> S
     };
     let mut html = format!(
         "<section class=\"view\" id=\"view-{n}\">\n<h2>View {n}</h2>\n<p class=\"place\">{}</p>\n",
-        place(view),
+        position(view),
         n = number + 1
     );
     html += &truth(view, pictures);
@@ -32,16 +32,16 @@ fn section(comparison: &Comparison, number: usize, pictures: &ViewPictures) -> S
     html + "</section>\n"
 }
 
-fn place(view: &ViewReport) -> String {
+fn position(view: &ViewReport) -> String {
     format!(
-        "from ({}) towards ({}), a lens of {}°",
+        "from ({}) toward ({}), {}° vertical field of view",
         point(view.eye),
         point(view.toward),
         view.fov
     )
 }
 
-/// What is really seen, and what the marks of the pictures below mean.
+/// Returns the card of the reference, with the legend of the pictures.
 fn truth(view: &ViewReport, pictures: &ViewPictures) -> String {
     let facts = view.check.as_ref().map_or(String::new(), |check| {
         let mut facts = vec![
@@ -49,32 +49,27 @@ fn truth(view: &ViewReport, pictures: &ViewPictures) -> String {
             ("in the frustum", count(view.items_in_frustum as u64)),
             ("contested pixels", count(check.pixels_contested)),
         ];
-        // Items that lie in one plane are contested, too, but not beside each other.
+        // Samples of coplanar items are contested too, but not marked: only edges are.
         if (pictures.marked as u64) < check.pixels_contested {
-            facts.push(("of them marked", count(pictures.marked as u64)));
+            facts.push(("of these marked", count(pictures.marked as u64)));
         }
         list(&facts)
     });
     let owners = if pictures.wrong == 0 {
-        "Drawn by a z-buffer, each of whose pixels is one that the reference allows.".to_owned()
+        "Drawn with a z-buffer; the reference allows every pixel.".to_owned()
     } else {
         format!(
-            "Drawn by a z-buffer; {} of it the reference does not allow.",
+            "Drawn with a z-buffer; the reference does not allow {} of it.",
             plural(pictures.wrong as usize, "pixel")
         )
     };
     format!(
         "<div class=\"card truth\"><div class=\"words\"><h3>The reference</h3>{facts}<p>{owners}</p></div>\n{}{}\
          <div class=\"legend\">{LEGEND}</div></div>\n",
+        figure("picture", "The scene", &pictures.image, pictures.size),
         figure(
-            "what is seen",
-            "The scene as it is seen",
-            &pictures.image,
-            pictures.size
-        ),
-        figure(
-            "each item in a colour of its own",
-            "Its items",
+            "items, each in its colour",
+            "The items",
             &pictures.items,
             pictures.size
         ),
@@ -82,21 +77,21 @@ fn truth(view: &ViewReport, pictures: &ViewPictures) -> String {
 }
 
 const LEGEND: &str = "<h4>How to read the pictures</h4>\n<dl>\
-    <dt><span class=\"mark wrong\"></span>wrong</dt><dd>the surface drawn there is not visible according to the reference; at least three \
-    pixels wide, so that a single one is found</dd>\
-    <dt><span class=\"mark contested\"></span>contested</dt><dd>on an edge between items, so near to the sample that \
-    either may own it</dd>\
-    <dt><span class=\"mark heat\"></span>overdraw</dt><dd>faces tested at a sample, from none to 16 and more</dd></dl>";
+    <dt><span class=\"mark wrong\"></span>wrong</dt><dd>the surface drawn there is not visible according to the reference; marks are at \
+    least three pixels wide, so that a single one can be found</dd>\
+    <dt><span class=\"mark contested\"></span>contested</dt><dd>on an edge between items that is so close to the \
+    sample that either may own it</dd>\
+    <dt><span class=\"mark heat\"></span>overdraw</dt><dd>number of faces tested at a sample, from 0 to 16 or more</dd></dl>";
 
 fn card(report: &Report, view: &ViewReport, number: usize, drawn: &MethodPictures, size: [u32; 2]) -> String {
     let check = view.check.as_ref();
-    let wrong = check.and_then(|check| what_is_wrong(check.missed.len(), check.pixels_different));
+    let wrong = check.and_then(|check| failures(check.missed.len(), check.pixels_different));
     let class = match wrong {
         Some(_) if report.contract == enfilade::Contract::Approximate => "allowed",
         Some(_) => "broken",
         None => "right",
     };
-    let verdict = wrong.as_deref().unwrap_or("as the reference");
+    let verdict = wrong.as_deref().unwrap_or("agrees with the reference");
     let mut facts = vec![
         (
             "items",
@@ -115,13 +110,13 @@ fn card(report: &Report, view: &ViewReport, number: usize, drawn: &MethodPicture
     if let Some(extra) = check.map(|check| check.extra).filter(|&extra| extra > 0) {
         facts.push(("extra", count(extra as u64)));
     }
-    let missed = check.map_or(String::new(), names_of_the_missed);
+    let missed = check.map_or(String::new(), missed_names);
     let incomplete = if view.complete {
         ""
     } else {
-        "<p>A limit ended the look: more may be visible.</p>"
+        "<p>Portal recursion limit reached; the visible set may be incomplete.</p>"
     };
-    let alt = |what: &str| format!("{what} by {}, view {}", report.method, number + 1);
+    let alt = |picture: &str| format!("{picture} by {}, view {}", report.method, number + 1);
     format!(
         "<div class=\"card {class}\"><div class=\"words\"><h3>{}</h3><p><span class=\"badge {class}\">{verdict}</span>\
          </p>{}{incomplete}</div>\n{}{}{}{missed}</div>\n",
@@ -133,12 +128,13 @@ fn card(report: &Report, view: &ViewReport, number: usize, drawn: &MethodPicture
     )
 }
 
-/// `34 of 120`.
+/// Formats `34 of 120`.
 fn of(visible: u64, in_frustum: u64) -> String {
     format!("{} <small>of {}</small>", count(visible), count(in_frustum))
 }
 
-fn names_of_the_missed(check: &CheckReport) -> String {
+/// Returns a list of the false culls.
+fn missed_names(check: &CheckReport) -> String {
     const FEW: usize = 6;
     if check.missed.is_empty() {
         return String::new();
@@ -158,7 +154,7 @@ fn list(facts: &[(&str, String)]) -> String {
     format!("<dl>{}</dl>", facts.collect::<String>())
 }
 
-/// A picture with its caption; `alt` is what is read aloud instead.
+/// Returns a picture with its caption and alternative text.
 fn figure(caption: &str, alt: &str, uri: &str, [width, height]: [u32; 2]) -> String {
     format!(
         "<figure><img src=\"{uri}\" alt=\"{}\" width=\"{width}\" height=\"{height}\"><figcaption>{caption}\
@@ -167,7 +163,7 @@ fn figure(caption: &str, alt: &str, uri: &str, [width, height]: [u32; 2]) -> Str
     )
 }
 
-/// The views that have no pictures, in numbers.
+/// Returns the table of the views without pictures.
 fn others(comparison: &Comparison) -> String {
     let first = comparison.pictures.len();
     if first >= comparison.views || comparison.reports.is_empty() {
@@ -198,7 +194,7 @@ fn other(report: &Report, number: usize, first: bool) -> String {
     let view = &report.views[number];
     let of_check = |of: fn(&CheckReport) -> u64| view.check.as_ref().map_or(String::new(), |c| count(of(c)));
     let name = match first {
-        true => format!("<span title=\"{}\">{}</span>", place(view), number + 1),
+        true => format!("<span title=\"{}\">{}</span>", position(view), number + 1),
         false => String::new(),
     };
     format!(

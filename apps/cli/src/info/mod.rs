@@ -5,7 +5,7 @@ mod occluders;
 
 use crate::Outcome;
 use crate::args::InfoArgs;
-use crate::open::{For, Opened, allow_threads, open};
+use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
 use crate::report::{Sink, rounded};
 use crate::run_files::RunFiles;
@@ -42,7 +42,7 @@ struct Inventory {
     sectors: Vec<SectorEntry>,
     portals: usize,
     /// The portals; a door is two.
-    ways: Vec<WayEntry>,
+    ways: Vec<PortalEntry>,
     openings: usize,
     occluders: Occluders,
     bytes: u64,
@@ -97,7 +97,7 @@ struct SectorEntry {
 
 /// One portal.
 #[derive(Debug, Serialize)]
-struct WayEntry {
+struct PortalEntry {
     opening: String,
     from: String,
     to: String,
@@ -112,7 +112,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
     allow_threads(&args.limits)?;
     let opened = open(
         &args.scene.scene,
-        For::Answers,
+        Purpose::Visibility,
         Choice::Own,
         args.portals,
         &args.limits,
@@ -132,7 +132,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
 }
 
 impl Inventory {
-    fn of(opened: Opened) -> Inventory {
+    fn of(opened: OpenedScene) -> Inventory {
         let scene = &opened.scene;
         let geometries: Vec<&Geometry> = scene
             .sectors()
@@ -217,7 +217,9 @@ impl Inventory {
         } = self.materials;
         say(
             "materials",
-            format!("{opaque} opaque, {mask} cut-out, {blend} glass; {double_sided} of them double-sided"),
+            format!(
+                "{opaque} opaque, {mask} alpha-tested, {blend} alpha-blended; {double_sided} of them double-sided"
+            ),
         );
         match &self.bounds {
             Some(Bounds { min, max }) => say("bounds", format!("from {} to {}", point(*min), point(*max))),
@@ -247,7 +249,12 @@ impl Inventory {
         let Lights { points, spots, suns } = self.lights;
         let lights = match points + spots + suns {
             0 => "none".to_owned(),
-            _ => [plural(points, "lamp"), plural(spots, "spot"), plural(suns, "sun")].join(", "),
+            _ => [
+                plural(points, "point light"),
+                plural(spots, "spot light"),
+                plural(suns, "sun"),
+            ]
+            .join(", "),
         };
         say("lights", lights);
         if let Some(map) = &self.map {
@@ -276,13 +283,13 @@ impl Inventory {
         }
         let mut printed = HashSet::new();
         for way in &self.ways {
-            let WayEntry {
+            let PortalEntry {
                 opening,
                 from,
                 to,
                 kind,
             } = way;
-            let is_back = |other: &&WayEntry| {
+            let is_back = |other: &&PortalEntry| {
                 *kind == "portal" && (&other.opening, &other.from, &other.to) == (opening, to, from)
             };
             match self.ways.iter().find(is_back) {
@@ -350,8 +357,8 @@ impl From<crate::cameras::Camera> for CameraEntry {
     }
 }
 
-fn ways(scene: &Scene) -> Vec<WayEntry> {
-    let entry = |portal: &Portal| WayEntry {
+fn ways(scene: &Scene) -> Vec<PortalEntry> {
+    let entry = |portal: &Portal| PortalEntry {
         opening: scene.sector(portal.from).openings()[usize::from(portal.opening.0)]
             .name
             .clone(),

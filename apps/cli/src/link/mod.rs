@@ -1,4 +1,4 @@
-//! `link`: one world out of files that were exported separately, joined by portals.
+//! `link`: joins separately exported files by portals into one world.
 
 mod world;
 
@@ -16,14 +16,14 @@ use enfilade::{Aabb, Transform};
 use enfilade_import::{Import, LinkError, Linked, Linker, NodeId, PartId, ReadOptions, Shape};
 use serde::Serialize;
 use std::path::Path;
-use world::{At, Place, Portal, World};
+use world::{EndPosition, EndSpec, Portal, World};
 
-/// A WORLD.toml is no longer than this: tens of thousands of parts.
-const LONGEST_WORLD_BYTES: u64 = 1 << 20;
+/// Maximum size of a WORLD.toml: tens of thousands of parts.
+const MAX_WORLD_BYTES: u64 = 1 << 20;
 
-/// What was made.
+/// The JSON report.
 #[derive(Debug, Serialize)]
-struct Made {
+struct LinkReport {
     file: String,
     bytes: u64,
     parts: usize,
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
         .is_some_and(|ending| ending.eq_ignore_ascii_case("glb"))
     {
         bail!(
-            "cannot write {}: a world is a .glb, so its name must end in that",
+            "cannot write {}: a world is a .glb file, so the name must end in .glb",
             output.display()
         );
     }
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
     let sink = Sink::new(&args.json, &mut files)?;
     allow_threads(&args.limits)?;
     let name = args.world.display().to_string();
-    let text = read_file(&args.world, LONGEST_WORLD_BYTES, "link some of its parts first")?;
+    let text = read_file(&args.world, MAX_WORLD_BYTES, "link some of its parts first")?;
     let text = String::from_utf8(text).with_context(|| format!("cannot read {name}"))?;
     let world = World::parse(&text).with_context(|| name.clone())?;
     let folder = args.world.parent().unwrap_or(Path::new(""));
@@ -76,19 +76,19 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
         .iter()
         .try_for_each(|side_file| files.reads(side_file))?;
     destination.write(&glb)?;
-    let mut warnings = apart(&world, &import);
+    let mut warnings = overlap_warnings(&world, &import);
     if !left_out.is_empty() {
         warnings.push(format!("unknown extensions are dropped: {}", left_out.join(", ")));
     }
     warnings.extend(
         missing_images
             .iter()
-            .map(|why| format!("an image is grey: {why}")),
+            .map(|why| format!("an image is replaced by grey: {why}")),
     );
     warnings
         .iter()
         .for_each(|warning| out::warn(format_args!("{name}: {warning}")));
-    let made = Made {
+    let made = LinkReport {
         file: output.display().to_string(),
         bytes: glb.len() as u64,
         parts: world.parts.len(),
@@ -112,12 +112,12 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Puts the parts in their places and the portals between them.
+/// Places the parts and creates the portals between them.
 fn join(world: &World, folder: &Path, options: ReadOptions) -> Result<Linked> {
     let mut linker = Linker::new(options);
     let mut parts = Vec::new();
     for part in &world.parts {
-        let place = || format!("[[part]] {:?}", part.name);
+        let context = || format!("[[part]] {:?}", part.name);
         let path = folder.join(&part.file);
         let ending = path
             .extension()
@@ -125,39 +125,39 @@ fn join(world: &World, folder: &Path, options: ReadOptions) -> Result<Linked> {
             .unwrap_or_default();
         if ending.eq_ignore_ascii_case("toml") {
             return Err(anyhow!(
-                "a part is a .glb or .gltf file; link {} first, and name what that makes",
+                "a part is a .glb or .gltf file; link {} first, and use the result as the part",
                 path.display()
             ))
-            .with_context(place);
+            .with_context(context);
         }
-        let placing = part.placing().with_context(place)?;
-        let id = linker.part(&part.name, &path, &placing).with_context(place)?;
+        let placing = part.placing().with_context(context)?;
+        let id = linker.part(&part.name, &path, &placing).with_context(context)?;
         parts.push(id);
     }
     let mut named = Vec::new();
     for portal in &world.portals {
-        let place = format!("[[portal]] {:?}", portal.name);
+        let context = format!("[[portal]] {:?}", portal.name);
         let mut joiner = Joiner {
             world,
             parts: &parts,
             linker: &mut linker,
         };
-        let nodes = joiner.join(portal).with_context(|| place.clone())?;
+        let nodes = joiner.join(portal).with_context(|| context.clone())?;
         named.extend(
             nodes
                 .into_iter()
-                .map(|node| (linker.name(node).to_owned(), place.clone())),
+                .map(|node| (linker.name(node).to_owned(), context.clone())),
         );
     }
     linker.finish().map_err(|why| explained(why, world, &named))
 }
 
-/// Says which portal or part of the WORLD.toml a node belongs to that an error names.
+/// Prefixes an error with the portal or part of the WORLD.toml that its node belongs to.
 fn explained(why: LinkError, world: &World, named: &[(String, String)]) -> anyhow::Error {
     let text = why.to_string();
     let names = |name: &str| text.contains(&format!("\"{name}\""));
-    if let Some((_, place)) = named.iter().find(|(name, _)| names(name)) {
-        return anyhow!("{place}: {text}");
+    if let Some((_, context)) = named.iter().find(|(name, _)| names(name)) {
+        return anyhow!("{context}: {text}");
     }
     let part = world
         .parts
@@ -165,14 +165,14 @@ fn explained(why: LinkError, world: &World, named: &[(String, String)]) -> anyho
         .find(|part| text.contains(&format!("\"{}/", part.name)));
     match part {
         Some(part) => anyhow!(
-            "[[part]] {:?}: {text}; or, if it is to lead to another part, name it in a [[portal]]",
+            "[[part]] {:?}: {text}; or, if it leads to another part, name it in a [[portal]]",
             part.name
         ),
         None => anyhow!(text),
     }
 }
 
-/// Makes nodes of one portal.
+/// Creates the nodes of one portal.
 struct Joiner<'a> {
     world: &'a World,
     parts: &'a [PartId],
@@ -180,7 +180,7 @@ struct Joiner<'a> {
 }
 
 impl Joiner<'_> {
-    /// Makes the portal, and says which nodes are its openings.
+    /// Creates the portal, and returns the nodes of its openings.
     fn join(&mut self, portal: &Portal) -> Result<Vec<NodeId>> {
         portal.check()?;
         let from = self.part(&portal.from).context("from")?;
@@ -198,7 +198,7 @@ impl Joiner<'_> {
         let there = self.part(to).context("to")?;
         let room = (there, to.room.as_deref());
         if !portal.is_teleport() {
-            to.at(false).context("to")?;
+            to.position(false).context("to")?;
             self.linker
                 .door(opening, Some(room), !portal.two_way())
                 .context("to")?;
@@ -214,27 +214,27 @@ impl Joiner<'_> {
         Ok(vec![opening, back])
     }
 
-    fn part(&self, place: &Place) -> Result<PartId> {
-        Ok(self.parts[self.world.part(&place.part)?])
+    fn part(&self, end: &EndSpec) -> Result<PartId> {
+        Ok(self.parts[self.world.part(&end.part)?])
     }
 
-    fn opening(&mut self, part: PartId, place: &Place, name: &str) -> Result<NodeId> {
-        match place.at(true)? {
-            At::Node(node) => Ok(self.linker.node(part, &node)?),
-            At::Shape(shape) => Ok(self.linker.shape(part, name, &shape)?),
-            At::Nowhere => bail!(
+    fn opening(&mut self, part: PartId, end: &EndSpec, name: &str) -> Result<NodeId> {
+        match end.position(true)? {
+            EndPosition::Node(node) => Ok(self.linker.node(part, &node)?),
+            EndPosition::Shape(shape) => Ok(self.linker.shape(part, name, &shape)?),
+            EndPosition::Unspecified => bail!(
                 "it has no position; give a `node`, a `center` with `ahead` and `size`, or an `outline`"
             ),
         }
     }
 
-    /// Where a teleport comes out; and the opening of the way back, where there is one.
-    fn exit(&mut self, portal: &Portal, to: &Place, part: PartId) -> Result<(NodeId, Option<NodeId>)> {
+    /// Returns the exit of a teleport and, if it is two-way, the opening of the way back.
+    fn exit(&mut self, portal: &Portal, to: &EndSpec, part: PartId) -> Result<(NodeId, Option<NodeId>)> {
         let exit = format!("{}-exit", portal.name);
         let back = format!("{}-back-portal", portal.name);
         let two_way = portal.two_way();
-        Ok(match to.at(two_way)? {
-            At::Node(node) => {
+        Ok(match to.position(two_way)? {
+            EndPosition::Node(node) => {
                 let node = self.linker.node(part, &node)?;
                 if two_way {
                     (self.linker.out_of(node, &exit), Some(node))
@@ -242,21 +242,22 @@ impl Joiner<'_> {
                     (node, None)
                 }
             }
-            At::Shape(shape) if two_way || matches!(shape, Shape::Outline(_)) => {
-                // One comes out along `ahead`, so one goes back in against it.
-                let opening = self.linker.shape(part, &back, &turned_round(shape))?;
+            EndPosition::Shape(shape) if two_way || matches!(shape, Shape::Outline(_)) => {
+                // The exit is left along `ahead`, so the way back enters against it.
+                let opening = self.linker.shape(part, &back, &reversed(shape))?;
                 let exit = self.linker.out_of(opening, &exit);
                 (exit, two_way.then_some(opening))
             }
-            At::Shape(shape) => (self.linker.shape(part, &exit, &shape)?, None),
-            At::Nowhere => bail!(
+            EndPosition::Shape(shape) => (self.linker.shape(part, &exit, &shape)?, None),
+            EndPosition::Unspecified => bail!(
                 "it has no position to come out at; give a `node`, a `center` with `ahead`, or an `outline`"
             ),
         })
     }
 }
 
-fn turned_round(shape: Shape) -> Shape {
+/// Returns the shape facing the other way.
+fn reversed(shape: Shape) -> Shape {
     match shape {
         Shape::Rectangle {
             center,
@@ -269,13 +270,13 @@ fn turned_round(shape: Shape) -> Shape {
             up,
             size,
         },
-        // Its corners already run as one sees them who goes in.
+        // Its corners are already counter-clockwise from the side of entry.
         outline => outline,
     }
 }
 
-/// Parts that stand in each other, and that no door joins: an eye in one may be taken to stand in the other.
-fn apart(world: &World, import: &Import) -> Vec<String> {
+/// Returns warnings about parts that overlap without a door between them: an eye in one may be located in the other.
+fn overlap_warnings(world: &World, import: &Import) -> Vec<String> {
     let part_of = |room: &str| {
         let is_of = |part: &&world::Part| {
             room.strip_prefix(&part.name)

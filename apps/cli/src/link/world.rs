@@ -1,4 +1,4 @@
-//! What a WORLD.toml says, checked as far as that can be without the files it names.
+//! Parses a WORLD.toml, and checks it as far as possible without its files.
 
 use crate::values::among;
 use anyhow::{Result, anyhow, bail};
@@ -17,19 +17,19 @@ pub(super) struct World {
     pub(super) portals: Vec<Portal>,
 }
 
-/// `[[part]]`: a file, and where it stands.
+/// `[[part]]`: a file and its transform.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Part {
     pub(super) name: String,
-    /// From the folder of the WORLD.toml.
+    /// Relative to the folder of the WORLD.toml.
     pub(super) file: PathBuf,
     translation: Option<[f64; 3]>,
     rotation: Option<Rotation>,
     scale: Option<f64>,
 }
 
-/// A turn about an axis, counter-clockwise seen against it.
+/// A rotation about an axis, counter-clockwise when the axis points at the viewer.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Rotation {
@@ -37,22 +37,22 @@ struct Rotation {
     degrees: f64,
 }
 
-/// `[[portal]]`: a way out of a part.
+/// `[[portal]]`: a portal out of a part.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Portal {
     pub(super) name: String,
-    pub(super) from: Place,
-    pub(super) to: Option<Place>,
+    pub(super) from: EndSpec,
+    pub(super) to: Option<EndSpec>,
     #[serde(default)]
     pub(super) mirror: bool,
     two_way: Option<bool>,
 }
 
-/// A place in a part, or the part alone.
+/// One end of a portal: a position in a part, or the part alone.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Place {
+pub(super) struct EndSpec {
     pub(super) part: String,
     pub(super) room: Option<String>,
     pub(super) node: Option<String>,
@@ -63,21 +63,21 @@ pub(super) struct Place {
     outline: Option<Vec<[f64; 3]>>,
 }
 
-/// How a place is given.
-pub(super) enum At {
-    /// Not at all: somewhere in the part.
-    Nowhere,
+/// How the position of a portal end is specified.
+pub(super) enum EndPosition {
+    /// Not specified: anywhere in the part.
+    Unspecified,
     Node(String),
     Shape(Shape),
 }
 
 impl World {
-    /// Parses the text; names must tell parts and portals apart.
+    /// Parses the text. Names of parts and of portals must be unique.
     pub(super) fn parse(text: &str) -> Result<World> {
         let world: World =
             toml::from_str(text).map_err(|error| anyhow!("{}", error.to_string().trim_end()))?;
         if world.parts.is_empty() {
-            bail!("there is no [[part]] in it; a part has a name and a file");
+            bail!("it has no [[part]]; add one with a name and a file");
         }
         for (kind, names) in [
             (
@@ -91,17 +91,17 @@ impl World {
         ] {
             let mut known = HashSet::new();
             if let Some(name) = names.into_iter().find(|name| !known.insert(*name)) {
-                bail!("two [[{kind}]] are called {name:?}; rename one");
+                bail!("two [[{kind}]] are named {name:?}; rename one");
             }
         }
         Ok(world)
     }
 
-    /// The place of a part in the list, by its name.
+    /// Returns the index of a part, by its name.
     pub(super) fn part(&self, name: &str) -> Result<usize> {
         let names = || self.parts.iter().map(|part| part.name.as_str());
         let found = names().position(|part| part == name);
-        found.ok_or_else(|| anyhow!("there is no part {name:?}; {}", among(name, names())))
+        found.ok_or_else(|| anyhow!("no part {name:?}; {}", among(name, names())))
     }
 }
 
@@ -113,7 +113,7 @@ impl Part {
         if let Some(Rotation { axis, degrees }) = &self.rotation {
             let length = axis.iter().map(|part| part * part).sum::<f64>().sqrt();
             if !(length > 0.0 && length.is_finite()) {
-                bail!("rotation: the axis must not be 0; upright is [0, 1, 0]");
+                bail!("rotation: the axis must not be 0; for the vertical use [0, 1, 0]");
             }
             let half = degrees.to_radians() / 2.0;
             let [x, y, z] = axis.map(|part| part / length * half.sin());
@@ -124,23 +124,23 @@ impl Part {
 }
 
 impl Portal {
-    /// Does it lead somewhere else than to what stands behind it?
+    /// Whether it leads elsewhere than to the room behind it.
     pub(super) fn is_teleport(&self) -> bool {
-        self.to.as_ref().is_some_and(Place::has_place)
+        self.to.as_ref().is_some_and(EndSpec::has_position)
     }
 
-    /// Doors lead both ways unless told, teleports do not.
+    /// Whether it is two-way. By default doors are, teleports are not.
     pub(super) fn two_way(&self) -> bool {
         self.two_way.unwrap_or(!self.is_teleport())
     }
 
-    /// Refuses keys that contradict each other.
+    /// Fails if keys contradict each other.
     pub(super) fn check(&self) -> Result<()> {
         if self.mirror && (self.to.is_some() || self.two_way.is_some()) {
             bail!("a mirror leads back; remove `to` and `two_way`, or `mirror`");
         }
         if self.from.room.is_some() {
-            bail!("from: the room that an opening stands in is found by what is around it; remove `room`");
+            bail!("from: the room of an opening is found from its position; remove `room`");
         }
         if self.name.is_empty() || self.name.contains('/') {
             bail!("it needs a name without a /");
@@ -149,14 +149,14 @@ impl Portal {
     }
 }
 
-impl Place {
-    fn has_place(&self) -> bool {
+impl EndSpec {
+    fn has_position(&self) -> bool {
         self.node.is_some() || self.center.is_some() || self.outline.is_some()
     }
 
-    /// How it is given; `from` is an opening, so it must have a size.
-    pub(super) fn at(&self, is_opening: bool) -> Result<At> {
-        let Place {
+    /// Returns the position. An opening given as a rectangle needs a size.
+    pub(super) fn position(&self, is_opening: bool) -> Result<EndPosition> {
+        let EndSpec {
             node,
             center,
             ahead,
@@ -167,18 +167,18 @@ impl Place {
         } = self;
         let given = [node.is_some(), center.is_some(), outline.is_some()];
         if given.iter().filter(|given| **given).count() > 1 {
-            bail!("it is given twice; keep one of `node`, `center` and `outline`");
+            bail!("its position is given twice; keep one of `node`, `center` and `outline`");
         }
         if center.is_none() && (ahead.is_some() || up.is_some() || size.is_some()) {
             bail!("`ahead`, `up` and `size` belong to a rectangle; give its `center` too");
         }
         Ok(match (node, center, outline) {
-            (Some(node), ..) => At::Node(node.clone()),
+            (Some(node), ..) => EndPosition::Node(node.clone()),
             (_, Some(center), _) => {
                 if is_opening && size.is_none() {
                     bail!("an opening needs a `size`, width and height, such as [1, 2]");
                 }
-                At::Shape(Shape::Rectangle {
+                EndPosition::Shape(Shape::Rectangle {
                     center: *center,
                     ahead: ahead
                         .ok_or_else(|| anyhow!("it needs `ahead`, a direction such as [0, 0, -1]"))?,
@@ -186,11 +186,11 @@ impl Place {
                     size: *size,
                 })
             }
-            (.., Some(outline)) => At::Shape(Shape::Outline(outline.clone())),
+            (.., Some(outline)) => EndPosition::Shape(Shape::Outline(outline.clone())),
             _ if is_opening => {
                 bail!("it needs a `node`, a `center` with `ahead` and `size`, or an `outline`")
             }
-            _ => At::Nowhere,
+            _ => EndPosition::Unspecified,
         })
     }
 }

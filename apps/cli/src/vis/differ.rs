@@ -1,6 +1,6 @@
-//! Where another vis of the same map says otherwise, and who is right.
+//! `vis --compare`: lists the differences from another PVS of the same map, with evidence.
 
-use super::report::Line;
+use super::report::SightLine;
 use crate::read::read_file;
 use crate::text::{count, plural};
 use anyhow::{Context, Result, bail};
@@ -11,56 +11,56 @@ use serde::Serialize;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Pairs that are printed; the report has all.
+/// Maximum number of pairs printed per list; the JSON report lists all.
 const PRINTED: usize = 10;
 
-/// The pairs of another vis.
-pub(super) struct Other {
+/// The PVS of another compile of the map.
+pub(super) struct OtherPvs {
     file: String,
     cells: Arc<BakedCells>,
-    /// By cluster one of its cells: in Quake those are leafs, which share the rows of their clusters.
+    /// One cell of each cluster. In Quake cells are leafs, and all leafs of a cluster have the same row.
     cell_of: Vec<CellId>,
-    /// By cluster, whether it is not where the portals are.
+    /// Whether each cluster has portals that are elsewhere in the other map.
     is_elsewhere: Vec<bool>,
 }
 
-/// The pairs that differ.
+/// The differences between both PVS.
 #[derive(Debug, Serialize)]
-pub(super) struct Differs {
+pub(super) struct PvsDifferences {
     other: String,
     other_pairs: u64,
-    /// Clusters of which nothing can be said, for the other map has them elsewhere.
+    /// Number of clusters that are elsewhere in the other map; their pairs are not compared.
     clusters_elsewhere: usize,
-    /// Pairs that the other does not have.
-    missing_there: Vec<Missing>,
-    /// Pairs that the other has beyond ours.
-    more_there: Vec<More>,
+    /// Pairs that only this PVS has.
+    missing_there: Vec<MissingPair>,
+    /// Pairs that only the other PVS has.
+    more_there: Vec<ExtraPair>,
 }
 
 #[derive(Debug, Serialize)]
-struct Missing {
+struct MissingPair {
     from: u32,
     to: u32,
-    /// A line of sight, where one is found: then the other hides what can be seen.
-    witness: Option<Line>,
+    /// A line of sight, if one is found. It proves that the other PVS hides something visible.
+    witness: Option<SightLine>,
 }
 
 #[derive(Debug, Serialize)]
-struct More {
+struct ExtraPair {
     from: u32,
     to: u32,
-    /// What proves that there is no line of sight.
+    /// The bound that rules out a line of sight.
     blocked_by: &'static str,
 }
 
-impl Other {
-    /// Reads what another map says is visible; `placed` is how the portals stand in the map itself.
+impl OtherPvs {
+    /// Reads the PVS of another map. `placed` locates the portals in this map.
     pub(super) fn read(
         path: &Path,
         portals: &PortalFile,
         placed: Option<&PlacedPortals>,
         options: &ReadOptions,
-    ) -> Result<Other> {
+    ) -> Result<OtherPvs> {
         let import = enfilade_import::read(
             path,
             &ReadOptions {
@@ -76,19 +76,19 @@ impl Other {
         };
         let name = || path.display().to_string();
         let bytes = read_file(path, options.limit_bytes, "raise --memory")?;
-        let there = place_portals(&bytes, portals).with_context(name)?;
-        // Compiled again a map may have a few clusters elsewhere: nothing can be said of those.
+        let placed_there = place_portals(&bytes, portals).with_context(name)?;
+        // Another compile may have a few clusters elsewhere; those cannot be compared.
         let mut is_elsewhere = vec![false; portals.cells.count() as usize];
         for (number, portal) in portals.cells.portals().iter().enumerate() {
             let here = placed.is_none_or(|placed| placed.in_place[number]);
-            if here && !there.in_place[number] {
+            if here && !placed_there.in_place[number] {
                 portal
                     .cells
                     .iter()
                     .for_each(|&cell| is_elsewhere[cell as usize] = true);
             }
         }
-        Ok(Other {
+        Ok(OtherPvs {
             file: name(),
             cell_of: cells_of_clusters(portals),
             cells: cells.clone(),
@@ -101,9 +101,14 @@ impl Other {
             .sees(self.cell_of[from as usize], self.cell_of[to as usize])
     }
 
-    /// All pairs that differ, with what speaks for it.
-    pub(super) fn compare(self, portals: &PortalFile, work: &PairsWork, pairs: &VisiblePairs) -> Differs {
-        let mut differs = Differs {
+    /// Returns all differing pairs, with the evidence for each.
+    pub(super) fn compare(
+        self,
+        portals: &PortalFile,
+        work: &PairsWork,
+        pairs: &VisiblePairs,
+    ) -> PvsDifferences {
+        let mut differs = PvsDifferences {
             other_pairs: 0,
             clusters_elsewhere: self.is_elsewhere.iter().filter(|&&elsewhere| elsewhere).count(),
             missing_there: Vec::new(),
@@ -122,21 +127,21 @@ impl Other {
                 continue;
             }
             match (pairs.sees(from, to), there) {
-                (true, false) => differs.missing_there.push(Missing {
+                (true, false) => differs.missing_there.push(MissingPair {
                     from,
                     to,
-                    witness: work.line_between(from, to).map(Line::from),
+                    witness: work.line_between(from, to).map(SightLine::from),
                 }),
                 (false, true) => {
                     let [first, fast] = bounds.get_or_insert_with(|| bounds_of(portals));
                     let blocked_by = if !first.sees(from, to) {
-                        "no chain of portals that lie before one another leads there"
+                        "no chain of portals, each in front of the one before, leads there"
                     } else if !fast.sees(from, to) {
-                        "planes between two portals in a row part all chains"
+                        "planes separating two consecutive portals rule out every chain"
                     } else {
-                        "each chain of portals leaves nothing of its first or its last portal"
+                        "in every chain of portals nothing of the first or last portal remains after clipping"
                     };
-                    differs.more_there.push(More { from, to, blocked_by });
+                    differs.more_there.push(ExtraPair { from, to, blocked_by });
                 }
                 _ => {}
             }
@@ -146,7 +151,7 @@ impl Other {
     }
 }
 
-/// Which cells stand for clusters.
+/// Returns one cell for each cluster.
 fn cells_of_clusters(portals: &PortalFile) -> Vec<CellId> {
     let mut cell_of: Vec<CellId> = (0..portals.cells.count()).map(CellId).collect();
     let leafs = portals.cluster_of_leaf.iter().flatten().enumerate();
@@ -154,7 +159,7 @@ fn cells_of_clusters(portals: &PortalFile) -> Vec<CellId> {
     cell_of
 }
 
-/// What may be seen by the first bound, and by the fast one.
+/// Returns the first bound and the fast bound of the visible pairs.
 fn bounds_of(portals: &PortalFile) -> [VisiblePairs; 2] {
     let mut work = PairsWork::begin(&portals.cells, u64::MAX).expect("no limit is set");
     let mut until = |stage: Stage| {
@@ -166,13 +171,13 @@ fn bounds_of(portals: &PortalFile) -> [VisiblePairs; 2] {
     [Stage::Passages, Stage::Sampling].map(&mut until)
 }
 
-impl Differs {
-    /// As lines of text.
+impl PvsDifferences {
+    /// Returns the text output, in lines.
     pub(super) fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!("{}: {} pairs", self.other, count(self.other_pairs))];
         if self.clusters_elsewhere > 0 {
             lines.push(format!(
-                "  {} of it elsewhere: nothing is said of pairs with those",
+                "  {} of it elsewhere; their pairs are not compared",
                 plural(self.clusters_elsewhere, "cluster")
             ));
         }
@@ -182,27 +187,28 @@ impl Differs {
             .filter(|missing| missing.witness.is_some())
             .count();
         lines.push(format!(
-            "  {} that it misses, {} of them shown to be seen by a line",
+            "  {} that it misses, {} of them proven by a line of sight",
             plural(self.missing_there.len(), "pair"),
             count(shown as u64)
         ));
-        // Those with a line first.
-        let mut missing: Vec<&Missing> = self.missing_there.iter().collect();
+        // Proven pairs first.
+        let mut missing: Vec<&MissingPair> = self.missing_there.iter().collect();
         missing.sort_by_key(|missing| missing.witness.is_none());
-        for Missing { from, to, witness } in missing.iter().take(PRINTED) {
+        for MissingPair { from, to, witness } in missing.iter().take(PRINTED) {
             lines.push(match witness {
                 Some(line) => format!("    {line}"),
-                None => format!(
-                    "    cluster {from} and {to}: no line is found, and nothing proves that there is none"
-                ),
+                None => format!("    clusters {from} and {to}: undecided, no line of sight found"),
             });
         }
-        lines.push(format!("  {} too many", plural(self.more_there.len(), "pair")));
-        for More { from, to, blocked_by } in self.more_there.iter().take(PRINTED) {
-            lines.push(format!("    cluster {from} and {to}: {blocked_by}"));
+        lines.push(format!(
+            "  {} that only it has",
+            plural(self.more_there.len(), "pair")
+        ));
+        for ExtraPair { from, to, blocked_by } in self.more_there.iter().take(PRINTED) {
+            lines.push(format!("    clusters {from} and {to}: {blocked_by}"));
         }
         if self.missing_there.len().max(self.more_there.len()) > PRINTED {
-            lines.push("  --json has all of them".to_owned());
+            lines.push("  --json lists all of them".to_owned());
         }
         lines
     }

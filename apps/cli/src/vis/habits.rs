@@ -1,9 +1,9 @@
-//! Options as mappers know them from other compilers: one hyphen, and the names that those have.
+//! Accepts the options of other map compilers: with one hyphen, and by the names they have there.
 
 use crate::out;
 use std::ffi::OsString;
 
-/// Options of other compilers that have another name here.
+/// Options of other compilers, and their names here.
 const RENAMED: [(&str, &str); 7] = [
     ("-noprogress", "--quiet"),
     ("-nopercent", "--quiet"),
@@ -14,8 +14,8 @@ const RENAMED: [(&str, &str); 7] = [
     ("-noambientlava", "--no-ambient-lava"),
 ];
 
-/// Options of other compilers that change nothing here.
-const NEEDLESS: [&str; 6] = [
+/// Options of other compilers that are ignored here.
+const IGNORED: [&str; 6] = [
     "-v",
     "-verbose",
     "-nostate",
@@ -24,7 +24,7 @@ const NEEDLESS: [&str; 6] = [
     "-saveprt",
 ];
 
-/// Returns a command line in which the options of other compilers are ours; one that is not for `vis` as it is.
+/// Translates the options of other compilers in a `vis` command line to ours. Returns other command lines unchanged.
 pub(crate) fn as_mappers_type(line: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let line: Vec<OsString> = line.collect();
     if line.get(1).is_none_or(|verb| verb != "vis") {
@@ -36,19 +36,16 @@ pub(crate) fn as_mappers_type(line: impl Iterator<Item = OsString>) -> Vec<OsStr
         if let Some((_, name)) = RENAMED.iter().find(|&&(theirs, _)| word == theirs) {
             ours.push(name.into());
         } else if word == "-level" {
-            // All levels of other compilers bound the same answer; the highest is what is computed here.
+            // All levels of other compilers are upper bounds of the same result; ours corresponds to the highest.
             let is_number = |word: &OsString| word.to_str().is_some_and(|word| word.parse::<u32>().is_ok());
             if let Some(level) = words.next_if(is_number).filter(|level| level != "4") {
                 out::note(format_args!(
-                    "-level {}: there is one level here, the highest; --fast is the quick one",
+                    "-level {}: ignored; vis always computes the highest level (use --fast for a quick one)",
                     level.display()
                 ));
             }
-        } else if NEEDLESS.iter().any(|&theirs| word == theirs) {
-            out::note(format_args!(
-                "{}: left out, it changes nothing here",
-                word.display()
-            ));
+        } else if IGNORED.iter().any(|&theirs| word == theirs) {
+            out::note(format_args!("{}: ignored; it has no effect here", word.display()));
         } else if is_name_after_one_hyphen(&word) {
             let mut option = OsString::from("-");
             option.push(word);
@@ -60,7 +57,7 @@ pub(crate) fn as_mappers_type(line: impl Iterator<Item = OsString>) -> Vec<OsStr
     ours
 }
 
-/// Whether a word is an option's name after one hyphen, such as `-fast`. `-oFILE` is `-o FILE`.
+/// Whether a word is a long option with one hyphen, such as `-fast`. `-oFILE` is not: it means `-o FILE`.
 fn is_name_after_one_hyphen(word: &OsString) -> bool {
     let name = word.to_str().and_then(|word| word.strip_prefix('-'));
     name.is_some_and(|name| {

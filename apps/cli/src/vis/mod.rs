@@ -1,4 +1,4 @@
-//! `vis`: what is visible in a map of Quake or Quake 3, written into the map.
+//! `vis`: computes the PVS of a Quake or Quake 3 map, and writes it into the map.
 
 mod differ;
 mod habits;
@@ -16,18 +16,18 @@ use crate::report::Sink;
 use crate::run_files::{RunFiles, is_same, portals_beside};
 use crate::save::Destination;
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use differ::Other;
+use differ::OtherPvs;
 use enfilade_bake::{PairsWork, Stage, VisiblePairs, find_missing};
 use enfilade_import::{
     PortalFile, ReadOptions, place_portals, read_portals, visibility_bytes, with_ambient_sounds,
     with_visibility,
 };
 pub(crate) use habits::as_mappers_type;
-use overall::{Overall, is_stopped, stop_at_a_signal};
-use report::{Checked, Found, Seconds, Visibility};
+use overall::{OverallProgress, is_stopped, stop_at_a_signal};
+use report::{LineCheck, StageSeconds, VisReport, VisResult};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use unfinished::{Saved, Unfinished};
+use unfinished::{SavedWork, UnfinishedWork};
 
 /// Runs `vis`.
 pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
@@ -52,28 +52,28 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         .into_iter()
         .flatten()
         .try_for_each(|input| files.reads(input))?;
-    let mut unfinished = Unfinished::beside(target.unwrap_or(&args.map), &mut files)?;
+    let mut unfinished = UnfinishedWork::beside(target.unwrap_or(&args.map), &mut files)?;
     let sink = Sink::new(&args.json, &mut files)?;
     let threads = allow_threads(&args.limits)?;
     let start = Instant::now();
-    let mut seconds = Seconds::default();
+    let mut seconds = StageSeconds::default();
     let map = read_map(args)?;
     let prt = prt?;
     let mut options = ReadOptions::default();
     options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
     let portals = read_portals(&prt, &options)?;
     let placed = match &map {
-        Some(map) => Some(place_portals(map, &portals).with_context(|| belongs(&args.map, &prt))?),
+        Some(map) => Some(place_portals(map, &portals).with_context(|| map_with_portals(&args.map, &prt))?),
         None => None,
     };
     let other = match &args.compare {
-        Some(path) => Some(Other::read(path, &portals, placed.as_ref(), &options)?),
+        Some(path) => Some(OtherPvs::read(path, &portals, placed.as_ref(), &options)?),
         None => None,
     };
     seconds.read = start.elapsed().as_secs_f64();
 
     let saved = unfinished.begin(args.resume, args.limits.memory())?;
-    let goes_on = saved.is_some();
+    let is_resumed = saved.is_some();
     let begun = begin(args, &portals, &prt, &mut unfinished, saved)?;
     let work = work(args, begun, &mut unfinished, &mut seconds)?;
     let pairs = work.pairs();
@@ -90,7 +90,7 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
             let start = Instant::now();
             let mut bytes = with_visibility(map, &portals, &pairs).with_context(|| name.to_string())?;
             if let Some(sounds) = args.ambient.sounds() {
-                // What is visible may have taken hours: it is not lost because of a damaged texture.
+                // The PVS may have taken hours, so a damaged texture must not discard it.
                 match with_ambient_sounds(&bytes, &portals, &pairs, sounds) {
                     Ok(Some((with_sounds, leafs))) => (bytes, ambient) = (with_sounds, Some(leafs)),
                     Ok(None) => {}
@@ -104,13 +104,13 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         _ => None,
     };
     let is_complete = work.stage() == Stage::Done || (args.fast && work.stage() >= Stage::Sampling);
-    // A fast run removes what it has saved itself, but not what it was resumed from: that may go farther.
-    let is_saved_in_vain = is_complete && !args.resume && unfinished.is_held();
-    if (work.stage() == Stage::Done || is_saved_in_vain) && !missing {
+    // A fast run removes its own saved work, but not work it resumed from, which may be more advanced.
+    let is_obsolete = is_complete && !args.resume && unfinished.is_held();
+    if (work.stage() == Stage::Done || is_obsolete) && !missing {
         unfinished.remove()?;
     }
     seconds.total = start.elapsed().as_secs_f64();
-    let visibility = Visibility::new(Found {
+    let visibility = VisReport::new(VisResult {
         map: &args.map,
         target: target.filter(|_| written.is_some()),
         lump_bytes: written,
@@ -120,8 +120,8 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         pairs: &pairs,
         is_fast: args.fast,
         is_complete,
-        asked_to_go_on: args.resume,
-        goes_on,
+        asked_to_resume: args.resume,
+        is_resumed,
         stopped_in: work.stage(),
         threads,
         seconds,
@@ -133,7 +133,7 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         out::print(&visibility.text())?;
         if !is_complete && unfinished.is_held() {
             out::print(&format!(
-                "  --resume goes on from {}\n",
+                "  --resume continues from {}\n",
                 unfinished.path().display()
             ))?;
         }
@@ -146,7 +146,7 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
     })
 }
 
-/// The map, also if its name is given without `.bsp`.
+/// Appends `.bsp` to the map's name if it is missing and that file exists.
 fn with_ending(map: PathBuf) -> PathBuf {
     let mut name = map.clone().into_os_string();
     name.push(".bsp");
@@ -159,10 +159,13 @@ fn ending(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-/// Where the map with what is visible goes: into the map itself, or a copy.
+/// Returns the destination of the map with its PVS: the map itself or a copy.
 fn writable(path: &Path, map: &Path, files: &mut RunFiles) -> Result<Destination> {
     if ending(path).as_deref() != Some("bsp") {
-        bail!("cannot write {}: a map's name ends in .bsp", path.display());
+        bail!(
+            "cannot write {}: the name of a map must end in .bsp",
+            path.display()
+        );
     }
     if is_same(path, map) {
         files.changes(path)
@@ -171,16 +174,16 @@ fn writable(path: &Path, map: &Path, files: &mut RunFiles) -> Result<Destination
     }
 }
 
-/// The bytes of the map, if it is one.
+/// Reads the map; `None` if the input is a .prt.
 fn read_map(args: &VisArgs) -> Result<Option<Vec<u8>>> {
     if ending(&args.map).as_deref() != Some("bsp") {
         return Ok(None);
     }
-    let remedy = "raise --memory to more than twice as much";
+    let remedy = "raise --memory to more than twice the size";
     read_file(&args.map, args.limits.memory() / 2, remedy).map(Some)
 }
 
-/// The file of portals: as told, or beside the map; `NAME.novis.bsp` goes with `NAME.prt`.
+/// Returns the file of portals: that of `--prt`, or the one beside the map.
 fn portals_of(args: &VisArgs) -> Result<PathBuf> {
     if let Some(prt) = &args.prt {
         return Ok(prt.clone());
@@ -188,27 +191,28 @@ fn portals_of(args: &VisArgs) -> Result<PathBuf> {
     if ending(&args.map).as_deref() == Some("prt") {
         return Ok(args.map.clone());
     }
-    let [own, bare] = portals_beside(&args.map);
-    [&own, &bare]
+    let [direct, bare] = portals_beside(&args.map);
+    [&direct, &bare]
         .into_iter()
         .find(|path| path.is_file())
         .cloned()
         .ok_or_else(|| {
             anyhow!(
-                "{}: there is no {} beside it; compile the map again, name its portals with --prt FILE, or make them \
-                 again from the map: enfilade portals {}",
+                "{}: there is no {} beside it; compile the map again, name its portals with --prt FILE, or rebuild them \
+                 from the map: enfilade portals {}",
                 args.map.display(),
-                own.file_name().unwrap_or_default().display(),
+                direct.file_name().unwrap_or_default().display(),
                 args.map.display()
             )
         })
 }
 
-fn belongs(map: &Path, prt: &Path) -> String {
+/// Returns the context of an error about portals that do not match the map.
+fn map_with_portals(map: &Path, prt: &Path) -> String {
     format!("{} with the portals of {}", map.display(), prt.display())
 }
 
-/// Without a map, how many leafs each cluster is.
+/// Returns the number of leafs of each cluster, from the portal file alone.
 fn leafs_by_portals(portals: &PortalFile) -> Vec<u32> {
     let clusters = portals.cells.count() as usize;
     let Some(of_leafs) = &portals.cluster_of_leaf else {
@@ -219,17 +223,17 @@ fn leafs_by_portals(portals: &PortalFile) -> Vec<u32> {
     leafs
 }
 
-/// Finds out what is visible, until it is known or time is up; saves now and then how far it is.
+/// Computes the PVS until it is complete or time is up. Saves unfinished work at intervals.
 fn work(
     args: &VisArgs,
     mut work: PairsWork,
-    unfinished: &mut Unfinished,
-    seconds: &mut Seconds,
+    unfinished: &mut UnfinishedWork,
+    seconds: &mut StageSeconds,
 ) -> Result<PairsWork> {
     stop_at_a_signal();
     let start = Instant::now();
     let end = if args.fast { Stage::Sampling } else { Stage::Done };
-    let mut overall = Overall::new(end, args.quiet);
+    let mut overall = OverallProgress::new(end, args.quiet);
     let mut saved = start;
     let mut cost = Duration::ZERO;
     while work.stage() < end {
@@ -249,7 +253,7 @@ fn work(
                 saved = Instant::now();
             }
             if is_stopped() {
-                bail!("{}", stopped(&args.map, unfinished));
+                bail!("{}", stopped_message(&args.map, unfinished));
             }
             if is_over {
                 seconds.add(stage, began.elapsed());
@@ -261,32 +265,33 @@ fn work(
     Ok(work)
 }
 
-/// Returns the time between two saves: what a killed run loses is a small share of what it did, and so is what saves take.
+/// Returns the time between two saves. It keeps both the work that a killed run loses and the time of saves to a small
+/// share of the run.
 fn between_saves(elapsed: Duration, cost: Duration) -> Duration {
-    /// In short runs no save pays.
-    const LEAST: Duration = Duration::from_millis(150);
-    LEAST.max(10 * cost).max(elapsed / 50)
+    /// Saving does not pay in short runs.
+    const MIN: Duration = Duration::from_millis(150);
+    MIN.max(10 * cost).max(elapsed / 50)
 }
 
-/// What to say where somebody has stopped the work.
-fn stopped(map: &Path, unfinished: &Unfinished) -> String {
+/// Returns the error of an interrupted run.
+fn stopped_message(map: &Path, unfinished: &UnfinishedWork) -> String {
     let map = map.display();
     if unfinished.is_held() {
-        format!("{map}: stopped; nothing is written into the map, and the same command with --resume goes on")
+        format!("{map}: stopped; nothing is written into the map; the same command with --resume continues")
     } else {
         format!(
-            "{map}: stopped; nothing is written into the map, and another run at work on it is what saves"
+            "{map}: stopped; nothing is written into the map, and no work is saved, because another run works on it"
         )
     }
 }
 
-/// New work, or that which was saved.
+/// Starts new work, or resumes saved work.
 fn begin(
     args: &VisArgs,
     portals: &PortalFile,
     prt: &Path,
-    unfinished: &mut Unfinished,
-    saved: Option<Saved>,
+    unfinished: &mut UnfinishedWork,
+    saved: Option<SavedWork>,
 ) -> Result<PairsWork> {
     let limit = args.limits.memory();
     let Some(saved) = saved else {
@@ -295,19 +300,25 @@ fn begin(
     };
     let work = PairsWork::resume(&portals.cells, limit, &saved.work, &saved.passages).map_err(|why| {
         anyhow!(
-            "{}: {why}; leave out --resume to start anew",
+            "{}: {why}; leave out --resume to start from the beginning",
             unfinished.path().display()
         )
     })?;
-    unfinished.goes_on(&work);
+    unfinished.set_resumed(&work);
     Ok(work)
 }
 
-fn check(portals: &PortalFile, pairs: &VisiblePairs, lines: u64, seconds: &mut Seconds) -> Result<Checked> {
-    /// Lines after which the bar moves.
+/// Tests the PVS with random lines, until one proves a missing pair.
+fn check(
+    portals: &PortalFile,
+    pairs: &VisiblePairs,
+    lines: u64,
+    seconds: &mut StageSeconds,
+) -> Result<LineCheck> {
+    /// Lines per update of the progress bar.
     const PART: u64 = 1 << 20;
     let start = Instant::now();
-    let progress = Progress::share("checking by lines");
+    let progress = Progress::share("checking with lines");
     let mut missing = None;
     let mut shot = 0;
     while shot < lines && missing.is_none() {
@@ -321,5 +332,5 @@ fn check(portals: &PortalFile, pairs: &VisiblePairs, lines: u64, seconds: &mut S
         );
     }
     seconds.check = start.elapsed().as_secs_f64();
-    Ok(Checked::new(shot, missing))
+    Ok(LineCheck::new(shot, missing))
 }

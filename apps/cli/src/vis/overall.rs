@@ -1,4 +1,4 @@
-//! How much of the whole work is done, how long the rest may take, and whether somebody wants it to stop.
+//! Progress of a whole `vis` run, with the estimated time left; and interruption by a signal.
 
 use crate::out;
 use crate::progress::Progress;
@@ -7,26 +7,26 @@ use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// The share of the whole that each of [`Stage::ALL`] takes: the mean of dm1, e1m1, start and lq_e1m5, which differ by a third.
+/// Share of the run time of each of [`Stage::ALL`]: the mean of dm1, e1m1, start and lq_e1m5, which differ by a third.
 const SHARES: [f64; 6] = [0.09, 0.15, 0.06, 0.17, 0.42, 0.11];
 
-/// Time between two lines where standard error is no terminal.
+/// Time between two lines if standard error is not a terminal.
 const EVERY: Duration = Duration::from_secs(10);
 
-/// Shows the progress of a run: a bar on a terminal, else a line now and then.
-pub(super) struct Overall {
+/// Shows the progress of a run: a bar on a terminal, else a line every [`EVERY`].
+pub(super) struct OverallProgress {
     bar: Option<Progress>,
     prints: bool,
-    /// The stage that is not worked on any more.
+    /// The stage at which the run ends; it is not worked on.
     end: Stage,
     start: Instant,
     printed: Instant,
 }
 
-impl Overall {
-    pub(super) fn new(end: Stage, is_quiet: bool) -> Overall {
+impl OverallProgress {
+    pub(super) fn new(end: Stage, is_quiet: bool) -> OverallProgress {
         let is_terminal = std::io::stderr().is_terminal();
-        Overall {
+        OverallProgress {
             bar: (is_terminal && !is_quiet).then(|| Progress::share("vis")),
             prints: !is_terminal && !is_quiet,
             end,
@@ -35,11 +35,11 @@ impl Overall {
         }
     }
 
-    /// Shows how far the work is.
+    /// Updates the bar, or prints a line if one is due.
     pub(super) fn show(&mut self, work: &PairsWork) {
         let share = share(work.stage(), work.share(), self.end);
         if let Some(bar) = &self.bar {
-            bar.rename(in_words(work.stage()));
+            bar.rename(stage_name(work.stage()));
             bar.set(share);
         } else if self.prints && self.printed.elapsed() >= EVERY {
             self.printed = Instant::now();
@@ -47,14 +47,14 @@ impl Overall {
             out::note(format_args!(
                 "vis: {:.0} %, about {} left (stage {})",
                 100.0 * share,
-                in_time(left),
-                in_words(work.stage())
+                duration(left),
+                stage_name(work.stage())
             ));
         }
     }
 }
 
-/// How much of the work up to a stage is done, 0 to 1, if so much of the present stage is.
+/// Returns the finished share of the work up to `end`, 0 to 1, from the finished share `of_stage` of the current stage.
 fn share(stage: Stage, of_stage: f64, end: Stage) -> f64 {
     let until = |end: Stage| -> f64 {
         let stages = Stage::ALL.iter().zip(SHARES);
@@ -68,8 +68,8 @@ fn share(stage: Stage, of_stage: f64, end: Stage) -> f64 {
     (done / until(end)).min(1.0)
 }
 
-/// `45 s`, `12 min`, `3.4 h`.
-fn in_time(seconds: f64) -> String {
+/// Formats a duration: `45 s`, `12 min`, `3.4 h`.
+fn duration(seconds: f64) -> String {
     match seconds {
         ..100.0 => format!("{seconds:.0} s"),
         ..6000.0 => format!("{:.0} min", seconds / 60.0),
@@ -77,22 +77,23 @@ fn in_time(seconds: f64) -> String {
     }
 }
 
-fn in_words(stage: Stage) -> &'static str {
+fn stage_name(stage: Stage) -> &'static str {
     match stage {
-        Stage::FirstBound => "1 of 6: floods",
+        Stage::FirstBound => "1 of 6: flood fill",
         Stage::Passages => "2 of 6: passages",
         Stage::Fixpoint => "3 of 6: fixpoint",
-        Stage::Sampling => "4 of 6: lines",
+        Stage::Sampling => "4 of 6: line sampling",
         Stage::Flow => "5 of 6: flow",
-        Stage::Backflow | Stage::Done => "6 of 6: flow back",
+        Stage::Backflow | Stage::Done => "6 of 6: backward flow",
     }
 }
 
 static IS_STOPPED: AtomicBool = AtomicBool::new(false);
 
-/// Has Ctrl-C and a request to terminate end the work after the present step. A second one ends the program at once.
+/// Installs a handler: Ctrl-C or a termination request stops the work after the current step, a second one exits at
+/// once.
 pub(super) fn stop_at_a_signal() {
-    // Without a handler the system's own ends the program, and what was saved last is what a run goes on from.
+    // If installing fails, the system's handler ends the program, and --resume continues from the last save.
     let _ = ctrlc::set_handler(|| {
         if IS_STOPPED.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
@@ -100,7 +101,7 @@ pub(super) fn stop_at_a_signal() {
     });
 }
 
-/// Whether somebody wants the work to stop.
+/// Whether a signal has requested a stop.
 pub(super) fn is_stopped() -> bool {
     IS_STOPPED.load(Ordering::Relaxed)
 }
@@ -127,6 +128,6 @@ mod tests {
 
     #[test]
     fn times_have_the_unit_that_suits_them() {
-        assert_eq!([4.2, 600.0, 12_240.0].map(in_time), ["4 s", "10 min", "3.4 h"]);
+        assert_eq!([4.2, 600.0, 12_240.0].map(duration), ["4 s", "10 min", "3.4 h"]);
     }
 }

@@ -1,6 +1,6 @@
-//! What `vis` found out, as JSON and as text.
+//! The report of `vis`, as JSON and as text.
 
-use super::differ::Differs;
+use super::differ::PvsDifferences;
 use crate::text::{bytes, count, plural, short};
 use enfilade_bake::{Stage, VisiblePairs, Witness};
 use enfilade_import::{AmbientLeafs, PortalFile};
@@ -9,45 +9,45 @@ use std::fmt::{self, Display, Formatter, Write};
 use std::path::Path;
 use std::time::Duration;
 
-/// What is visible in a map, and what it took to find out.
+/// The PVS of a map in numbers, and the cost of computing it.
 #[derive(Debug, Serialize)]
-pub(super) struct Visibility {
+pub(super) struct VisReport {
     map: String,
     prt: String,
     format: &'static str,
-    /// The map that was written.
+    /// Path of the written map.
     written: Option<String>,
     leafs: u64,
     clusters: u32,
     portals: usize,
-    /// `full`, `fast`, or where time was up.
+    /// `full` or `fast`; for a run that was stopped, the bound it has reached.
     bound: &'static str,
     complete: bool,
-    /// Did it go on where another run was?
+    /// Whether it resumed an unfinished run.
     resumed: bool,
     #[serde(skip)]
-    is_anew: bool,
-    /// Pairs of clusters that may see each other, counted both ways, those of a cluster with itself left out.
+    has_nothing_to_resume: bool,
+    /// Number of ordered pairs of distinct clusters that may see each other.
     pairs: usize,
-    /// Of all that there could be.
+    /// Their share of all ordered pairs.
     share: f64,
-    /// Of those, how many a line has shown.
+    /// Number of pairs proven visible by a line of sight.
     pairs_proven: usize,
     symmetric: bool,
     average_leafs: f64,
-    /// Of the lump of visibility.
+    /// Size of the visibility lump, in bytes.
     bytes: Option<u64>,
     /// Number of leafs with each ambient sound.
     #[serde(skip_serializing_if = "Option::is_none")]
     ambient: Option<Ambient>,
-    seconds: Seconds,
+    seconds: StageSeconds,
     threads: usize,
-    /// Of the whole program, in bytes, where the system says.
+    /// Peak memory of the program, in bytes; `None` if the system does not report it.
     peak_memory: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    check: Option<Checked>,
+    check: Option<LineCheck>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    compare: Option<Differs>,
+    compare: Option<PvsDifferences>,
 }
 
 /// Leafs with ambient sounds.
@@ -56,7 +56,7 @@ struct Ambient {
     water: usize,
     sky: usize,
     lava: usize,
-    /// What tells the classes of faces: `texture names` or `contents`.
+    /// Source of the classification: `texture names` or `contents`.
     by: &'static str,
 }
 
@@ -88,7 +88,7 @@ impl Ambient {
             parts.join(", ")
         };
         let by = if self.by == "contents" {
-            " (the map has no texture names, so by the contents of leafs)"
+            " (from the contents of leafs, because the map has no texture names)"
         } else {
             ""
         };
@@ -96,9 +96,9 @@ impl Ambient {
     }
 }
 
-/// By the clock.
+/// Wall-clock seconds of each stage, and in total.
 #[derive(Debug, Default, Serialize)]
-pub(super) struct Seconds {
+pub(super) struct StageSeconds {
     pub(super) read: f64,
     first_bound: f64,
     passages: f64,
@@ -111,7 +111,7 @@ pub(super) struct Seconds {
     pub(super) total: f64,
 }
 
-impl Seconds {
+impl StageSeconds {
     pub(super) fn add(&mut self, stage: Stage, time: Duration) {
         let of = match stage {
             Stage::FirstBound => &mut self.first_bound,
@@ -125,24 +125,24 @@ impl Seconds {
     }
 }
 
-/// What random lines have shown.
+/// Result of `--check`.
 #[derive(Debug, Serialize)]
-pub(super) struct Checked {
+pub(super) struct LineCheck {
     lines: u64,
-    pub(super) missing: Option<Line>,
+    pub(super) missing: Option<SightLine>,
 }
 
 /// A line of sight.
 #[derive(Debug, Serialize)]
-pub(super) struct Line {
+pub(super) struct SightLine {
     pub(super) origin: [f64; 3],
     pub(super) direction: [f64; 3],
     pub(super) clusters: Vec<u32>,
 }
 
-impl From<Witness> for Line {
-    fn from(witness: Witness) -> Line {
-        Line {
+impl From<Witness> for SightLine {
+    fn from(witness: Witness) -> SightLine {
+        SightLine {
             origin: witness.origin,
             direction: witness.direction,
             clusters: witness.cells,
@@ -150,13 +150,13 @@ impl From<Witness> for Line {
     }
 }
 
-impl Display for Line {
+impl Display for SightLine {
     fn fmt(&self, out: &mut Formatter<'_>) -> fmt::Result {
         let ([x, y, z], [a, b, c]) = (self.origin, self.direction);
         let [from, to] = [self.clusters.first(), self.clusters.last()].map(|end| end.copied().unwrap_or(0));
         write!(
             out,
-            "cluster {from} sees {to}: the line from ({x} {y} {z}) along ({a} {b} {c}) goes through the clusters"
+            "cluster {from} sees {to}: the line from ({x} {y} {z}) along ({a} {b} {c}) passes through clusters"
         )?;
         self.clusters
             .iter()
@@ -164,17 +164,17 @@ impl Display for Line {
     }
 }
 
-impl Checked {
-    pub(super) fn new(lines: u64, missing: Option<Witness>) -> Checked {
-        Checked {
+impl LineCheck {
+    pub(super) fn new(lines: u64, missing: Option<Witness>) -> LineCheck {
+        LineCheck {
             lines,
-            missing: missing.map(Line::from),
+            missing: missing.map(SightLine::from),
         }
     }
 }
 
-/// What there is to report.
-pub(super) struct Found<'a> {
+/// The input of the report.
+pub(super) struct VisResult<'a> {
     pub(super) map: &'a Path,
     pub(super) target: Option<&'a Path>,
     pub(super) prt: &'a Path,
@@ -184,23 +184,23 @@ pub(super) struct Found<'a> {
     pub(super) lump_bytes: Option<u64>,
     pub(super) is_fast: bool,
     pub(super) is_complete: bool,
-    pub(super) asked_to_go_on: bool,
-    pub(super) goes_on: bool,
+    pub(super) asked_to_resume: bool,
+    pub(super) is_resumed: bool,
     pub(super) stopped_in: Stage,
     pub(super) threads: usize,
-    pub(super) seconds: Seconds,
-    pub(super) checked: Option<Checked>,
-    pub(super) differs: Option<Differs>,
+    pub(super) seconds: StageSeconds,
+    pub(super) checked: Option<LineCheck>,
+    pub(super) differs: Option<PvsDifferences>,
     pub(super) ambient: Option<AmbientLeafs>,
 }
 
-impl Visibility {
-    pub(super) fn new(found: Found) -> Visibility {
+impl VisReport {
+    pub(super) fn new(found: VisResult) -> VisReport {
         let pairs = found.pairs;
         let clusters = pairs.cell_count();
         let all = f64::from(clusters) * f64::from(clusters.max(1) - 1);
         let leafs: u64 = found.leafs.iter().map(|&leafs| u64::from(leafs)).sum();
-        // How many leafs are seen from each leaf of a cluster.
+        // Number of leafs visible from each leaf of a cluster.
         let seen = |from: u32| {
             pairs
                 .seen_from(from)
@@ -211,7 +211,7 @@ impl Visibility {
             .map(|from| u64::from(found.leafs[from as usize]) * seen(from))
             .sum();
         let symmetric = (0..clusters).all(|from| pairs.seen_from(from).all(|to| pairs.sees(to, from)));
-        Visibility {
+        VisReport {
             map: found.map.display().to_string(),
             prt: found.prt.display().to_string(),
             format: found.portals.kind.name(),
@@ -227,8 +227,8 @@ impl Visibility {
                 (false, _) => "between fast and full",
             },
             complete: found.is_complete,
-            resumed: found.goes_on,
-            is_anew: found.asked_to_go_on && !found.goes_on,
+            resumed: found.is_resumed,
+            has_nothing_to_resume: found.asked_to_resume && !found.is_resumed,
             pairs: pairs.count(),
             share: pairs.count() as f64 / all.max(1.0),
             pairs_proven: pairs.proven(),
@@ -254,7 +254,7 @@ impl Visibility {
         );
         let proven = if self.bound == "full" && self.pairs > 0 {
             format!(
-                ", {:.1} % of them shown by a line",
+                ", {:.1} % of them proven by a line of sight",
                 100.0 * self.pairs_proven as f64 / self.pairs as f64
             )
         } else {
@@ -265,40 +265,45 @@ impl Visibility {
             let _ = writeln!(text, "  {shown}");
         };
         line(format!(
-            "{} pairs may see each other, {:.1} % of all{proven}",
+            "{} visible pairs, {:.1} % of all{proven}",
             count(self.pairs as u64),
             100.0 * self.share
         ));
         line(format!(
-            "from a leaf {} are seen on average",
+            "{} leafs visible from a leaf on average",
             short(self.average_leafs)
         ));
         if self.resumed {
-            line("went on from the saved work of an unfinished run".to_owned());
+            line("resumed from the saved work of an unfinished run".to_owned());
         }
-        if self.is_anew {
-            line("no unfinished run was there to go on with: started anew".to_owned());
+        if self.has_nothing_to_resume {
+            line("no unfinished run to resume; started from the beginning".to_owned());
         }
         if !self.complete {
-            line(format!("time was up: this is an upper bound, {}", self.bound));
+            line(format!(
+                "stopped when time was up: this is an upper bound ({})",
+                self.bound
+            ));
         } else if self.bound == "fast" {
-            line("this is the fast upper bound; without --fast fewer are left".to_owned());
+            line("this is the fast upper bound; a run without --fast leaves fewer pairs".to_owned());
         }
         match &self.check {
-            Some(Checked {
+            Some(LineCheck {
                 missing: Some(witness),
                 ..
             }) => {
-                line(format!("MISSING, nothing is written: {}", witness));
+                line(format!("missing pair, nothing is written: {}", witness));
             }
-            Some(Checked { lines, .. }) => line(format!("{} random lines: none is missing", count(*lines))),
+            Some(LineCheck { lines, .. }) => {
+                line(format!("{} random lines: no pair is missing", count(*lines)))
+            }
             None => {}
         }
         if let Some(differs) = &self.compare {
             differs.lines().into_iter().for_each(&mut line);
         }
         if let (Some(written), Some(size)) = (&self.written, self.bytes) {
-            line(format!("written to {written}: {} of visibility", bytes(size)));
+            line(format!("written to {written}: a PVS of {}", bytes(size)));
         }
         if let Some(ambient) = &self.ambient {
             line(ambient.line());
@@ -315,7 +320,7 @@ impl Visibility {
     }
 }
 
-/// What the program has taken at most, where the system has a file that says so.
+/// Returns the peak memory of the program, in bytes; `None` on systems without `/proc`.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

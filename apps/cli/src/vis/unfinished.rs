@@ -1,7 +1,7 @@
-//! Work that is not finished, in two files beside the map: a run that was stopped or killed goes on from there.
+//! Saves unfinished work in two files beside the map, so that a stopped or killed run can be resumed.
 //!
-//! The passages, which are many and do not change once they are computed, are in a file of their own. A run holds a lock on the
-//! other. While another run has that, neither is used, replaced or removed.
+//! Passages have a separate file, because they are many and do not change once computed. A run holds a lock on the
+//! other file; while another run holds it, this run does not use, replace or remove either.
 
 use crate::out;
 use crate::read::read_file;
@@ -16,30 +16,30 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// The files `MAP.bsp.vis-unfinished` and `MAP.bsp.vis-passages`.
-pub(super) struct Unfinished {
+pub(super) struct UnfinishedWork {
     path: PathBuf,
     destination: Destination,
     path_of_passages: PathBuf,
     passages: Destination,
-    /// The stage when the passages were saved last; later ones do not change them.
+    /// The stage at which the passages were last saved; stages after [`Stage::Passages`] do not change them.
     passages_saved_in: Option<Stage>,
-    /// What this run goes on from or has saved, and its lock.
+    /// The file this run resumed from or has saved, locked.
     held: Option<File>,
 }
 
-/// Work that was saved.
-pub(super) struct Saved {
+/// Saved work.
+pub(super) struct SavedWork {
     pub(super) work: Vec<u8>,
-    /// Empty where there are none: they are computed again.
+    /// Empty if there are none; they are then computed again.
     pub(super) passages: Vec<u8>,
 }
 
-impl Unfinished {
-    /// The file beside a map.
-    pub(super) fn beside(map: &Path, files: &mut RunFiles) -> Result<Unfinished> {
+impl UnfinishedWork {
+    /// Returns the files beside a map, and adds them to the outputs.
+    pub(super) fn beside(map: &Path, files: &mut RunFiles) -> Result<UnfinishedWork> {
         let [path, path_of_passages] =
             [".vis-unfinished", ".vis-passages"].map(|ending| map.with_file_name(name_for(map, ending)));
-        Ok(Unfinished {
+        Ok(UnfinishedWork {
             destination: files.writes_too(&path)?,
             path,
             passages: files.writes_too(&path_of_passages)?,
@@ -53,20 +53,20 @@ impl Unfinished {
         &self.path
     }
 
-    /// Whether this run has saved work, or goes on from some.
+    /// Whether this run has saved work, or resumed from some, and holds the lock.
     pub(super) fn is_held(&self) -> bool {
         self.held.is_some()
     }
 
-    /// Returns what was saved if it is to be used. Warns where it is not, or cannot be.
-    pub(super) fn begin(&mut self, is_wanted: bool, limit: u64) -> Result<Option<Saved>> {
+    /// Returns the saved work if `is_wanted`. Warns if there is some that is not, or cannot be, used.
+    pub(super) fn begin(&mut self, is_wanted: bool, limit: u64) -> Result<Option<SavedWork>> {
         if !self.path.exists() {
             return Ok(None);
         }
         let name = self.path.display();
         if !self.is_free() {
             out::warn(format_args!(
-                "{name} belongs to a run that is still at work; this one starts anew, and saves no progress until that one ends"
+                "{name} belongs to a run in progress; this one starts from the beginning, and saves no work until that one ends"
             ));
         } else if is_wanted {
             const REMEDY: &str = "raise --memory, or leave out --resume";
@@ -77,24 +77,24 @@ impl Unfinished {
                 Vec::new()
             };
             let file = File::open(&self.path).with_context(|| format!("cannot read {name}"))?;
-            // Another run can have been faster: both may use it, but one alone saves from now on.
+            // Another run may have locked it meanwhile: both may read it, but only one saves from now on.
             self.held = (!is_locked_by_another(&file)).then_some(file);
-            return Ok(Some(Saved { work, passages }));
+            return Ok(Some(SavedWork { work, passages }));
         } else {
             out::warn(format_args!(
-                "{name} is the saved work of a run that was not finished; this one starts anew and will replace it \
+                "{name} is the saved work of an unfinished run; this one starts from the beginning and will replace it \
                  (--resume continues it)"
             ));
         }
         Ok(None)
     }
 
-    /// Notes that work goes on from what was saved. Past [`Stage::Passages`] that had all of them.
-    pub(super) fn goes_on(&mut self, work: &PairsWork) {
+    /// Records that saved work was resumed. Past [`Stage::Passages`] its passages are complete.
+    pub(super) fn set_resumed(&mut self, work: &PairsWork) {
         self.passages_saved_in = Some(work.stage());
     }
 
-    /// Writes how far the work is; returns how long that takes if it is done again soon.
+    /// Saves the work. Returns the expected time of the next save.
     pub(super) fn save(&mut self, work: &PairsWork) -> Result<Duration> {
         let start = Instant::now();
         if !self.is_free() {
@@ -115,7 +115,7 @@ impl Unfinished {
         Ok(cost)
     }
 
-    /// The work is done.
+    /// Removes the saved work, unless it belongs to another run.
     pub(super) fn remove(&self) -> Result<()> {
         if !self.is_free() {
             return Ok(());
@@ -131,7 +131,7 @@ impl Unfinished {
         Ok(())
     }
 
-    /// Whether what is there is not of another run that is still at work.
+    /// Whether no other run in progress holds the saved work.
     fn is_free(&self) -> bool {
         let is_held = |held| is_open_file(&self.path, held);
         self.held.as_ref().is_some_and(is_held)
@@ -140,13 +140,13 @@ impl Unfinished {
     }
 }
 
-/// The name of the map with an ending; where that would be too long, with a number instead of its own end.
+/// Appends an ending to the name of the map. If that is too long, replaces the end of the name by a hash.
 fn name_for(map: &Path, ending: &str) -> OsString {
-    /// What most file systems allow.
-    const LONGEST: usize = 255;
+    /// The limit of most file systems, in bytes.
+    const MAX_BYTES: usize = 255;
     let mut name = map.file_name().unwrap_or_default().to_owned();
-    if name.len() + ending.len() > LONGEST {
-        // FNV-1a, the same in every run.
+    if name.len() + ending.len() > MAX_BYTES {
+        // FNV-1a, because the hash must be the same in every run.
         let hash = name
             .as_encoded_bytes()
             .iter()

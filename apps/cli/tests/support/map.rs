@@ -1,7 +1,7 @@
-//! The least map of Quake that there is something to see in.
+//! A minimal Quake map with something visible in it.
 
-/// One leaf with one wall, the square from −8 to 8 at x = 16, seen from a start at the origin; with rows of what is visible,
-/// or without. As BSP2.
+/// One leaf with one wall, the square from −8 to 8 at x = 16, seen from a start at the origin; with
+/// PVS rows or without. As BSP2.
 pub(crate) fn map(with_rows: bool) -> Vec<u8> {
     let words = |numbers: &[i32]| -> Vec<u8> { numbers.iter().flat_map(|n| n.to_le_bytes()).collect() };
     let floats = |numbers: &[f32]| -> Vec<u8> { numbers.iter().flat_map(|n| n.to_le_bytes()).collect() };
@@ -16,7 +16,7 @@ pub(crate) fn map(with_rows: bool) -> Vec<u8> {
     }
     lumps[4] = if with_rows { vec![1] } else { Vec::new() };
     let around = floats(&[-16.0, -16.0, -16.0, 16.0, 16.0, 16.0]);
-    // In front of the plane is leaf 1, behind it what is solid.
+    // Leaf 1 is in front of the plane, solid space behind it.
     lumps[5] = [words(&[0, -2, -1]), around.clone(), words(&[0, 1])].concat();
     lumps[6] = [floats(&[0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]), words(&[0, 0])].concat();
     lumps[7] = words(&[0, 0, 0, 4, 0, 0, -1]);

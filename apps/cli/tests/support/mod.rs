@@ -1,4 +1,4 @@
-//! Runs the program in a folder of its own, on a small scene that stands there.
+//! Runs the program in a temporary folder with a small scene.
 #![allow(dead_code, reason = "each test file uses some of it")]
 
 pub(crate) mod quake;
@@ -9,10 +9,10 @@ use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// A folder with `scene.glb`, `views.jsonl` and what a test adds.
+/// A temporary folder with `scene.glb`, `views.jsonl` and the files a test adds.
 pub(crate) struct Folder(TempDir);
 
-/// What a run left.
+/// Result of a run.
 pub(crate) struct Run {
     pub(crate) code: Option<i32>,
     pub(crate) stdout: String,
@@ -20,7 +20,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// Standard error without notes: how the survey found its views, and what approximate methods miss.
+    /// Returns standard error without notes on the survey and on approximate methods.
     pub(crate) fn complaints(&self) -> String {
         let is_note = |line: &str| line.starts_with("survey: ") || line.contains(" is approximate: ");
         let lines = self.stderr.lines().filter(|line| !is_note(line));
@@ -69,7 +69,7 @@ impl Folder {
         Run::from(output)
     }
 
-    /// Runs it with nobody reading what it prints.
+    /// Runs it with standard output closed by the reader.
     pub(crate) fn run_unread(&self, arguments: &str) -> Run {
         let mut child = self
             .command(arguments)
@@ -81,7 +81,7 @@ impl Folder {
         Run::from(child.wait_with_output().expect("it ends"))
     }
 
-    /// Runs it well, and gives the JSON on its standard output.
+    /// Asserts that it succeeds, and returns the JSON on its standard output.
     pub(crate) fn json(&self, arguments: &str) -> Value {
         let run = self.run(&format!("{arguments} --json -"));
         assert_eq!(run.code, Some(0), "{arguments}: {}", run.stderr);
@@ -113,7 +113,7 @@ pub(crate) const VIEWS: &str = r#"{"eye": [0, 1.5, 6], "toward": [0, 1, 0]}
 {"name": "behind", "eye": [0, 1.5, -6], "toward": [0, 1, 0], "up": [0, 1, 0], "fov": 50}
 "#;
 
-/// A wall across a floor; a table before it and a chest behind it; cameras on both sides and one in the wall.
+/// A wall across a floor, a table in front of it and a chest behind it; cameras on both sides and one in the wall.
 pub(crate) fn yard() -> Value {
     let item = |name: &str, translation: [f32; 3], scale: [f32; 3]| {
         json!({

@@ -1,18 +1,18 @@
-//! Small maps of Quake, made by code: square rooms on a grid, a door between each two neighbours.
+//! Generates small Quake maps: square rooms on a grid, with a door between each two neighbours.
 
 #[path = "../../../../crates/enfilade_import/tests/quake/rows.rs"]
 pub(crate) mod rows;
 
-/// A grid of rooms, 100 units wide each; doors are 20 wide, and stand where a number per wall puts them.
+/// A grid of rooms, 100 units wide each; doors are 20 wide, at an offset per wall.
 pub(crate) struct Grid {
     pub(crate) rooms: usize,
-    /// How far along its wall a door stands, 0 to 80, of the wall between two rooms.
+    /// Offset of the door along the wall between two rooms, 0 to 80.
     pub(crate) door: fn(usize, usize) -> usize,
-    /// Where the map begins on the x-axis.
+    /// Minimum x of the map.
     pub(crate) at: usize,
 }
 
-/// Doors that step aside from wall to wall.
+/// Offsets of doors that shift from wall to wall.
 pub(crate) fn aside(from: usize, to: usize) -> usize {
     (from * 37 + to * 23) % 81
 }
@@ -56,7 +56,7 @@ impl Grid {
         format!("PRT2\n{leafs}\n{leafs}\n{}\n{}\n{clusters}", portals.0, portals.1)
     }
 
-    /// `BSP2`: planes, nodes, leafs and the model of the world; nothing to be drawn.
+    /// `BSP2`: planes, nodes, leafs and the world model; no faces.
     pub(crate) fn bsp(&self) -> Vec<u8> {
         let n = self.rooms as i32;
         let mut planes = Vec::new();

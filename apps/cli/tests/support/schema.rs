@@ -2,9 +2,9 @@
 
 use serde_json::Value;
 
-/// Returns what breaks the schema, each with its place; panics at a keyword that is not known here.
+/// Returns the violations of the schema, each with its path. Panics at an unsupported keyword.
 ///
-/// Stricter than the draft: an object may only have the fields that its schema lists, so that none goes undescribed.
+/// Stricter than the draft: an object may only have the fields that its schema lists, so that all are described.
 pub(crate) fn broken(schema: &Value, value: &Value) -> Vec<String> {
     let mut broken = Vec::new();
     check(schema, schema, value, "report", &mut broken);

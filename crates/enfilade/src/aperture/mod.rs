@@ -1,4 +1,4 @@
-//! The part of the screen that is left to see through.
+//! The clip region of a passage: the screen area still visible through the portals so far.
 
 mod outline;
 
@@ -7,25 +7,26 @@ use outline::{Outline, within};
 use smallvec::smallvec;
 
 /// A rectangle of samples: columns `x0..x1`, rows `y0..y1`.
+#[doc(alias = "scissor")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Rect {
-    /// The first column.
+    /// First column.
     pub x0: u16,
-    /// The first row.
+    /// First row.
     pub y0: u16,
-    /// The column after the last.
+    /// Last column + 1.
     pub x1: u16,
-    /// The row after the last.
+    /// Last row + 1.
     pub y1: u16,
 }
 
 impl Rect {
-    /// Does it hold no sample?
+    /// Returns `true` if the rectangle contains no sample.
     pub fn is_empty(&self) -> bool {
         self.x0 >= self.x1 || self.y0 >= self.y1
     }
 
-    /// The samples of both.
+    /// Returns the samples in both rectangles.
     #[must_use]
     pub fn intersection(&self, other: &Rect) -> Rect {
         Rect {
@@ -36,15 +37,18 @@ impl Rect {
         }
     }
 
-    /// The pixels of which any part lies within these bounds; a little more where rounding might lose one.
+    /// Returns the pixels that overlap these bounds, in pixels, clipped to `within`. Bounds are enlarged by
+    /// [`Rect::SLACK`], so that rounding loses no pixel.
     pub(crate) fn touched(min: [f64; 2], max: [f64; 2], within: &Rect) -> Rect {
         Rect::around(min.map(|low| low - 0.5), max.map(|high| high + 0.5), within)
     }
 
-    /// Screen positions are good to 10⁻⁹ pixel; a sample too many costs a test, one too few a picture.
+    /// Margin in pixels. Screen positions are accurate to 10⁻⁹ pixel. An extra sample costs a test, a missing one a
+    /// wrong picture.
     pub(crate) const SLACK: f64 = 1e-6;
 
-    /// The samples whose centres lie within these bounds, in pixels; a little more where rounding might lose one.
+    /// Returns the samples whose pixel centres are within these bounds, in pixels, clipped to `within`. Bounds are
+    /// enlarged by [`Rect::SLACK`], so that rounding loses no sample.
     #[inline(always)]
     pub(crate) fn around(min: [f64; 2], max: [f64; 2], within: &Rect) -> Rect {
         let first = |low: f64, start: u16, end: u16| {
@@ -63,11 +67,11 @@ impl Rect {
     }
 }
 
-/// Samples as runs of columns, row after row.
+/// A set of samples as runs of columns, row by row.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Rows {
     first_row: u16,
-    /// Where each row's runs begin, and the end of the last.
+    /// Start of each row in `runs`, and the end of the last.
     starts: Vec<u32>,
     runs: Vec<[u16; 2]>,
 }
@@ -78,7 +82,7 @@ impl Rows {
         self.runs.clear();
     }
 
-    /// Adds columns `x0..x1` of row `y`; rows must come top to bottom.
+    /// Adds columns `x0..x1` of row `y`. Call with rows from top to bottom and, within a row, runs from left to right.
     pub fn push(&mut self, y: u16, x0: u16, x1: u16) {
         if self.starts.is_empty() {
             self.first_row = y;
@@ -92,7 +96,8 @@ impl Rows {
         self.starts[last] = self.runs.len() as u32;
     }
 
-    /// The runs of row `y`, left to right, as first column and column after the last.
+    /// Returns the runs of row `y`, left to right, each as first column and last column + 1; empty for rows without
+    /// samples.
     pub fn row(&self, y: u16) -> &[[u16; 2]] {
         match usize::from(y).checked_sub(usize::from(self.first_row)) {
             Some(row) if row + 1 < self.starts.len() => {
@@ -102,12 +107,12 @@ impl Rows {
         }
     }
 
-    /// The rows that hold a run: the first, and the one after the last.
+    /// Returns the range of rows, from the first with a run to the last with a run.
     pub fn range(&self) -> std::ops::Range<u16> {
         self.first_row..self.first_row + self.starts.len().saturating_sub(1) as u16
     }
 
-    /// The smallest rectangle around all runs.
+    /// Returns the bounding rectangle of all runs.
     pub fn rect(&self) -> Rect {
         let range = self.range();
         let x0 = self.runs.iter().map(|run| run[0]).min().unwrap_or(0);
@@ -121,8 +126,11 @@ impl Rows {
     }
 }
 
-/// The part of the screen that is left to see through: a convex outline, and the very samples where a method knew
-/// them.
+/// A clip region: the screen area still visible through the portals so far, as a convex polygon, plus the exact samples
+/// if the method knows them.
+#[doc(alias = "clip region")]
+#[doc(alias = "scissor")]
+#[doc(alias = "portal window")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aperture {
     /// Corners on the screen, in pixels, y down.
@@ -131,7 +139,7 @@ pub struct Aperture {
     rows: Option<Rows>,
 }
 
-/// What telling an aperture in cells works with.
+/// Scratch buffers of [`Aperture::in_cells`].
 #[derive(Default)]
 pub(crate) struct CellRoom {
     rows: Rows,
@@ -140,7 +148,7 @@ pub(crate) struct CellRoom {
 }
 
 impl CellRoom {
-    /// Takes rows back, to be filled anew.
+    /// Takes the rows of an aperture back for reuse.
     pub(crate) fn take_back(&mut self, mut aperture: Aperture) {
         if let Some(rows) = aperture.take_rows() {
             self.rows = rows;
@@ -149,7 +157,7 @@ impl CellRoom {
 }
 
 impl Aperture {
-    /// The whole screen.
+    /// Returns the clip region of the whole screen; `size` is width and height in pixels.
     pub fn screen(size: [u32; 2]) -> Aperture {
         let [width, height] = size.map(f64::from);
         Aperture {
@@ -164,11 +172,10 @@ impl Aperture {
         }
     }
 
-    /// What is left of this aperture behind an opening, given by its corners as (X, Y, W); `None` where it holds no
-    /// sample.
+    /// Returns the intersection with an opening, given by its corners as (X, Y, W); `None` if it contains no sample.
     ///
-    /// `rows` are the samples that the opening owns, where a method knows them; where it does not, `any_place` asks for
-    /// samples anywhere in the pixels, not only in their middle.
+    /// `rows` are the samples that the opening owns, if the method knows them. Otherwise the samples are those within
+    /// the projected outline: with `any_place` at any position in a pixel, without it at pixel centres only.
     pub(crate) fn behind(
         &self,
         opening: impl Iterator<Item = DVec3>,
@@ -192,7 +199,7 @@ impl Aperture {
         (!rect.is_empty()).then_some(Aperture { outline, rect, rows })
     }
 
-    /// The same on a screen of cells, so many to a pixel: a cell is open where any of its samples is.
+    /// Returns the aperture at a lower resolution, `scale` cells per pixel: a cell is open if any of its samples is.
     pub(crate) fn in_cells(&self, scale: [f64; 2], room: &mut CellRoom) -> Aperture {
         let cell = |at: u16, axis: usize| ((f64::from(at) + 0.5) * scale[axis]) as u16;
         let CellRoom { rows, runs, row } = room;
@@ -230,8 +237,8 @@ impl Aperture {
         }
     }
 
-    /// What of it lies in rows `y0..y1`, which are among its rectangle's. Where it is known by its samples, `spare` takes those,
-    /// and is taken; see [`Aperture::take_rows`].
+    /// Returns the part in rows `y0..y1`, which must be within the rectangle. If the aperture has exact samples, those
+    /// of the part are stored in `spare`, which is taken; see [`Aperture::take_rows`].
     pub(crate) fn strip(&self, [y0, y1]: [u16; 2], spare: &mut Rows) -> Aperture {
         let rows = self.rows.as_ref().map(|rows| {
             spare.clear();
@@ -247,23 +254,23 @@ impl Aperture {
         }
     }
 
-    /// Corners on the screen, in pixels, y down, counter-clockwise; fewer than three where the aperture is only
-    /// known by its samples.
+    /// Returns the corners on the screen, in pixels, y down, counter-clockwise; fewer than three if the aperture is
+    /// known by its samples only.
     pub fn outline(&self) -> &[[f64; 2]] {
         &self.outline
     }
 
-    /// The samples it owned, to be filled anew.
+    /// Takes the rows out for reuse.
     pub(crate) fn take_rows(&mut self) -> Option<Rows> {
         self.rows.take()
     }
 
-    /// The smallest rectangle around its samples.
+    /// Returns the bounding rectangle of the samples.
     pub fn rect(&self) -> Rect {
         self.rect
     }
 
-    /// The runs of columns open in row `y`, left to right.
+    /// Replaces `runs` by the open columns of row `y`, left to right.
     pub(crate) fn open_in_row(&self, y: u16, runs: &mut Vec<[u16; 2]>) {
         runs.clear();
         if let Some(rows) = &self.rows {
@@ -324,7 +331,7 @@ mod tests {
 
     #[test]
     fn a_window_far_away_is_a_small_square() {
-        let aperture = through([0.0; 3], -10.0).expect("it is in view");
+        let aperture = through([0.0; 3], -10.0).expect("window in view");
         let rect = aperture.rect();
         assert_eq!([rect.x1 - rect.x0, rect.y1 - rect.y0], [18, 18]);
         let mut runs = Vec::new();
@@ -337,7 +344,7 @@ mod tests {
     #[test]
     fn a_window_that_the_eye_stands_in_is_the_whole_screen() {
         for distance in [1e-2, 1e-6, 1e-12] {
-            let aperture = through([0.0; 3], -distance).expect("it is right before the eye");
+            let aperture = through([0.0; 3], -distance).expect("window right in front of the eye");
             assert_eq!(aperture.rect(), Aperture::screen([100, 100]).rect());
         }
     }

@@ -1,25 +1,26 @@
-//! The convex outline of an aperture: what of an opening is seen through those before it.
+//! The convex outline of an aperture: an opening clipped by the openings before it.
 
 use glam::{DVec2, DVec3};
 use smallvec::{SmallVec, smallvec};
 
-/// Corners of an outline; of more, a wider one is made.
+/// Maximum number of corners; an outline with more is replaced by a larger one with this many.
 const MAX_CORNERS: usize = 16;
 
 /// Corners on the screen, in pixels, y down, counter-clockwise.
 pub(super) type Outline = SmallVec<[[f64; 2]; MAX_CORNERS]>;
 
-/// Corners of an opening and of what is left of it, as (X, Y, W).
+/// Corners of an opening before and after clipping, as (X, Y, W).
 type Corners = SmallVec<[DVec3; 2 * MAX_CORNERS]>;
 
-/// Points on the screen whose hull is an outline.
+/// Points on the screen whose convex hull is an outline.
 type Points = SmallVec<[[f64; 2]; 2 * MAX_CORNERS]>;
 
-/// An opening's outline, given by its corners as (X, Y, W), within an aperture's: the convex hull of its triangles.
+/// Clips an opening, given by its corners as (X, Y, W), to an aperture's outline; returns the convex hull of its
+/// clipped triangles.
 ///
-/// Corners in f32 are never quite flat: seen along its plane, the outline of an opening need not be convex.
-/// Clipped in eye space by the planes through the eye and this outline's edges, never divided before: what is
-/// behind the eye is gone then, and an opening that the eye stands in is still seen through.
+/// Corners in f32 are never exactly coplanar, so an opening that is almost edge-on need not project to a convex
+/// outline; hence the hull. Clips in homogeneous coordinates, by the planes through the eye and the edges of `parent`,
+/// before the division by W: this removes what is behind the eye, and keeps an opening that contains the eye.
 pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> Outline {
     let opening: Corners = opening.collect();
     let homogeneous = |point: [f64; 2]| DVec3::new(point[0], point[1], 1.0);
@@ -28,15 +29,15 @@ pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> 
         let mut corners: Corners = smallvec![opening[0], opening[last - 1], opening[last]];
         for (i, &from) in parent.iter().enumerate() {
             let to = parent[(i + 1) % parent.len()];
-            // The outline runs counter-clockwise on a screen whose y points down: inside is on the left.
+            // The outline is counter-clockwise on a screen with y down: inside is on the left.
             let plane = homogeneous(to).cross(homogeneous(from));
             corners = clip_by(plane, &corners);
         }
         if corners.iter().any(|corner| corner.z <= 0.0) {
-            // The eye stands on the outline itself: anything of this aperture may be seen through it.
+            // The eye is on the outline itself: all of this aperture may be visible through it.
             return parent.clone();
         }
-        // Triangle by triangle: the points of all of them would be three times as many.
+        // Hull after each triangle: the points of all triangles would be three times as many.
         hull.extend(corners.iter().map(|c| [c.x / c.z, c.y / c.z]));
         hull = convex_hull(hull);
     }
@@ -44,16 +45,17 @@ pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> 
     hull.into_iter().collect()
 }
 
-/// Steps in a pixel to which the points of a hull are rounded. What triangles share they clip to places some roundings apart, and
-/// with these the turns of a hull would be rounding errors: it would not be convex. By far less than screen positions are used to.
+/// Number of steps per pixel to which hull points are rounded. Triangles that share a corner clip it to positions that
+/// differ by rounding; without this step the turns of the hull would be rounding errors, and it would not be convex. A
+/// step is finer than the precision of screen positions requires.
 const STEPS: f64 = (1 << 26) as f64;
 
-/// The convex hull of points, counter-clockwise on a screen whose y points down.
+/// Returns the convex hull of points, counter-clockwise on a screen with y down.
 ///
 /// Source: Andrew, Another Efficient Algorithm for Convex Hulls in Two Dimensions, Information Processing Letters 9, 1979.
 fn convex_hull(mut points: Points) -> Points {
     for point in &mut points {
-        // No negative zero, which the order would put before zero.
+        // Adding 0.0 removes negative zero, which `total_cmp` sorts before zero.
         *point = point.map(|place| (place * STEPS).round() / STEPS + 0.0);
     }
     points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -79,8 +81,8 @@ fn convex_hull(mut points: Points) -> Points {
     hull
 }
 
-/// Leaves out edges until no more than `most` are left: the neighbours of an edge go on until they meet, so that nothing
-/// is lost; of all edges the one that adds least.
+/// Removes edges until `most` are left, each time the edge that adds the least area. The neighbours of a removed edge
+/// are extended until they intersect, so the outline never shrinks.
 fn widen(outline: &mut Points, most: usize) {
     while outline.len() > most {
         let count = outline.len();
@@ -90,7 +92,7 @@ fn widen(outline: &mut Points, most: usize) {
             let [along, back] = [start - before, end - after];
             let part = (end - start).perp_dot(back) / along.perp_dot(back);
             let tip = start + along * part;
-            // Neighbours that run apart, or nearly so, never meet.
+            // Neighbours that diverge, or nearly so, never intersect.
             let meets = part >= 0.0 && (tip - end).dot(back) >= 0.0;
             let added = (end - start).perp_dot(tip - start).abs();
             (meets && added.is_finite()).then_some((added, i, tip))
@@ -102,7 +104,7 @@ fn widen(outline: &mut Points, most: usize) {
     }
 }
 
-/// The part of a polygon on the side of a plane through the eye to which `plane` points.
+/// Clips a polygon by a plane through the eye; keeps the side that `plane` points to.
 fn clip_by(plane: DVec3, corners: &[DVec3]) -> Corners {
     let mut kept = Corners::new();
     for (i, &corner) in corners.iter().enumerate() {
@@ -125,7 +127,7 @@ mod tests {
     #[test]
     fn an_outline_that_is_not_convex_as_seen_is_widened_until_it_is() {
         let screen: Outline = smallvec![[0.0, 0.0], [0.0, 100.0], [100.0, 100.0], [100.0, 0.0]];
-        // The third corner is bent inwards, the others are where a square's are.
+        // The third corner is bent inwards, the others are those of a square.
         let bent =
             [[20.0, 20.0], [20.0, 80.0], [30.0, 40.0], [80.0, 20.0]].map(|[x, y]| DVec3::new(x, y, 1.0));
         let outline = within(&screen, bent.into_iter());
@@ -139,7 +141,7 @@ mod tests {
             let angle = -(i as f64) * std::f64::consts::TAU / 20.0;
             [100.0 + 50.0 * angle.cos(), 80.0 + 30.0 * angle.sin()]
         };
-        // Each corner several times, as triangles that share it leave it where they are clipped.
+        // Each corner several times, as clipped triangles that share it leave it.
         let noise = |i: usize| [(i % 3) as f64 * 1e-14, (i % 2) as f64 * 1.5e-14];
         let points = (0..80).map(|i| [0, 1].map(|axis| corner(i / 4)[axis] + noise(i)[axis]));
         let mut hull = convex_hull(points.collect());
@@ -157,7 +159,7 @@ mod tests {
 
     #[test]
     fn a_hull_keeps_both_ends_of_an_upright_edge() {
-        // Rounding leaves the corners of an upright edge beside each other.
+        // Rounding gives the corners of a vertical edge slightly different columns.
         let points: Points = [[0.0, 0.0], [1e-14, 100.0], [2e-14, 50.0], [80.0, 0.0]]
             .into_iter()
             .collect();

@@ -1,28 +1,28 @@
-//! Runs of samples in eight rows.
+//! Rasterizer output: runs of covered samples in a band of eight rows.
 
 use super::half_plane::HalfPlane;
 use crate::aperture::Rect;
 use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 
-/// Rows are handed out by eights, from a multiple of eight.
+/// Rows per band; a band starts at a multiple of eight.
 pub(super) const BAND: usize = 8;
 
-/// Of no more rows than this, to ask each sample is cheaper than to find where a line crosses them.
+/// Up to this number of rows, testing each sample is cheaper than computing where an edge crosses each scanline.
 const FEW_ROWS: u16 = 4;
 
-/// Runs of samples in up to eight rows, from row `y`, a multiple of eight.
+/// Runs of samples in up to eight rows, starting at row `y`, a multiple of eight.
 pub(crate) struct Band {
     pub(super) y: u16,
-    /// The first column and the one after the last, of each row; equal where it holds no sample.
+    /// First column and end column (exclusive) of each row; equal for a row without samples.
     pub(super) runs: [[u16; 2]; BAND],
 }
 
 impl Band {
-    /// The samples of `rect` that all planes hold, in the rows from `y` on, and how many these are; `None` where there
-    /// are none.
+    /// Returns the samples of `rect` inside all half-planes, in the band that starts at row `y`, and their number;
+    /// `None` if there are none.
     #[inline(always)]
-    pub(super) fn held<S: Simd>(simd: S, y: u16, rect: &Rect, planes: &[HalfPlane]) -> Option<(Band, u64)> {
+    pub(super) fn inside<S: Simd>(simd: S, y: u16, rect: &Rect, planes: &[HalfPlane]) -> Option<(Band, u64)> {
         const ROWS: [f64; BAND] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
         let rows = f64x8::from_slice(simd, &ROWS) + f64::from(y);
         let mut x0 = f64x8::splat(simd, f64::from(rect.x0));
@@ -43,7 +43,7 @@ impl Band {
         (samples > 0).then_some((Band { y, runs }, samples))
     }
 
-    /// The same as [`Band::held`], by the cheaper of two ways.
+    /// Computes [`Band::inside`] by the cheaper of two equivalent algorithms.
     #[inline(always)]
     pub(super) fn of<S: Simd>(simd: S, y: u16, rect: &Rect, planes: &[HalfPlane]) -> Option<(Band, u64)> {
         let rows = [rect.y0.max(y), rect.y1.min(y + BAND as u16)];
@@ -51,12 +51,12 @@ impl Band {
         if is_small && planes.iter().all(HalfPlane::is_plain) {
             Band::of_few(simd, y, rect, rows, planes)
         } else {
-            Band::held(simd, y, rect, planes)
+            Band::inside(simd, y, rect, planes)
         }
     }
 
-    /// The same for no more than eight columns: each sample is asked, eight at a time. Where a plane is plain its samples
-    /// in a row are the first of all or the last, so that what is left is a run.
+    /// Computes [`Band::inside`] for up to eight columns by testing each sample, eight at a time. Along a scanline, the
+    /// samples inside a plain half-plane are the first or the last ones, so their intersection is one run.
     #[inline(always)]
     fn of_few<S: Simd>(
         simd: S,
@@ -90,7 +90,7 @@ impl Band {
         (samples > 0).then_some((Band { y, runs }, samples))
     }
 
-    /// The rows that hold a sample.
+    /// Returns the non-empty rows with their runs.
     #[inline(always)]
     pub(super) fn rows(&self) -> impl Iterator<Item = (u16, [u16; 2])> + '_ {
         (self.y..).zip(self.runs).filter(|(_, [x0, x1])| x0 < x1)

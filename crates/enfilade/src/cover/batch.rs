@@ -1,27 +1,28 @@
-//! The triangles of a batch, some at a time.
+//! Triangulates a batch of faces and yields the triangles in groups.
 //!
-//! Faces of more corners come as fans around their first, as everywhere; a face alone has its corners in a row.
-//! Source: none but ours.
-//! Cost: O(1) for each.
-//! Exact: every triangle once, in the order of the faces.
+//! A polygon is a triangle fan around its first corner, as everywhere in the library. The corners of a lone face are
+//! stored consecutively.
+//! Source: original to this library.
+//! Cost: O(1) for each triangle.
+//! Exact: yields every triangle once, in the order of the faces.
 
 use crate::faces::Faces;
 
-/// Triangles that are still to come, as a face's number and the places of its corners.
+/// The remaining triangles, each a face number and the indices of its three corners.
 pub(super) enum Triangles<'a> {
-    /// Of a face alone: its corners stand one after the other.
+    /// A fan over a single face, whose corners are stored consecutively.
     Lone { owner: u32, last: u32, count: u32 },
-    /// Each three corners are a face.
+    /// A triangle list: every three corners form a face.
     List {
         owner: u32,
         first_position: u32,
         corners: &'a [u32],
     },
-    /// Faces of any number of corners, as fans around their first.
+    /// Polygons of any number of corners, as triangle fans around their first corner.
     Fans {
         owner: u32,
         first_position: u32,
-        /// Where this face's corners begin, and those of the others.
+        /// Start of the current face's corners, followed by the starts of the remaining faces.
         starts: &'a [u32],
         corners: &'a [u32],
         last: u32,
@@ -53,7 +54,7 @@ impl<'a> Triangles<'a> {
         }
     }
 
-    /// Puts the next triangles into `group`, and gives their number; 0 where there are no more.
+    /// Writes the next triangles into `group` and returns their number; 0 at the end.
     #[inline(always)]
     pub(super) fn next_into(&mut self, group: &mut [(u32, [u32; 3])]) -> usize {
         let mut count = 0;
@@ -118,7 +119,7 @@ impl<'a> Triangles<'a> {
 mod tests {
     use super::*;
 
-    /// All triangles of a batch, taken `room` at a time.
+    /// Collects all triangles of a batch, taken in groups of up to `room`.
     fn all(mut triangles: Triangles, room: usize) -> Vec<(u32, [u32; 3])> {
         let mut group = vec![(0, [0; 3]); room];
         let mut all = Vec::new();

@@ -1,20 +1,21 @@
-//! The samples of one tile, side by side in memory.
+//! Depth test on the samples of one 8×8 tile, stored contiguously.
 //!
-//! A row of a tile is eight samples, one line of a cache and one register of the widest SIMD. So a triangle is let in
-//! row by row without a loop over samples: columns beside its run are given what is nothing at all, which changes
-//! nothing.
-//! Source: ours.
-//! Cost: a row some ten operations for eight samples; how far the farthest sample is, eight loads.
-//! Exact: the same operations for each sample as [`Row::bits`]; held against that, sample by sample, at every level.
+//! A row of a tile is eight samples: one cache line and one register of the widest SIMD level. So a triangle is
+//! depth-tested row by row without a loop over samples: columns outside its run get the value [`OPEN`], which never
+//! wins the test.
+//! Source: original to this library.
+//! Cost: about ten operations per row of eight samples; eight loads for the farthest sample.
+//! Exact: the same operations for each sample as [`Row::bits`]; the tests compare the two sample by sample, at every
+//! SIMD level.
 
 use super::samples::{COVERED, OPEN, Sample, lower_half, rev_depth};
 use super::triangle::{Row, Triangle};
 
-/// Samples along a tile's side, as a power of two.
+/// Base-2 logarithm of the number of samples along a tile's side.
 pub(super) const TILE_SHIFT: usize = 3;
 pub(super) const TILE: usize = 1 << TILE_SHIFT;
 
-/// The samples of a tile, row after row.
+/// Samples of a tile in row-major order.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Block(pub(super) [[Sample; TILE]; TILE]);
@@ -23,8 +24,9 @@ impl Block {
     pub(super) const COVERED: Block = Block([[COVERED; TILE]; TILE]);
     pub(super) const OPEN: Block = Block([[OPEN; TILE]; TILE]);
 
-    /// Lets a triangle own those samples of one row at which it is nearest: `x` is the tile's first column, `row` the
-    /// reversed depth along the row, and `run` what the triangle holds of it, in columns of the screen.
+    /// Depth-tests a triangle against row `y` of the tile and makes it the owner of the samples at which it is nearest.
+    /// `x` is the tile's first column, `row` the reversed depth along the row, and `run` the columns of the triangle in
+    /// it, in screen columns.
     #[inline(always)]
     pub(super) fn keep_nearest(&mut self, y: usize, x: u16, run: [u16; 2], row: &Row, owner: u32) {
         let owner = Sample::from(lower_half(owner));
@@ -37,7 +39,7 @@ impl Block {
         }
     }
 
-    /// Lets a triangle own all of it: the tile's first column and row are `x` and `y`.
+    /// Makes a triangle the owner of all samples. The tile's first column and row are `x` and `y`.
     #[inline(always)]
     pub(super) fn fill(&mut self, x: u16, y: u16, triangle: &Triangle) {
         let owner = Sample::from(lower_half(triangle.owner));
@@ -49,7 +51,7 @@ impl Block {
         }
     }
 
-    /// Bits of the farthest reversed depth.
+    /// Returns the bits of the farthest reversed depth in the tile.
     #[inline(always)]
     pub(super) fn farthest(&self) -> u32 {
         let mut farthest = [COVERED; TILE];
@@ -61,7 +63,8 @@ impl Block {
         rev_depth(farthest.into_iter().fold(COVERED, Sample::min))
     }
 
-    /// The same of columns `columns` and rows `rows` of the tile alone.
+    /// Returns the bits of the farthest reversed depth in the given columns and rows of the tile, both start inclusive,
+    /// end exclusive.
     #[inline(always)]
     pub(super) fn farthest_in(&self, columns: [usize; 2], rows: [usize; 2]) -> u32 {
         let mut farthest = [COVERED; TILE];

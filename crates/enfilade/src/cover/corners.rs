@@ -1,30 +1,30 @@
-//! Corners of a batch on the screen: eight at a time, by the same operations as one.
+//! Transforms the vertices of a batch to the screen, eight at a time.
 //!
-//! Kept by eights and number after number, so that SIMD takes all eight in one go; beside them rounded pairs for the
-//! sieve, and what holds of all of them.
-//! Source: ours; the map to (X, Y, W) is that of `raster.rs`.
-//! Cost: O(corners); nothing is allocated once the lists have grown.
+//! Results are stored in structure-of-arrays blocks of eight, so that SIMD handles all eight at once. Beside them are
+//! rounded pixel positions for the sieve, and the extent of the whole batch.
+//! Source: original to this library; the map to (X, Y, W) is that of `raster.rs`.
+//! Cost: O(vertices); no allocation once the lists have grown.
 //! The same bits at every SIMD level: no sum is fused or reordered. [`Corner::of`] is the specification.
 
 use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 use glam::{DAffine3, DVec3};
 
-/// Corners that are computed together.
+/// Vertices that are transformed together.
 const LANES: usize = 8;
 
-/// A corner on the screen.
+/// A vertex in screen space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
-    /// X, Y, W.
+    /// X, Y, W: homogeneous pixel coordinates, W the distance along the view direction.
     pub(super) at: DVec3,
-    /// X / W, Y / W and 1 / W; of no meaning where W is not above zero.
+    /// X / W and Y / W, in pixels; meaningless unless W > 0. `rev_depth` is 1 / W.
     pub(super) pixel: [f64; 2],
     pub(super) rev_depth: f64,
 }
 
 impl Corner {
-    /// One corner by itself.
+    /// Transforms a single vertex.
     #[cfg(test)]
     fn of(position: [f32; 3], matrix: &DAffine3) -> Corner {
         let [x, y, z] = position.map(f64::from);
@@ -41,33 +41,33 @@ impl Corner {
     }
 }
 
-/// X, Y, W, X / W, Y / W and 1 / W of eight corners.
+/// X, Y, W, X / W, Y / W and 1 / W of eight vertices.
 #[derive(Clone, Copy)]
 struct Eight([[f64; LANES]; 6]);
 
-/// The corners of a batch.
+/// Transformed vertices of a batch.
 #[derive(Default)]
 pub(super) struct Corners {
     eights: Vec<Eight>,
-    /// X / W and Y / W of each, rounded.
+    /// X / W and Y / W of each vertex, rounded to f32.
     rounded: Vec<[f32; 2]>,
 }
 
-/// What holds of all corners of a batch.
+/// Bounds over all vertices of a batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
-    /// The least and the greatest W, all beyond the near distance.
+    /// Minimum and maximum W; both are beyond the near plane.
     pub(super) w: [f64; 2],
-    /// The greatest |X / W| and |Y / W|.
+    /// Maximum of |X / W| and |Y / W|, in pixels.
     pub(super) pixel: f64,
 }
 
-/// Farther off than this, in pixels, f32 says too little.
+/// Largest pixel coordinate for which f32 is precise enough for the sieve.
 const FAR_OFF: f64 = 16384.0;
 
 impl Corners {
-    /// Puts `count` positions on the screen; `None` where one of them is not beyond `near`, or far off the screen, or
-    /// no number.
+    /// Transforms `count` positions; returns `None` if any of them is not beyond `near`, is farther than [`FAR_OFF`]
+    /// from the screen origin, or is NaN.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(
         &mut self,
@@ -79,7 +79,8 @@ impl Corners {
     ) -> Option<Extent> {
         self.eights.clear();
         self.rounded.clear();
-        // Arrays of SIMD are taken apart by hand: `map` over one is not inlined, and what it calls knows no SIMD.
+        // Arrays of SIMD vectors are unpacked by hand: `map` over one is not inlined, and the closure it calls is
+        // compiled without SIMD features.
         let rows = matrix.matrix3.transpose();
         let [x_row, y_row, z_row] = [rows.x_axis, rows.y_axis, rows.z_axis];
         let origin = matrix.translation;
@@ -90,7 +91,7 @@ impl Corners {
         while first < count {
             let [mut x, mut y, mut z] = [[0.0; LANES]; 3];
             for (lane, ((x, y), z)) in x.iter_mut().zip(&mut y).zip(&mut z).enumerate() {
-                // The last corner again where there are no more: it changes nothing of what holds of all.
+                // The last group is padded with the last vertex, which does not change the bounds.
                 [*x, *y, *z] = position((first + lane).min(count - 1)).map(f64::from);
             }
             let x = f64x8::from_slice(simd, &x);
@@ -136,7 +137,7 @@ impl Corners {
         })
     }
 
-    /// A corner.
+    /// Returns vertex `number`.
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> Corner {
         let (Eight([x, y, w, px, py, rev_depth]), lane) =
@@ -148,7 +149,7 @@ impl Corners {
         }
     }
 
-    /// Where a corner is on the screen, in pixels, rounded.
+    /// Returns the screen position of vertex `number` in pixels, rounded to f32.
     #[inline(always)]
     pub(super) fn rounded(&self, number: u32) -> [f32; 2] {
         self.rounded[number as usize]

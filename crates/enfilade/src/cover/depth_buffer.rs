@@ -1,10 +1,12 @@
-//! Depth buffer: the nearest face so far, at each sample.
+//! Depth buffer (z-buffer): the nearest face so far, at each sample.
 //!
-//! Its whole answer comes at the end: an owner is kept beside each depth, so nothing is shaded twice.
+//! It culls nothing during traversal. The visible set is read from the buffer at the end: an owner is stored beside
+//! each depth, so each sample is shaded once.
 //! Source: Catmull, A Subdivision Algorithm for Computer Display of Curved Surfaces, 1974; the portal clip by
 //!     initialising the buffer from Boreskov, Using portals to create aggregate scenes.
 //! Cost: clear and finish O(samples of the aperture); a face O(samples it covers).
-//! Exact: hides no box; its set is the owners that are left, and glass held against the final depth.
+//! Exact: hides no box; its visible set is the owners of the final samples, plus transparent faces depth-tested against
+//! them.
 
 use super::raster::{Band, Raster, Sink};
 use super::samples::{Samples, look_through};
@@ -20,8 +22,12 @@ use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 
-/// The nearest face so far, at each sample.
+/// Depth buffer: reversed depth and owner of the nearest face so far, at each sample.
+///
+/// Takes faces in any order. Occlusion queries always return `Partial`. One sample per pixel of the screen, 8 bytes
+/// each.
 #[derive(Default)]
+#[doc(alias = "z-buffer")]
 pub struct DepthBuffer {
     raster: Raster,
     samples: Samples,

@@ -1,16 +1,17 @@
-//! One side of a line on the screen.
+//! Half-planes on the screen: edge functions with a fill rule.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f64x8, mask64x8};
 use glam::DVec3;
 
-/// A side of a line on the screen: a·x + b·y + c above zero, or zero where `owns`.
+/// A half-plane in screen space: the points at which the edge function a·x + b·y + c is positive, or zero if `owns` is
+/// `true`.
 #[derive(Clone, Copy)]
 pub(super) struct HalfPlane {
     a: f64,
     b: f64,
     c: f64,
-    /// −1 / a.
+    /// −1 / a, to compute where the line crosses a scanline.
     root: f64,
     owns: bool,
 }
@@ -24,8 +25,10 @@ impl HalfPlane {
         owns: false,
     };
 
-    /// The side where `normal · (x, y, 1)` is positive. Left and top edges own: of two sides of one line, exactly
-    /// one owns the line.
+    /// Returns the half-plane in which `normal · (x, y, 1)` is positive.
+    ///
+    /// Implements the top-left fill rule: left and top edges own the samples on their line, so exactly one of the two
+    /// half-planes of a line owns it.
     #[inline(always)]
     pub(super) fn new(normal: DVec3) -> HalfPlane {
         let DVec3 { x: a, y: b, z: c } = normal;
@@ -38,9 +41,11 @@ impl HalfPlane {
         }
     }
 
-    /// The side of an edge on which the third corner of a triangle lies, whose determinant has the sign `side`.
+    /// Returns the half-plane of a triangle's edge that contains the third corner; `side` is the sign of the triangle's
+    /// determinant.
     ///
-    /// The edge is computed from its lesser end, so that both faces that share it get the same bits.
+    /// The edge is computed from its lexicographically smaller end, so that both faces that share the edge get the same
+    /// bits.
     #[inline(always)]
     pub(super) fn edge(from: DVec3, to: DVec3, side: f64) -> HalfPlane {
         let first = from.x < to.x || (from.x == to.x && (from.y < to.y || (from.y == to.y && from.z < to.z)));
@@ -52,49 +57,52 @@ impl HalfPlane {
         HalfPlane::new(normal * side)
     }
 
-    /// Does it hold a point?
+    /// Returns `true` if the point is inside.
     #[inline(always)]
     pub(super) fn holds(&self, x: f64, y: f64) -> bool {
         let value = x * self.a + (y * self.b + self.c);
         if self.owns { value >= 0.0 } else { value > 0.0 }
     }
 
-    /// Is it the side of a line, or of none? Not so where its making overflowed.
+    /// Returns `true` if all coefficients are finite, that is, if computing them did not overflow.
     #[inline(always)]
     pub(super) fn is_finite(&self) -> bool {
         self.a.is_finite() && self.b.is_finite() && self.c.is_finite()
     }
 
-    /// Are the samples of a row that it holds the first or the last of them, whatever the rounding? So where the
-    /// crossing of a row can be computed.
+    /// Returns `true` if the samples inside are always the first or the last ones of a scanline, regardless of
+    /// rounding. That holds wherever the crossing with a scanline can be computed.
     #[inline(always)]
     pub(super) fn is_plain(&self) -> bool {
         self.a == 0.0 || (self.root.is_finite() && self.root != 0.0)
     }
 
-    /// What the columns of some samples add to its value, to be used for several rows.
+    /// Returns the part of the edge function that depends on the columns, for reuse across several rows.
     #[inline(always)]
     pub(super) fn across<S: Simd>(&self, columns: f64x8<S>) -> f64x8<S> {
         columns * self.a
     }
 
-    /// Of samples whose columns add `across`, in the row whose centre is at `y`: those that it holds, by the same bits as
-    /// [`HalfPlane::holds`].
+    /// Tests samples in the row whose centre is at `y`, given the result of [`HalfPlane::across`]. Gives the same bits
+    /// as [`HalfPlane::holds`].
     #[inline(always)]
     pub(super) fn holds_across<S: Simd>(&self, simd: S, across: f64x8<S>, y: f64) -> mask64x8<S> {
         let value = across + (y * self.b + self.c);
         value.simd_ge(f64x8::splat(simd, self.least()))
     }
 
-    /// The least value that is held: above zero, or zero where the line is owned.
+    /// Returns the smallest value of the edge function that counts as inside: the smallest positive f64, or zero if the
+    /// line is owned.
     #[inline(always)]
     fn least(&self) -> f64 {
         if self.owns { 0.0 } else { f64::from_bits(1) }
     }
 
-    /// Narrows the columns `x0..x1` of eight rows to those held; `rows` are the y of their centres, and `limits` the
-    /// first column of all and the one after the last: from these, not from what other planes leave, so that several are
-    /// computed at once.
+    /// Narrows the runs `x0..x1` of eight rows to the columns inside this half-plane.
+    ///
+    /// `rows` are the y coordinates of the row centres. `limits` are the first and the end column of all runs: the
+    /// crossings are clamped to these rather than to the runs that other half-planes left, so that several half-planes
+    /// are evaluated in parallel.
     #[inline(always)]
     pub(super) fn narrow<S: Simd>(
         &self,
@@ -116,8 +124,9 @@ impl HalfPlane {
             let value = (column + 0.5) * self.a + at_row;
             value.simd_ge(f64x8::splat(simd, least)).select(one, zero)
         };
-        // Rounding may put the crossing on the wrong side of a sample's centre. So the column at or before it and
-        // the next are asked, and the other side of the line asks them alike.
+        // Rounding may put the crossing on the wrong side of a sample's centre. So the edge function is evaluated at
+        // the column at or before it and at the next one; the opposite half-plane evaluates the same two, so no sample
+        // is lost or drawn twice.
         let crossing = at_row * self.root - 0.5;
         let crossing = crossing.simd_gt(first).select(crossing, first);
         let column = crossing.simd_lt(end).select(crossing, end).floor();
@@ -136,7 +145,7 @@ mod tests {
     use super::*;
     use fearless_simd::{Level, dispatch};
 
-    /// The columns 0..8 of row 0 that are held, as a picture.
+    /// Draws which of the columns 0..8 of row 0 are inside.
     fn held(normal: [f64; 3]) -> String {
         let plane = HalfPlane::new(DVec3::from(normal));
         dispatch!(Level::new(), simd => {

@@ -1,15 +1,18 @@
-//! Floating horizon: how far up, and how far down, everything is covered without a gap.
+//! Floating horizon for terrain: how far each group of columns is covered without a gap, from the bottom and from the
+//! top.
 //!
-//! Of ground seen near to far the far is hidden as long as it stays below what was seen last, and of ground above the eye as
-//! long as it stays over it. So for every eight columns of samples (or rows, where upright is nearer to across) it is known
-//! how far they are covered from either end, and how far away the farthest of that is; a box is hidden where that is so in
-//! all of its columns. Reversed depth and owner of each sample are kept, so that things may also come in another order: what
-//! stands on the ground, and hides some of it.
-//! Source: Williamson, Hidden-Line Plotting Program, CACM 1972; Anderson, Hidden Line Elimination in Projected Grid Surfaces,
-//!     ACM Transactions on Graphics 1982. Samples instead of lines, and depths beside them, are ours.
-//! Cost: clear and finish O(samples of the aperture); a face O(samples it covers); boxes O(columns / 8), and all together once
-//!     O(samples) for raising horizons.
-//! Exact: its set is the owners that are left, and glass held against the final depth.
+//! In terrain drawn front to back, far ground is hidden as long as it stays below the horizon drawn so far, and ground
+//! above the eye as long as it stays above it. So for each group of eight columns of samples (or rows, if the up
+//! direction is closer to horizontal on the screen) two horizons store how far the group is covered from either end,
+//! and the farthest reversed depth within that part. A box is hidden if it is behind that part in all of its columns.
+//! Each sample also stores reversed depth and owner, so that other geometry may come in any order, such as objects on
+//! the ground that hide part of it.
+//! Source: Williamson, Hidden-Line Plotting Program, CACM 1972; Anderson, Hidden Line Elimination in Projected Grid
+//!     Surfaces, ACM Transactions on Graphics 1982. Samples instead of lines, and depths beside them, are original to
+//!     this library.
+//! Cost: clear and finish O(samples of the aperture); a face O(samples it covers); a box O(columns / 8), plus
+//!     O(samples) once in total for raising the horizons.
+//! Exact: its visible set is the owners of the final samples, plus transparent faces depth-tested against them.
 
 use super::raster::{Band, Raster, Sink};
 use super::samples::{COVERED, OPEN, Sample, Samples, look_through, rev_depth};
@@ -26,39 +29,46 @@ use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 use glam::DVec3;
 
-/// The nearest face so far at each sample, under two horizons.
+/// Depth buffer with two floating horizons per group of eight columns, for terrain.
+///
+/// Takes faces in any order; culls best when terrain comes front to back. One sample per pixel of the screen.
 #[derive(Default)]
+#[doc(alias = "floating horizon")]
+#[doc(alias = "terrain")]
 pub struct Horizon {
     raster: Raster,
-    known: Known,
+    buffer: HorizonBuffer,
 }
 
+/// A depth buffer and its horizons.
+///
+/// A *line* is a column of samples, or a row if `across` is `true`; a *step* is a position along a line.
 #[derive(Default)]
-struct Known {
+struct HorizonBuffer {
     samples: Samples,
-    /// Are lines rows, and not columns?
+    /// Whether lines are rows instead of columns.
     across: bool,
-    /// Of every eight lines of the aperture's rectangle.
+    /// One entry for every eight lines of the aperture's rectangle.
     horizons: Vec<Horizons>,
 }
 
-/// How far eight lines are covered.
+/// Covered ranges of a group of eight lines, from either end.
 #[derive(Clone, Copy)]
 struct Horizons {
-    /// From their beginning up to here, and from here on to their end.
+    /// The group is covered from its beginning up to the first step (exclusive), and from the second step to its end.
     ends: [u16; 2],
-    /// Bits of the farthest reversed depth of each of the two.
+    /// Bits of the farthest reversed depth in each of the two covered parts.
     farthest: [u32; 2],
 }
 
-/// Lines that are taken together: as many samples as a line of the cache holds.
+/// Lines per group: as many samples as fit in a cache line.
 const LINES: u16 = 8;
 
 impl Cover for Horizon {
     type CullNeeds = Unsorted;
 
     fn sees(&mut self, region: &Region) -> Visibility {
-        if self.known.hides(&region.rect, region.nearest.to_bits()) {
+        if self.buffer.hides(&region.rect, region.nearest.to_bits()) {
             Visibility::Hidden
         } else {
             Visibility::Partial
@@ -76,15 +86,15 @@ impl Paints for Horizon {
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {
-        let Known {
+        let HorizonBuffer {
             samples,
             across,
             horizons,
-        } = &mut self.known;
+        } = &mut self.buffer;
         samples.shape(passage, trace);
         samples.open(passage, |_, _| {});
         let rect = samples.rect;
-        *across = up_goes_across(passage, &rect);
+        *across = is_up_horizontal(passage, &rect);
         let [lines, steps] = by_line(&rect, *across);
         horizons.clear();
         horizons.resize(
@@ -97,12 +107,12 @@ impl Paints for Horizon {
     }
 
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {
-        self.known.samples.begin_batch();
-        self.raster.run(faces, passage, &mut self.known, stats);
+        self.buffer.samples.begin_batch();
+        self.raster.run(faces, passage, &mut self.buffer, stats);
     }
 
     fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector) {
-        let depth = |x, y| self.known.samples.depth(x, y);
+        let depth = |x, y| self.buffer.samples.depth(x, y);
         look_through(depth, &mut self.raster, faces, passage, stats, seen);
     }
 
@@ -113,12 +123,12 @@ impl Paints for Horizon {
         seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        self.known.samples.report(owners, seen, canvas);
+        self.buffer.samples.report(owners, seen, canvas);
     }
 }
 
-/// Does what goes up in the sector go more to the side on the screen than up?
-fn up_goes_across(passage: &Passage, rect: &Rect) -> bool {
+/// Returns `true` if the sector's up axis, projected at the centre of `rect`, is closer to horizontal than to vertical.
+fn is_up_horizontal(passage: &Passage, rect: &Rect) -> bool {
     let DVec3 { x, y, z } = passage.screen_from_sector.transform_vector3(DVec3::Y);
     let middle = [
         0.5 * (f64::from(rect.x0) + f64::from(rect.x1)),
@@ -127,15 +137,16 @@ fn up_goes_across(passage: &Passage, rect: &Rect) -> bool {
     (x - middle[0] * z).abs() > (y - middle[1] * z).abs()
 }
 
-/// The lines of a rectangle, and the samples along them.
+/// Returns the range of lines of a rectangle, and the range of steps along them.
 #[inline(always)]
 fn by_line(rect: &Rect, across: bool) -> [[u16; 2]; 2] {
     let [columns, rows] = [[rect.x0, rect.x1], [rect.y0, rect.y1]];
     if across { [rows, columns] } else { [columns, rows] }
 }
 
-impl Known {
-    /// Is everything in a rectangle nearer than `bits`? Raises horizons as far as needed to tell.
+impl HorizonBuffer {
+    /// Returns `true` if all samples in a rectangle are nearer than `bits`. Raises the horizons as far as needed to
+    /// decide.
     fn hides(&mut self, rect: &Rect, bits: u32) -> bool {
         let rect = rect.intersection(&self.samples.rect);
         if rect.is_empty() {
@@ -148,7 +159,7 @@ impl Known {
         })
     }
 
-    /// The groups of lines in a rectangle.
+    /// Returns the groups of lines that a rectangle touches.
     #[inline(always)]
     fn groups(&self, rect: &Rect) -> std::ops::RangeInclusive<usize> {
         let [first, _] = by_line(&self.samples.rect, self.across)[0];
@@ -161,10 +172,10 @@ impl Known {
         by_line(rect, self.across)[1]
     }
 
-    /// Brings one of the horizons of a group over `steps`, as far as samples are covered.
+    /// Raises a horizon of a group over `start..end`, as far as samples are covered.
     fn raise(&mut self, group: usize, [start, end]: [u16; 2]) {
         let mut horizons = self.horizons[group];
-        // The one from the end first: there is the ground.
+        // Starts with the horizon at the end of the line, where the ground is.
         while horizons.ends[1] > start {
             let farthest = self.farthest_across(group, horizons.ends[1] - 1);
             if farthest == 0 {
@@ -184,7 +195,7 @@ impl Known {
         self.horizons[group] = horizons;
     }
 
-    /// Bits of the farthest reversed depth across a group of lines; 0 where anything is open.
+    /// Returns the bits of the farthest reversed depth across a group of lines at one step; 0 if any sample is open.
     #[inline(always)]
     fn farthest_across(&self, group: usize, step: u16) -> u32 {
         let [first, last] = by_line(&self.samples.rect, self.across)[0];
@@ -204,14 +215,14 @@ impl Known {
 }
 
 impl Horizons {
-    /// Is all from `start` to `end` nearer than `bits`?
+    /// Returns `true` if all steps from `start` to `end` are covered and nearer than `bits`.
     #[inline(always)]
     fn hide(&self, [start, end]: [u16; 2], bits: u32) -> bool {
         (self.ends[1] <= start && bits < self.farthest[1]) || (self.ends[0] >= end && bits < self.farthest[0])
     }
 }
 
-impl Sink for Known {
+impl Sink for HorizonBuffer {
     #[inline(always)]
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
         let steps = self.steps(rect);

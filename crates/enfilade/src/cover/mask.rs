@@ -1,11 +1,11 @@
-//! Mask: what is painted stays; every sample is painted once.
+//! Coverage mask: front-to-back painting that draws every sample once.
 //!
-//! Right where nothing comes after what it hides. A bit for each sample says whether it is open, and a count for each
-//! tile of 64×8, so that a box behind painted samples is dropped by a look at a few counts.
-//! Source: Boreskov, Using portals to create aggregate scenes (a BSP tree near to far, with an s-buffer as the mask of
-//!     what is painted).
+//! Correct if no face comes after a face that it hides. One bit per sample stores whether it is open, and one count per
+//! tile of 64×8 samples stores how many are, so that a box behind painted samples is culled by reading a few counts.
+//! Source: Boreskov, Using portals to create aggregate scenes (front-to-back BSP traversal with an s-buffer as the mask
+//!     of painted samples).
 //! Cost: clear and finish O(samples of the aperture); a face O(its open samples) + O(its rows); a box O(tiles).
-//! Exact: nothing is decided by depth.
+//! Exact: no decision depends on depth.
 
 use super::raster::{Band, Raster, Sink};
 use super::samples::{Samples, look_through};
@@ -21,24 +21,29 @@ use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 
-/// What is painted stays.
+/// Coverage mask: painted samples are never overwritten.
+///
+/// Requires faces front to back. One bit of coverage, and one sample with owner and reversed depth, per pixel of the
+/// screen.
 #[derive(Default)]
 pub struct Mask {
     raster: Raster,
-    painted: Painted,
+    painted: MaskedSamples,
 }
 
-/// Samples, and which of them are open.
+/// Samples, and a mask of the open ones.
 #[derive(Default)]
-struct Painted {
+struct MaskedSamples {
     samples: Samples,
-    /// Words of 64 samples in a row.
+    /// Number of 64-sample words in a row.
     words: usize,
+    /// One bit per sample, set if it is open; row-major.
     open: Vec<u64>,
-    /// Open samples of each tile: a word wide, [`TILE_ROWS`] high.
+    /// Number of open samples in each tile: one word wide, [`TILE_ROWS`] high.
     tiles: Vec<u16>,
 }
 
+/// Height of a tile in rows.
 const TILE_ROWS: usize = 8;
 
 impl Cover for Mask {
@@ -64,7 +69,7 @@ impl Paints for Mask {
     const KEEPS_DEPTHS: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {
-        let Painted {
+        let MaskedSamples {
             samples,
             words,
             open,
@@ -108,8 +113,8 @@ impl Paints for Mask {
     }
 }
 
-impl Painted {
-    /// Is every sample of `rect` painted, or outside the aperture?
+impl MaskedSamples {
+    /// Returns `true` if every sample of `rect` is painted or outside the aperture.
     fn is_full(&self, rect: &Rect) -> bool {
         let [first, last] = [rect.y0, rect.y1 - 1].map(|y| usize::from(y) / TILE_ROWS);
         words_of(rect.x0, rect.x1).all(|(word, bits)| {
@@ -124,7 +129,7 @@ impl Painted {
         })
     }
 
-    /// Lets a triangle own the open samples of a run.
+    /// Makes a triangle the owner of the open samples of a run.
     #[inline(always)]
     fn paint(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle) {
         let row = usize::from(y) * self.words;
@@ -147,7 +152,8 @@ impl Painted {
     }
 }
 
-/// The words that hold columns `x0..x1` of a row, at least one, with a bit for each of them.
+/// Returns the words that contain the columns `x0..x1` of a row, each with a mask of those columns. `x0` must be less
+/// than `x1`.
 #[inline(always)]
 fn words_of(x0: u16, x1: u16) -> impl Iterator<Item = (usize, u64)> + Clone {
     let [first, last] = [x0, x1 - 1].map(|x| usize::from(x) / 64);
@@ -158,7 +164,7 @@ fn words_of(x0: u16, x1: u16) -> impl Iterator<Item = (usize, u64)> + Clone {
     })
 }
 
-impl Sink for Painted {
+impl Sink for MaskedSamples {
     #[inline(always)]
     fn hides(&mut self, rect: &Rect, _nearest: f32) -> bool {
         self.is_full(rect)

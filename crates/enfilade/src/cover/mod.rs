@@ -1,4 +1,8 @@
-//! Covers: what is already hidden. A cover knows nothing of orders; `method` joins the two.
+//! Covers: occlusion buffers that store what the geometry processed so far hides.
+//!
+//! A cover answers occlusion queries for bounding boxes. Covers that implement [`Paints`] also hold the picture (an
+//! owner per sample); covers that implement [`Hides`] only hold selected occluders. Covers do not depend on traversal
+//! orders; `method` combines the two.
 
 mod band;
 mod batch;
@@ -49,17 +53,25 @@ use band::Band;
 use glam::DAffine3;
 use triangle::Triangle;
 
-/// Remembers what is already hidden.
+/// An occlusion buffer: stores what is already hidden and tests bounding boxes against it.
+///
+/// All screen coordinates are in pixels, with y pointing down and sample centres at .5. Depths are reversed depths:
+/// larger is nearer.
+#[doc(alias = "occlusion buffer")]
 pub trait Cover: Default + Send + 'static {
-    /// What an order must give so that nothing seen is called hidden.
+    /// Guarantee that a traversal order must give for occlusion queries to cause no false cull.
     type CullNeeds;
 
-    /// How much of a box can still be seen. `Partial` when unsure; `Full` only where nothing that comes later in the
-    /// same walk can change it.
+    /// Returns how much of a box may still be visible.
+    ///
+    /// `Hidden` only if no part of it can be visible. `Partial` when unsure. `Full` only if nothing that the same
+    /// traversal adds later can hide any part of it.
     fn sees(&mut self, region: &Region) -> Visibility;
 
-    /// As [`Cover::sees`], of a box given in another space; `None` where it is out of view. A cover that needs neither its
-    /// samples nor its reversed depth can say so sooner.
+    /// Tests an AABB given in another space, as [`Cover::sees`] does; `None` if the box is outside the view.
+    ///
+    /// `screen_from_local` maps the space of `bounds` to (X, Y, W). Override it in covers that need neither the samples
+    /// nor the reversed depth of the box, to skip computing them.
     fn sight_of(
         &mut self,
         passage: &Passage,
@@ -69,46 +81,50 @@ pub trait Cover: Default + Send + 'static {
         Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
     }
 
-    /// From now on all boxes lie in the one that was asked about last. What it said of that may save asking the same again.
+    /// Announces that all boxes tested from now on are inside the box tested last, so that the cover may reuse that
+    /// result.
     fn go_within(&mut self) {}
 
-    /// From now on boxes lie anywhere again.
+    /// Ends [`Cover::go_within`]: boxes tested from now on may be anywhere.
     fn go_back(&mut self) {}
 
-    /// Memory in bytes for a screen of this size.
+    /// Returns the memory in bytes that a cover needs for a screen of `size` (width, height) pixels.
     fn needs_bytes(size: [u32; 2]) -> u64;
 
-    /// What it divides the screen into; `None` where that is nothing worth a picture.
+    /// Shape of the cells that [`Cover::show`] emits; `None` if the cover has no cells worth drawing.
     const SHAPE: Option<CoverShape> = None;
 
-    /// Shows what it knows, when all that hides is in it ([`Canvas::cover`]).
+    /// Emits the contents of the cover to [`Canvas::cover`], after all occluders were rasterized into it.
     fn show(&mut self, passage: &Passage, canvas: &mut dyn Canvas) {
         let _ = (passage, canvas);
     }
 }
 
-/// A cover that holds the picture: faces go in as they come.
+/// A cover that holds the picture: it stores an owner for each sample and takes faces in traversal order, without
+/// occluder selection.
 pub trait Paints: Cover {
-    /// What an order must give so that the picture is right.
+    /// Guarantee that a traversal order must give for the picture to be correct.
     type DrawNeeds;
-    /// Does it gain by seeing first what the last look saw? Only a cover that needs no order can.
+    /// Whether temporal coherence helps: processing first what was visible in the last frame. Only a cover that accepts
+    /// faces in any order can benefit.
     const PRIMES: bool;
-    /// Does [`Cover::sees`] still hold boxes against what hides when all of that is in? A cover that only knows what is
-    /// left to paint would call all glass hidden.
+    /// Whether [`Cover::sees`] still tests boxes against depth after all opaque faces were added. A cover that only
+    /// tracks unpainted samples would report every transparent object as hidden.
     const KEEPS_DEPTHS: bool = true;
 
-    /// Starts over: only the passage's aperture is open, everything else counts as covered. `trace`: count the work
-    /// for [`Canvas::work`].
+    /// Clears the cover and opens the samples of the passage's aperture; all other samples count as covered. If `trace`
+    /// is `true`, counts the work per sample for [`Canvas::work`].
     fn clear(&mut self, passage: &Passage, trace: bool);
 
-    /// Lets a batch of opaque faces hide what is behind them; a cover that defers nothing paints them.
+    /// Rasterizes a batch of opaque faces, which hide the geometry behind them. A cover that defers nothing also draws
+    /// them to `canvas`.
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, canvas: Option<&mut dyn Canvas>);
 
-    /// Reports the samples at which faces that do not hide are in front of all that does. Comes after the last
-    /// [`Paints::add`].
+    /// Reports the samples at which the given transparent faces are in front of all opaque faces. Call it after the
+    /// last [`Paints::add`].
     fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector);
 
-    /// Reports and paints what could not be decided earlier.
+    /// Reports the visible faces and draws the spans that could not be resolved earlier.
     fn finish(
         &mut self,
         owners: &dyn Owners,
@@ -118,54 +134,59 @@ pub trait Paints: Cover {
     );
 }
 
-/// A cover that holds no picture: chosen occluders go in first, and then it says what they hide.
+/// A cover that holds no picture: selected occluders are inserted first, then boxes are tested against them.
 pub trait Hides: Cover + Sync {
-    /// Which occluders are worth most to it.
+    /// Measure by which occluders are selected for this cover.
     const MEASURE: OccluderMeasure;
-    /// How many occluders go in unless told otherwise.
+    /// Default number of occluders to insert.
     const OCCLUDERS: u32;
 
-    /// Starts over: only the passage's aperture is open, everything else is hidden.
+    /// Clears the cover and opens the passage's aperture; everything outside it is hidden.
     fn clear(&mut self, passage: &Passage);
 
-    /// Is all of a box, given in another space, hidden already, or out of view? Asked of many a box before each occluder,
-    /// so by a cheap question: no when unsure.
+    /// Returns `true` if a box, given in another space, is entirely hidden or outside the view; `false` when unsure.
+    ///
+    /// Called for many boxes before each occluder is inserted, so implementations should use a cheap test.
+    /// `screen_from_local` maps the space of `bounds` to (X, Y, W).
     fn hides(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
         let sight = self.sight_of(passage, screen_from_local, bounds);
         sight.is_none_or(|sight| sight == Visibility::Hidden)
     }
 
-    /// Lets an occluder hide what is behind it.
+    /// Inserts a selected occluder, which hides the geometry behind it.
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, stats: &mut Stats);
 
-    /// Do faces that a walk finds hide what it finds later? Then all that was found is asked about once more at the end.
+    /// Whether visible faces found during the traversal are rasterized as occluders too. If so, everything found is
+    /// tested once more at the end.
     const TAKES_FACES: bool = false;
 
-    /// Lets a batch of opaque faces within `region` hide what is behind them, where that is worth it. Only asked where
-    /// [`Hides::TAKES_FACES`].
+    /// Rasterizes a batch of opaque faces within `region` as occluders, if that is worth the cost. Called only if
+    /// [`Hides::TAKES_FACES`] is `true`.
     fn hide_faces(&mut self, _faces: &Faces, _region: &Region, _passage: &Passage, _stats: &mut Stats) {}
 
-    /// Becomes a cover that says of everything what another one does. Only asked where a walk changes nothing that is said: not
-    /// where [`Hides::TAKES_FACES`].
+    /// Makes this cover answer all queries as `from` does. Called only if queries do not change the answers, that is,
+    /// if [`Hides::TAKES_FACES`] is `false`.
     fn copy(&mut self, _from: &Self) {}
 
-    /// Are so many triangles within `region` too fine to hide what is worth it, and to be looked at in parts?
+    /// Returns `true` if this number of triangles within `region` is too fine to be worth rasterizing as occluders at
+    /// once, so that the caller should visit them in parts.
     fn are_too_fine(_triangles: u64, _region: &Region) -> bool {
         false
     }
 }
 
-/// A cover that can do with cells larger than samples: it holds no picture then, but says what is hidden.
+/// A cover that can work with cells larger than samples: it then holds no picture, but can still test visibility.
 pub(crate) trait Coarse: Cover {
-    /// Starts over, for a passage in cells: only those that the aperture reaches into are open.
+    /// Clears the cover and opens only the cells that the passage's aperture reaches into.
     fn clear_cells(&mut self, passage: &Passage);
 
-    /// May anything as near as `nearest` be seen in these cells?
+    /// Returns `true` if anything with reversed depth up to `nearest` may be visible in the cells of `rect`.
     fn sees_cells(&mut self, rect: &Rect, nearest: f32) -> bool;
 
-    /// May a face be seen in these cells that is no nearer than a triangle's plane at their centres?
+    /// Returns `true` if a face may be visible in these cells that is no nearer than the triangle's plane at their
+    /// centres.
     fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool;
 
-    /// These cells are covered whole by something that is at least as near as the triangle's plane at their centres.
+    /// Marks these cells as fully covered by a surface at least as near as the triangle's plane at their centres.
     fn cover_cells(&mut self, cells: &Band, rev_depth: &Triangle);
 }

@@ -1,10 +1,10 @@
-//! Hides nothing: what comes later is painted over what came before.
+//! Painter's algorithm: back-to-front painting without a depth test, later faces overwriting earlier ones.
 //!
-//! Right only as far as its order is: nothing may come before what it hides. Owners are painted, not colours, so that
-//! each sample is shaded once and what is left says what was seen.
+//! Correct only as far as its traversal order is: no face may come before a face that it hides. It paints owners
+//! instead of colours, so each sample is shaded once and the remaining owners are the visible set.
 //! Source: the painter's algorithm; Newell, Newell, Sancha, A Solution to the Hidden Surface Problem, 1972.
 //! Cost: clear and finish O(samples of the aperture); a face O(samples it covers), hidden or not.
-//! Its contract is its order's.
+//! Contract: that of the traversal order.
 
 use super::raster::{Band, Raster, Sink};
 use super::samples::{Samples, look_through};
@@ -20,15 +20,18 @@ use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 
-/// Hides nothing: paints over.
+/// Buffer of owners for the painter's algorithm: each face overwrites the samples it covers.
+///
+/// Requires faces back to front. Occlusion queries always return `Partial`. One sample per pixel of the screen.
 #[derive(Default)]
 pub struct PaintersBuffer {
     raster: Raster,
-    painted: Painted,
+    painted: PaintedSamples,
 }
 
+/// Samples without a depth test.
 #[derive(Default)]
-struct Painted(Samples);
+struct PaintedSamples(Samples);
 
 impl Cover for PaintersBuffer {
     type CullNeeds = FarToNear;
@@ -72,7 +75,7 @@ impl Paints for PaintersBuffer {
     }
 }
 
-impl Sink for Painted {
+impl Sink for PaintedSamples {
     #[inline(always)]
     fn hides(&mut self, _rect: &Rect, _nearest: f32) -> bool {
         false

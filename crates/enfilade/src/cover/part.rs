@@ -1,10 +1,10 @@
-//! Where on the screen the part of a polygon can be that a near distance and cutting planes leave.
+//! Clips polygons by the near plane and by cutting planes, and bounds the remainder on the screen.
 
 use crate::aperture::Rect;
 use crate::faces::Cut;
 use glam::DVec3;
 
-/// Corners of the part at hand, and room for those of the next.
+/// Corners of the clipped polygon, and a buffer for the next clip.
 #[derive(Default)]
 pub(super) struct Part {
     corners: Vec<DVec3>,
@@ -12,7 +12,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// A rectangle within `limits` around what is left of a polygon at W ≥ `near` and inside of all cuts.
+    /// Returns a rectangle within `limits` that contains the part of a polygon with W ≥ `near` and inside all cuts.
     #[cold]
     pub(super) fn rect(&mut self, polygon: &[DVec3], near: f64, cuts: &[Cut], limits: &Rect) -> Rect {
         self.corners.clear();
@@ -32,12 +32,13 @@ impl Part {
                 max[axis] = greater(value, max[axis]);
             }
         }
-        // Cuts are rounded, more so where corners are far behind the eye: a pixel more does no harm.
+        // Clipped corners are rounded, more so if the original ones are far behind the eye. One pixel of margin on each
+        // side is safe.
         let [low, high] = [min.map(|value| value - 1.0), max.map(|value| value + 1.0)];
         Rect::around(low, high, limits)
     }
 
-    /// What is left of a polygon at n · p ≥ d for all planes.
+    /// Returns the part of a polygon with n · p ≥ d for all planes.
     pub(super) fn clipped(
         &mut self,
         polygon: &[DVec3],
@@ -46,7 +47,7 @@ impl Part {
         self.corners.clear();
         self.corners.extend_from_slice(polygon);
         for (normal, distance) in planes {
-            // Most planes cut nothing off.
+            // Most planes clip nothing.
             if !self.corners.iter().all(|corner| normal.dot(*corner) >= distance) {
                 self.cut(normal, distance);
             }
@@ -54,6 +55,7 @@ impl Part {
         &self.corners
     }
 
+    /// Clips the current polygon to `normal` · p ≥ `distance`.
     fn cut(&mut self, normal: DVec3, distance: f64) {
         self.next.clear();
         for (i, &here) in self.corners.iter().enumerate() {

@@ -1,12 +1,14 @@
-//! Turns triangles into runs of samples, exactly as rays through the samples would meet them.
+//! Rasterizer: converts triangles to runs of samples, with the same result as casting a ray through each sample.
 //!
-//! A corner is kept as (X, Y, W), never divided for a decision: an edge is the plane through the eye and its two
-//! ends, reversed depth is the triangle's plane, and both are linear on the screen. So a triangle that crosses the near
-//! plane, or has corners behind the eye, needs no clipping: "nearer than the near distance" is one more edge.
+//! Triangle setup works on homogeneous corners (X, Y, W) and decides nothing after a perspective divide. An edge
+//! function is the plane through the eye and the edge's two ends; the reversed depth is the triangle's plane; both are
+//! linear on the screen. So a triangle that crosses the near plane or has corners behind the eye needs no clipping: the
+//! near-plane test is one more edge function.
 //! Source: Olano, Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates, Graphics Hardware 1997.
-//! Cost: a triangle O(rows it touches) + O(samples it owns); one without a sample only its bounds.
-//! Exact up to the rounding of f64: edges within 10⁻⁹ pixel, and a shared edge has the same bits on both sides, so
-//! that each sample belongs to exactly one of them. The same bits at every SIMD level: the compiler only widens it.
+//! Cost: a triangle O(rows it touches) + O(samples it owns); a triangle without a sample only its bounds.
+//! Exact up to the rounding of f64: edges within 10⁻⁹ pixel. A shared edge has the same bits on both sides, so each
+//! sample belongs to exactly one of its faces (top-left fill rule). The same bits at every SIMD level: the compiler
+//! only widens the code.
 
 pub(super) use super::band::{BAND, Band};
 use super::batch::Triangles;
@@ -25,31 +27,32 @@ use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use std::hint::black_box;
 
-/// Receives the samples of triangles.
+/// Receives the rasterized samples of triangles.
 pub(super) trait Sink {
-    /// Is all that lies in `rect` and is no nearer than `nearest` hidden already? `false` when unsure.
+    /// Returns `true` if everything in `rect` no nearer than `nearest` is already hidden; `false` when unsure.
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool;
 
-    /// Does it know all that it wants to know of the batch at hand?
+    /// Returns `true` to skip the rest of the current batch.
     #[inline(always)]
     fn is_done(&self) -> bool {
         false
     }
 
-    /// A triangle that is not hidden comes next; its corners as (X, Y, W).
+    /// Announces the next triangle that passed the occlusion test; its corners as (X, Y, W).
     #[inline(always)]
     fn begin(&mut self, _triangle: &Triangle, _corners: &[DVec3; 3]) {}
 
-    /// The samples of some rows that the triangle owns.
+    /// Receives the samples of the triangle in one band of rows.
     fn band(&mut self, band: &Band, triangle: &Triangle);
 }
 
-/// Corners of the batch at hand, on the screen.
+/// The rasterizer, with its buffers.
 pub(super) struct Raster {
     level: Level,
     buffers: Buffers,
 }
 
+/// Transformed vertices of the current batch, and buffers for edge functions and clipping.
 #[derive(Default)]
 struct Buffers {
     corners: Corners,
@@ -64,7 +67,7 @@ impl Default for Raster {
 }
 
 impl Raster {
-    /// At a SIMD level, which changes the time it takes and no bit of what it says.
+    /// Creates a rasterizer for a SIMD level. The level changes the speed only; the results have the same bits.
     pub(super) fn at(level: Level) -> Raster {
         Raster {
             level,
@@ -72,7 +75,7 @@ impl Raster {
         }
     }
 
-    /// Hands the samples of a batch to `sink`, face after face.
+    /// Rasterizes a batch face by face into `sink`.
     pub(super) fn run(&mut self, faces: &Faces, passage: &Passage, sink: &mut impl Sink, stats: &mut Stats) {
         stats.batches += 1;
         let buffers = &mut self.buffers;
@@ -96,7 +99,7 @@ fn run_batch<S: Simd>(
     } = buffers;
     let batch = Batch {
         rect: passage.aperture.rect(),
-        // An opening that the eye stands in is seen through, however near it is.
+        // Openings are not clipped by the near plane: an opening that contains the eye must stay visible.
         near: if matches!(faces.source, FaceSource::Opening(_)) {
             0.0
         } else {
@@ -104,9 +107,10 @@ fn run_batch<S: Simd>(
         },
         entry: passage.entry,
         front: faces.front(passage),
-        // Only a face alone is ever cut.
+        // Only a lone face ever has cuts.
         cuts: if faces.is_lone() { faces.cuts } else { &[] },
-        // Openings that are edge-on are not handed out, and the square around an eye in one is as near as rounding.
+        // Edge-on openings are rejected before they get here, and the square that replaces an opening containing the
+        // eye is as close to the eye as rounding errors.
         rounding: if matches!(faces.source, FaceSource::Opening(_)) {
             0.0
         } else {
@@ -161,8 +165,10 @@ fn run_batch<S: Simd>(
     }
 }
 
-/// Asks for all of a batch's memory at once, so that one waits for it once: of a large scene every batch lies somewhere
-/// else, and a loop that computes on the way has only a few lines of a cache under way.
+/// Prefetches all memory of a batch, so that the cache misses overlap.
+///
+/// In a large scene each batch is at an unrelated address, and a loop that also computes keeps only a few cache lines
+/// in flight.
 #[inline(always)]
 fn fetch(faces: &Faces) {
     const LINE: usize = 64;
@@ -174,27 +180,31 @@ fn fetch(faces: &Faces) {
     }
 }
 
-/// Rounding of a corner on the screen, relative to the terms that it is the sum of.
+/// Relative rounding error of a transformed corner, as a part of the terms that it is the sum of.
 const ROUNDING: f64 = 1.0 / (1_u64 << 50) as f64;
 
-/// A determinant above this part of the product of two edges and the line of sight to a corner is certainly not zero.
+/// A determinant above this part of the product of two edges and the distance to a corner is certainly nonzero.
 const THIN: f64 = 1e-6;
 
-/// What holds for all triangles of a batch.
+/// Parameters shared by all triangles of a batch.
 struct Batch<'a> {
+    /// Bounding rectangle of the aperture.
     rect: Rect,
+    /// Near-plane distance.
     near: f64,
+    /// Entry plane behind the last portal, n · (X, Y, W) ≥ d.
     entry: Option<(DVec3, f64)>,
+    /// Sign of the determinant of front faces; 0 for double-sided faces.
     front: f64,
-    /// Planes that cut the face.
+    /// Planes that clip the face.
     cuts: &'a [Cut],
-    /// How far rounding may have moved a corner, in the space of (X, Y, W).
+    /// Bound on the rounding error of a corner, in the space of (X, Y, W).
     rounding: f64,
 }
 
 impl Batch<'_> {
-    /// Returns `true` if the eye is in the plane of a triangle, as far as rounding lets one know: its determinant, which is
-    /// zero then, is no larger than moving the corners by `rounding` makes it.
+    /// Returns `true` if the eye is in the plane of a triangle, within rounding: if its determinant, which is then
+    /// zero, is no larger than what moving the corners by `rounding` can cause.
     #[cold]
     fn is_edge_on(&self, &[a, b, c]: &[DVec3; 3]) -> bool {
         let [ab, ac] = [b - a, c - a];
@@ -203,9 +213,9 @@ impl Batch<'_> {
         normal.dot(a).abs() <= moved * (normal.length() + 2.0 * a.length() * (ab.length() + ac.length()))
     }
 
-    /// A triangle, or what is left of it behind cuts.
+    /// Sets up and rasterizes one triangle, clipped by the cuts.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "what one triangle needs, never kept")]
+    #[expect(clippy::too_many_arguments, reason = "inputs of one triangle, never stored")]
     fn triangle<S: Simd>(
         &self,
         simd: S,
@@ -251,7 +261,7 @@ impl Batch<'_> {
         }
         let normal = (b - a).cross(c - a);
         let determinant = normal.dot(a);
-        // Edge-on it owns nothing; seen from behind, a face with one side is not there.
+        // Edge-on triangles own no sample; back faces are culled unless double-sided.
         let sides = (b - a).length_squared() * (c - a).length_squared();
         let is_thin = determinant * determinant <= THIN * THIN * sides * a.length_squared();
         if (is_thin && self.is_edge_on(&[a, b, c])) || self.front * determinant < 0.0 {
@@ -296,7 +306,7 @@ impl Batch<'_> {
     }
 }
 
-/// Hands out the samples of `rect` that all planes hold.
+/// Passes the samples of `rect` inside all half-planes to `sink`, one band of rows at a time.
 #[inline(always)]
 fn walk_rows<S: Simd>(
     simd: S,
@@ -316,7 +326,7 @@ fn walk_rows<S: Simd>(
     }
 }
 
-/// A bound for queries: nearer than any sample of the triangle is stored.
+/// Rounds up to a reversed depth nearer than any stored sample of the triangle, as a bound for occlusion queries.
 #[inline(always)]
 fn rounded_up(rev_depth: f64) -> f32 {
     (rev_depth * (1.0 + 1.0 / (1_u64 << 20) as f64)) as f32

@@ -1,4 +1,4 @@
-//! Turns the owners of samples into what was seen, and into spans.
+//! Converts the owners of samples to visible items, clusters and spans.
 
 use super::samples::{OPEN, Sample, owner_of};
 use super::trace::Trace;
@@ -7,20 +7,21 @@ use crate::canvas::{Canvas, Span};
 use crate::collector::{Collector, GlassSample, ReportBuffers, report_owners};
 use crate::geometry::{ItemId, Owner, Owners};
 
-/// Gathers runs of owners, left to right and row after row.
+/// Collects runs of equal owners, left to right and row after row.
 pub(super) struct Report<'a> {
     owners: &'a dyn Owners,
     seen: &'a mut Collector,
     canvas: Option<&'a mut dyn Canvas>,
-    /// The run at hand: the lower half of its samples, and its columns.
+    /// The current run: the lower half of its samples, and its columns.
     lower_half: u32,
     x0: u16,
     x1: u16,
+    /// The owner resolved last.
     last: Option<Owner>,
     buffers: ReportBuffers,
 }
 
-/// Faces that are remembered as reported, and clusters: more is remembered of what comes later.
+/// Size of the direct-mapped caches of faces and clusters already reported; later entries replace earlier ones.
 const REMEMBERED: usize = 4096;
 
 impl<'a> Report<'a> {
@@ -46,7 +47,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Samples of the row at hand, from column `x0` on.
+    /// Adds samples of the current row, starting at column `x0`.
     #[inline]
     pub(super) fn samples(&mut self, x0: u16, samples: &[Sample]) {
         let mut x = x0;
@@ -63,7 +64,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Samples `x0..x1` of the row at hand have this lower half.
+    /// Adds a run `x0..x1` of the current row whose samples have this lower half.
     #[inline]
     pub(super) fn run(&mut self, x0: u16, x1: u16, lower_half: u32) {
         if lower_half == self.lower_half && x0 == self.x1 {
@@ -79,7 +80,7 @@ impl<'a> Report<'a> {
         if self.x0 < self.x1 && owner_of(self.lower_half).is_some() {
             let samples = u64::from(self.x1 - self.x0);
             if (self.canvas.is_some() || !self.is_known(self.lower_half, samples))
-                && let Some(owner) = self.meet(self.lower_half)
+                && let Some(owner) = self.resolve(self.lower_half)
             {
                 self.buffers.row.push((self.x0, self.x1, owner));
             }
@@ -87,21 +88,22 @@ impl<'a> Report<'a> {
         self.x0 = self.x1;
     }
 
-    /// Must samples come row after row? Else they may come in any order, by [`Report::some`] and [`Report::eight`].
+    /// Whether samples must be added row by row. If not, they may come in any order through [`Report::some`] and
+    /// [`Report::eight`].
     pub(super) fn wants_rows(&self) -> bool {
         self.canvas.is_some() || self.owners.has_openings()
     }
 
-    /// Some samples have this lower half. Only where rows are not wanted.
+    /// Adds `samples` samples with this lower half. Allowed only if [`Report::wants_rows`] is `false`.
     #[inline(always)]
     pub(super) fn some(&mut self, lower_half: u32, samples: u64) {
         if owner_of(lower_half).is_some() && !self.is_known(lower_half, samples) {
-            self.meet(lower_half);
+            self.resolve(lower_half);
             self.seen.samples_owned += samples;
         }
     }
 
-    /// Eight samples. Only where rows are not wanted.
+    /// Adds eight samples. Allowed only if [`Report::wants_rows`] is `false`.
     #[inline(always)]
     pub(super) fn eight(&mut self, samples: &[Sample; 8]) {
         let first = samples[0] as u32;
@@ -117,7 +119,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Was this face reported already? Then its samples are counted.
+    /// Returns `true`, and counts the samples, if this face is in the cache of reported faces.
     #[inline(always)]
     fn is_known(&mut self, lower_half: u32, samples: u64) -> bool {
         let known = self.buffers.faces[lower_half as usize % REMEMBERED] == lower_half;
@@ -125,9 +127,10 @@ impl<'a> Report<'a> {
         known
     }
 
-    /// Reports who owns a sample that is neither open nor covered.
+    /// Resolves the owner of a sample and adds its cluster to the visible ones; `None` if the sample is open or
+    /// covered.
     #[inline(never)]
-    fn meet(&mut self, lower_half: u32) -> Option<Owner> {
+    fn resolve(&mut self, lower_half: u32) -> Option<Owner> {
         let owner = self.owners.owner(owner_of(lower_half)?, self.last);
         if let Owner::Face(item, face) = owner
             && self.last != Some(owner)
@@ -150,7 +153,7 @@ impl<'a> Report<'a> {
         Some(owner)
     }
 
-    /// The row at hand is complete: it is row `y`.
+    /// Ends the current row, which is row `y`, and emits its spans.
     pub(super) fn end_row(&mut self, y: u16, rect: &Rect, trace: Option<&Trace>) {
         self.end_run();
         [self.x0, self.x1] = [0, 0];
@@ -172,12 +175,12 @@ impl<'a> Report<'a> {
         if let Some(canvas) = &mut self.canvas {
             canvas.row(y, spans);
             if let Some(trace) = trace {
-                trace.tell(y, rect, *canvas);
+                trace.emit_row(y, rect, *canvas);
             }
         }
     }
 
-    /// Reports what was seen, glass included.
+    /// Reports the visible clusters, including transparent ones.
     pub(super) fn finish(mut self) {
         let (seen, owners) = (self.seen, &mut self.buffers.owners);
         let same_face = |a: &GlassSample, b: &GlassSample| (a.item, a.face) == (b.item, b.face);

@@ -1,4 +1,4 @@
-//! What is stored at each sample: how near its owner is, and which face that is, in one number.
+//! Depth buffer storage: reversed depth and owner of each sample, packed into one integer.
 
 use super::raster::{Band, Raster, Sink};
 use super::report::Report;
@@ -13,37 +13,39 @@ use crate::passage::Passage;
 use crate::stats::Stats;
 use std::ops::Range;
 
-/// Reversed depth in the upper half, the complement of the face's number in the lower: the greater number is what is
-/// seen, so that of equally near faces the lower one owns, whatever comes first.
+/// Bits of the reversed depth in the upper half, the complement of the face number in the lower. The maximum is the
+/// visible face; of equally near faces the one with the lower number wins, in whatever order they are drawn.
 pub(super) type Sample = u64;
 
-/// Nothing is seen: infinitely far.
+/// An open sample: no face, at infinity.
 pub(super) const OPEN: Sample = 0;
-/// Outside the aperture: nearer than anything.
+/// A sample outside the aperture: nearer than any face.
 pub(super) const COVERED: Sample = Sample::MAX;
 
-/// The lower half for a face. One is added so that no face shares it with covered samples.
+/// Returns the lower half for a face. Adding one ensures that no face shares it with covered samples.
 #[inline(always)]
 pub(super) fn lower_half(owner: u32) -> u32 {
     !(owner + 1)
 }
 
-/// The face's number; `None` where the sample is open or covered.
+/// Returns the face number; `None` if the sample is open or covered.
 #[inline(always)]
 pub(super) fn owner_of(lower_half: u32) -> Option<u32> {
     (!lower_half).checked_sub(1).filter(|_| lower_half != OPEN as u32)
 }
 
-/// The bits of the reversed depth.
+/// Returns the bits of the reversed depth.
 #[inline(always)]
 pub(super) fn rev_depth(sample: Sample) -> u32 {
     (sample >> 32) as u32
 }
 
-/// Samples of a passage's rectangle, row after row.
+/// Samples of a passage's rectangle, in row-major order.
 #[derive(Default)]
 pub(super) struct Samples {
+    /// Samples per stored row; columns are counted from the left of the screen.
     pub(super) width: usize,
+    /// Bounding rectangle of the aperture.
     pub(super) rect: Rect,
     samples: Vec<Sample>,
     runs: Vec<[u16; 2]>,
@@ -51,7 +53,7 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Makes room for the aperture's rectangle; what the samples hold is not touched.
+    /// Resizes the storage for the aperture's rectangle, without clearing any sample.
     pub(super) fn shape(&mut self, passage: &Passage, trace: bool) {
         self.rect = passage.aperture.rect();
         self.width = usize::from(self.rect.x1);
@@ -62,7 +64,8 @@ impl Samples {
         self.trace = trace.then(|| Trace::new(&self.rect));
     }
 
-    /// Opens the samples of the aperture, covers the others of its rectangle; `row` is told the open runs of each.
+    /// Opens the samples of the aperture and covers the others in its rectangle. Calls `row` with the open runs of each
+    /// row.
     pub(super) fn open(&mut self, passage: &Passage, mut row: impl FnMut(u16, &[[u16; 2]])) {
         let Rect {
             x0: first,
@@ -96,14 +99,15 @@ impl Samples {
         &mut self.samples[run]
     }
 
-    /// Where columns `x0..x1` of row `y` are kept: from the first row on, for a strip far down is as small as one on top.
+    /// Returns the index range of columns `x0..x1` of row `y`. Storage starts at the first row of the rectangle, so
+    /// that a strip at the bottom of the screen takes no more memory than one at the top.
     #[inline(always)]
     fn run(&self, y: u16, x0: u16, x1: u16) -> Range<usize> {
         let start = usize::from(y - self.rect.y0) * self.width;
         start + usize::from(x0)..start + usize::from(x1)
     }
 
-    /// Reports and paints the owners that are left.
+    /// Reports the owners of all samples, and emits their spans to `canvas`.
     pub(super) fn report(&self, owners: &dyn Owners, seen: &mut Collector, canvas: Option<&mut dyn Canvas>) {
         let mut report = Report::new(owners, seen, canvas.map(|canvas| canvas as &mut dyn Canvas));
         let Rect { x0, y0, x1, y1 } = self.rect;
@@ -121,24 +125,24 @@ impl Samples {
         report.finish();
     }
 
-    /// Bits of the reversed depth at a sample.
+    /// Returns the bits of the reversed depth at a sample.
     pub(super) fn depth(&self, x: u16, y: u16) -> u32 {
         rev_depth(self.row(y, x, x + 1)[0])
     }
 
-    /// Memory in bytes for a screen of this size.
+    /// Returns the memory in bytes for a screen of `size` (width, height) pixels.
     pub(super) fn needs_bytes(size: [u32; 2]) -> u64 {
         u64::from(size[0]) * u64::from(size[1]) * size_of::<Sample>() as u64
     }
 
-    /// A new batch of faces begins.
+    /// Begins a new batch of faces.
     pub(super) fn begin_batch(&mut self) {
         if let Some(trace) = &mut self.trace {
             trace.batch += 1;
         }
     }
 
-    /// Lets a triangle own those samples of a run at which it is nearest.
+    /// Depth-tests a triangle over a run of samples and makes it the owner where it is nearest.
     #[inline(always)]
     pub(super) fn keep_nearest(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle) {
         const LANES: usize = 8;
@@ -146,8 +150,8 @@ impl Samples {
         let owner = Sample::from(lower_half(triangle.owner));
         let samples = self.row_mut(y, x0, x1);
         let start = i32::from(x0);
-        // Whole lanes first, so that the compiler widens the loop; then the last lanes again, which overlap them: to
-        // be held against the same number once more changes nothing.
+        // Whole SIMD lanes first, so that the compiler vectorizes the loop; then one more set of lanes that ends with
+        // the run and overlaps the others. Testing a sample against the same value twice changes nothing.
         let whole = samples.len() / LANES * LANES;
         row.own(start, &mut samples[..whole], owner);
         let last = if whole == 0 { 0 } else { samples.len() - LANES };
@@ -159,7 +163,7 @@ impl Samples {
         }
     }
 
-    /// Lets a triangle own a run of samples, but for those outside the aperture, whatever owned them.
+    /// Makes a triangle the owner of a run of samples without a depth test, except those outside the aperture.
     #[inline(always)]
     pub(super) fn paint_over(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle) {
         let row = triangle.row(y);
@@ -173,7 +177,7 @@ impl Samples {
         }
     }
 
-    /// Counts a test of each sample of a run; those that `owner` owns came with the batch at hand.
+    /// Counts a depth test for each sample of a run; samples that `owner` owns are attributed to the current batch.
     #[cold]
     fn count(&mut self, y: u16, x0: u16, x1: u16, owner: u32) {
         let samples = &self.samples[self.run(y, x0, x1)];
@@ -189,7 +193,7 @@ impl Samples {
 }
 
 impl Row {
-    /// Lets `owner` own those of the samples, from column `start` on, at which it is nearest.
+    /// Makes `owner` the owner of those samples, starting at column `start`, at which it is nearest.
     #[inline(always)]
     fn own(&self, start: i32, samples: &mut [Sample], owner: Sample) {
         for (x, sample) in (start..).zip(samples) {
@@ -199,8 +203,8 @@ impl Row {
     }
 }
 
-/// Holds see-through faces against final depths; at equal reversed depth they are in front. `depth` gives the bits of the
-/// reversed depth at a sample.
+/// Depth-tests transparent faces against the final depths and reports the samples at which they are visible. At equal
+/// reversed depth the transparent face is in front. `depth` returns the bits of the reversed depth at a sample.
 pub(super) fn look_through(
     depth: impl Fn(u16, u16) -> u32,
     raster: &mut Raster,
@@ -210,7 +214,7 @@ pub(super) fn look_through(
     seen: &mut Collector,
 ) {
     if let FaceSource::Item(item, _) = faces.source {
-        let mut glass = Glass {
+        let mut glass = TransparentSink {
             depth,
             is_seen: false,
             seen,
@@ -221,16 +225,17 @@ pub(super) fn look_through(
     }
 }
 
-struct Glass<'a, D> {
+/// Depth-tests a batch of transparent faces of one item.
+struct TransparentSink<'a, D> {
     depth: D,
-    /// Is any of the batch seen? Who does not paint wants to know no more.
+    /// Whether any sample of the batch is visible. Without a canvas, the rest of the batch is then skipped.
     is_seen: bool,
     seen: &'a mut Collector,
     item: ItemId,
     item_start: u32,
 }
 
-impl<D: Fn(u16, u16) -> u32> Sink for Glass<'_, D> {
+impl<D: Fn(u16, u16) -> u32> Sink for TransparentSink<'_, D> {
     fn hides(&mut self, _rect: &Rect, _nearest: f32) -> bool {
         self.is_done()
     }

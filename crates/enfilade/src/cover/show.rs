@@ -1,12 +1,12 @@
-//! How a cover shows itself: row by row, within the aperture.
+//! Emits the contents of a cover to a canvas, row by row inside the aperture.
 
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverSpan};
 use crate::passage::Passage;
 
-/// Hands the rows of a passage to a canvas; `run` adds the spans of row `y` in the open columns `run[0]..run[1]`.
+/// Emits the rows of a passage to a canvas; `run` appends the spans of row `y` in the open columns `run[0]..run[1]`.
 ///
-/// Allocates: looks do not come here.
+/// Allocates; a look never calls this function.
 pub(super) fn show_rows(
     passage: &Passage,
     canvas: &mut dyn Canvas,
@@ -24,7 +24,7 @@ pub(super) fn show_rows(
     }
 }
 
-/// Adds a span, or lengthens the last where it is of the same cell and hidden by the same.
+/// Appends a span, or extends the last one if it is of the same cell and hidden by the same occluder.
 pub(super) fn push(spans: &mut Vec<CoverSpan>, span: CoverSpan) {
     match spans.last_mut() {
         Some(last) if last.x1 == span.x0 && (last.cell, last.by) == (span.cell, span.by) => {

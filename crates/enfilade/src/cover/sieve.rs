@@ -1,57 +1,60 @@
-//! Which of sixteen triangles may own a sample: what is certain is told from f32, at once.
+//! Early rejection of triangles that own no sample, sixteen at a time in f32.
 //!
-//! Most triangles of a detailed mesh show their back, lie beside the rectangle, or slip between the centres of the
-//! samples. Each of the three is asked with a margin that is more than rounding can do; what is not certain is asked
-//! again in f64, so that a picture is the same without a sieve.
-//! Source: ours; the margins follow Higham, Accuracy and Stability of Numerical Algorithms, 2nd edition, chapter 3.
-//! Cost: about a hundred operations for sixteen triangles, and their corners fetched.
-//! Exact: what it drops owns no sample. The same answer at every SIMD level; [`Sieve::drops`] is the specification.
+//! Most triangles of a detailed mesh are back faces, are outside the rectangle, or fall between sample centres. Each of
+//! the three tests uses a margin larger than any rounding error. Triangles that it cannot reject are set up in f64 as
+//! usual, so the picture is the same with and without the sieve.
+//! Source: original to this library; the margins follow Higham, Accuracy and Stability of Numerical Algorithms, 2nd
+//!     edition, chapter 3.
+//! Cost: about a hundred operations for sixteen triangles, plus fetching their vertices.
+//! Exact: a rejected triangle owns no sample. The same answer at every SIMD level; [`Sieve::drops`] is the
+//! specification.
 
 use super::corners::Extent;
 use crate::aperture::Rect;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
 
-/// Triangles that are asked about together.
+/// Triangles tested together.
 pub(super) const LANES: usize = 16;
 
-/// The corners of sixteen triangles, in rounded pixels: for each corner the columns, then the rows.
+/// Vertices of sixteen triangles in rounded pixel coordinates: for each vertex the columns, then the rows.
 pub(super) type Sixteen = [[[f32; LANES]; 2]; 3];
 
-/// What holds of all triangles of a batch.
+/// Parameters shared by all triangles of a batch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sieve {
-    /// The first column and row, and those after the last.
+    /// The first column and row; `end` has the end column and row (exclusive).
     first: [f32; 2],
     end: [f32; 2],
-    /// How far a bound may be off, in pixels.
+    /// Error bound of a bounding-box coordinate, in pixels.
     bound_margin: f32,
-    /// How far twice an area may be off, for each pixel of the triangle's width and height, and beside that.
+    /// Error bound of twice the signed area: per pixel of the triangle's width plus height; `area_floor` is its
+    /// constant part.
     area_margin: f32,
     area_floor: f32,
-    /// The sign of what shows its front; 0: both do.
+    /// Sign of the area of front faces; 0 for double-sided faces.
     front: f32,
 }
 
-/// What a sieve says of triangles, as bits.
+/// Result of the sieve, one bit per triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Sifted {
-    /// May own a sample.
+pub(super) struct SieveResult {
+    /// Triangles that may own a sample.
     pub(super) left: u32,
-    /// Are in the rectangle and show their front, but own no sample.
+    /// Front faces inside the rectangle that fall between sample centres.
     pub(super) between: u32,
 }
 
 impl Sieve {
-    /// For triangles whose corners are within `extent`; `front` is the sign that the determinant of one has that is seen
-    /// from its front, 0 where both sides are seen.
+    /// Creates a sieve for triangles whose vertices are within `extent`. `front` is the sign of a front face's
+    /// determinant, 0 for double-sided faces.
     #[inline(always)]
     pub(super) fn new(extent: &Extent, rect: &Rect, front: f64) -> Sieve {
-        // A rounded coordinate is off by no more than `rounding`, and so is a sum of two.
+        // The error of a rounded coordinate, and of a sum of two, is at most `rounding`.
         let most = extent.pixel.max(1.0);
         let rounding = most / f64::from(1 << 23);
-        // Determinants are computed from (X, Y, W) in f64, to within 168 · 2⁻⁵³ of the largest W and coordinate, cubed;
-        // divided by W of all corners that is twice the area. The slack of `Rect::around` is 10⁻⁶.
+        // Determinants are computed from (X, Y, W) in f64, to within 168 · 2⁻⁵³ of the cube of the largest W and
+        // coordinate; divided by the W of all vertices they give twice the area. The slack of `Rect::around` is 10⁻⁶.
         let per_w = extent.w[1] / extent.w[0];
         let floor = (most * per_w).powi(3) / (1_u64 << 44) as f64;
         Sieve {
@@ -64,10 +67,11 @@ impl Sieve {
         }
     }
 
-    /// Which of sixteen triangles are left.
-    // Arrays of SIMD are taken apart by hand: `map` over one is not inlined, and what it calls knows no SIMD.
+    /// Tests sixteen triangles.
+    // Arrays of SIMD vectors are unpacked by hand: `map` over one is not inlined, and the closure it calls is compiled
+    // without SIMD features.
     #[inline(always)]
-    pub(super) fn sift<S: Simd>(&self, simd: S, corners: &Sixteen) -> Sifted {
+    pub(super) fn sift<S: Simd>(&self, simd: S, corners: &Sixteen) -> SieveResult {
         let [[ax, ay], [bx, by], [cx, cy]] = corners;
         let [ax, ay] = [f32x16::from_slice(simd, ax), f32x16::from_slice(simd, ay)];
         let [bx, by] = [f32x16::from_slice(simd, bx), f32x16::from_slice(simd, by)];
@@ -83,8 +87,8 @@ impl Sieve {
         let behind = (area * self.front).simd_lt(outside);
         let gone = (beside | behind).to_bitmask() as u32;
 
-        // The centres of up to two samples a side; of one, it twice. Inside is where all three edges say what the area
-        // says.
+        // Centres of up to two samples per axis; with only one, it is used twice. A sample is inside if all three edge
+        // functions have the sign of the area.
         let few = (x.end - x.first).simd_le(2.0) & (y.end - y.first).simd_le(2.0);
         let ([x0, x1], [y0, y1]) = (x.centres(), y.centres());
         let turn = area.simd_lt(0.0);
@@ -98,7 +102,7 @@ impl Sieve {
             & ab.least(&bc, &ca, x0, y1).simd_lt(outside)
             & ab.least(&bc, &ca, x1, y1).simd_lt(outside);
         let between = all_out.to_bitmask() as u32 & !gone;
-        Sifted {
+        SieveResult {
             left: !gone & !between & 0xFFFF,
             between,
         }
@@ -115,7 +119,7 @@ fn greater<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     a.simd_gt(b).select(a, b)
 }
 
-/// A side of the rectangle around a triangle: its length, and the first sample and the one after the last.
+/// One axis of a triangle's bounding rectangle: its length, and its first and end sample (exclusive).
 struct Side<S: Simd> {
     size: f32x16<S>,
     first: f32x16<S>,
@@ -141,7 +145,7 @@ impl<S: Simd> Side<S> {
     }
 }
 
-/// An edge, turned so that the inside is above zero.
+/// An edge function, with its sign chosen so that the inside is positive.
 struct Edge<S: Simd> {
     turn: mask32x16<S>,
     from: [f32x16<S>; 2],
@@ -160,7 +164,7 @@ impl<S: Simd> Edge<S> {
         self.turn.select(-side, side)
     }
 
-    /// By how much a place is inside of three edges, or outside of one.
+    /// Returns the minimum of three edge functions at a point: positive inside the triangle, negative outside.
     #[inline(always)]
     fn least(&self, b: &Edge<S>, c: &Edge<S>, x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
         smaller(self.side(x, y), smaller(b.side(x, y), c.side(x, y)))
@@ -177,7 +181,8 @@ mod tests {
     use glam::{DAffine3, DVec3};
 
     impl Sieve {
-        /// Is a triangle dropped, and because it lies between samples? One by one, and in the same order.
+        /// Returns whether a triangle is rejected, and whether the reason is that it falls between samples. Evaluates
+        /// the same operations in the same order for one triangle.
         fn drops(&self, [a, b, c]: [[f32; 2]; 3]) -> [bool; 2] {
             let smaller = |a: f32, b: f32| if a < b { a } else { b };
             let greater = |a: f32, b: f32| if a > b { a } else { b };
@@ -276,7 +281,7 @@ mod tests {
             let positions: Vec<[f32; 3]> = (0..48)
                 .map(|_| {
                     let w = 3.0 + dice.within(3.0 * deep);
-                    // Now and then on the centre of a sample.
+                    // Sometimes exactly on a sample centre.
                     let [x, y] = middle.map(|at| {
                         let at = at + dice.within(size);
                         if dice.within(1.0) > 0.8 {

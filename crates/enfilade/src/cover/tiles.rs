@@ -1,7 +1,8 @@
-//! Tiles of 8×8 samples that cost nothing until they need their samples.
+//! Depth buffer in tiles of 8×8 samples that are expanded only when needed.
 //!
-//! A tile is empty, or one triangle owns all of it, or its samples are written out. Most tiles of a picture of walls
-//! are of the second kind: 64 samples are decided by two depths. What is written out later is the same, bit for bit.
+//! A tile is empty, or fully owned by one triangle, or stored sample by sample. In pictures of walls most tiles are of
+//! the second kind: 64 samples are decided by two depths. Expanding a tile later gives the same bits as storing its
+//! samples from the start.
 
 mod report;
 
@@ -18,20 +19,21 @@ use std::cmp::Ordering;
 
 const _: () = assert!(TILE == BAND);
 
+/// The tiles of a passage's rectangle, in row-major order.
 pub(super) struct Tiles {
     level: Level,
-    /// The aperture's rectangle. What a tile holds beside it is covered.
+    /// Bounding rectangle of the aperture. Samples of a tile outside it are covered.
     pub(super) rect: Rect,
     pub(super) columns: usize,
-    /// The row of tiles that is kept first, and the one after the last.
+    /// The first stored row of tiles; `rows` is the end row (exclusive).
     first_row: usize,
     pub(super) rows: usize,
     tiles: Vec<Tile>,
-    /// The samples of tiles that are written out.
+    /// Samples of the expanded tiles, by tile index.
     blocks: Vec<Block>,
     /// Triangles that own whole tiles.
     triangles: Vec<Triangle>,
-    /// The open runs of a row, and for each row of tiles the columns that are open in all its rows.
+    /// Open runs of the current row. `open` has, for each row of tiles, the columns that are open in all of its rows.
     runs: Vec<[u16; 2]>,
     open: Vec<[u16; 2]>,
     pub(super) trace: Option<Trace>,
@@ -55,26 +57,30 @@ impl Default for Tiles {
     }
 }
 
+/// State and farthest depth of a tile.
 #[derive(Clone, Copy)]
 struct Tile {
     state: State,
-    /// Bits of the farthest reversed depth in it; never nearer than the truth.
+    /// Bits of the farthest reversed depth in the tile; never nearer than the truth.
     farthest: u32,
-    /// May a sample have come nearer since `farthest` was known?
+    /// Whether a sample may have become nearer since `farthest` was computed.
     stale: bool,
 }
 
+/// Representation of a tile.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Nothing is in it.
+    /// No face covers the tile.
     Empty,
-    /// A triangle, by its place in [`Tiles::triangles`], owns all of it.
+    /// One triangle, by its index in [`Tiles::triangles`], owns the whole tile.
     Whole(u32),
-    /// See the samples.
+    /// Samples are stored in [`Tiles::blocks`].
     Written,
 }
 
 impl Tiles {
+    /// Clears all tiles and opens the samples of the passage's aperture. If `trace` is `true`, counts the work per
+    /// sample.
     pub(super) fn clear(&mut self, passage: &Passage, trace: bool) {
         self.rect = passage.aperture.rect();
         self.trace = trace.then(|| Trace::new(&self.rect));
@@ -94,7 +100,8 @@ impl Tiles {
             self.blocks.resize(self.tiles.len(), Block::OPEN);
         }
         self.triangles.clear();
-        // Behind a portal some samples are covered from the start, and a trace wants each sample.
+        // Behind a portal some samples are covered from the start, and a trace counts every sample; both need expanded
+        // tiles.
         if passage.parent.is_none() && !trace {
             return;
         }
@@ -141,13 +148,14 @@ impl Tiles {
         }
     }
 
-    /// Where a tile is kept: from the first row on, for a strip far down is as small as one on top.
+    /// Returns the index of a tile. Storage starts at the first row of the rectangle, so that a strip at the bottom of
+    /// the screen takes no more memory than one at the top.
     #[inline(always)]
     fn index(&self, column: usize, row: usize) -> usize {
         (row - self.first_row) * self.columns + column
     }
 
-    /// The samples of a tile inside the aperture's rectangle.
+    /// Returns the samples of a tile inside the aperture's rectangle.
     #[inline(always)]
     fn rect(&self, column: usize, row: usize) -> Rect {
         let [x0, y0] = [(column << TILE_SHIFT) as u16, (row << TILE_SHIFT) as u16];
@@ -160,8 +168,8 @@ impl Tiles {
         .intersection(&self.rect)
     }
 
-    /// Lets a triangle own those samples of a band at which it is nearest. `nearer` is told of each tile in which a
-    /// sample may have come nearer.
+    /// Depth-tests a triangle over one band of rows and makes it the owner of the samples at which it is nearest. Calls
+    /// `nearer` for each tile in which a sample may have become nearer.
     #[inline(always)]
     pub(super) fn keep_nearest(
         &mut self,
@@ -176,7 +184,7 @@ impl Tiles {
         }
         let columns = usize::from(any[0]) >> TILE_SHIFT..=(usize::from(any[1]) - 1) >> TILE_SHIFT;
         if usize::from(any[1] - any[0]) < TILE {
-            // Too narrow to own a tile; most triangles of a detailed mesh are.
+            // Too narrow to own a whole tile, as most triangles of a detailed mesh are.
             for column in columns {
                 if triangle.nearest() >= self.tiles[self.index(column, row)].farthest {
                     self.keep_nearest_in(column, row, band, triangle, &mut nearer);
@@ -184,7 +192,7 @@ impl Tiles {
             }
             return;
         }
-        // The columns that all rows of the rectangle hold.
+        // Columns that the triangle covers in all rows of the rectangle.
         let Rect { x0, y0, x1, y1 } = self.rect;
         let mut all = [x0, x1];
         for (y, &[start, end]) in (band.y..).zip(&band.runs) {
@@ -192,7 +200,7 @@ impl Tiles {
                 all = [all[0].max(start), all[1].min(end)];
             }
         }
-        // Linear, so nearest and farthest at corners.
+        // Depth is linear on the screen, so its extremes are at corners.
         let [right, down] = [triangle.rev_depth.x > 0.0, triangle.rev_depth.y > 0.0];
         let [top, bottom] = [y0.max(band.y), y1.min(band.y + TILE as u16) - 1];
         let nearest_row = triangle.row(if down { bottom } else { top });
@@ -204,7 +212,7 @@ impl Tiles {
             let index = self.index(column, row);
             let whole = all[0] <= rect.x0 && all[1] >= rect.x1;
             if whole && self.tiles[index].stale {
-                // To bring it up to date costs less than going through all its samples for nothing.
+                // Recomputing the farthest depth costs less than a fruitless depth test of all samples.
                 let farthest = self.blocks[index].farthest();
                 self.tiles[index] = Tile {
                     farthest,
@@ -218,7 +226,8 @@ impl Tiles {
             let owns_it = match self.tiles[index].state {
                 State::Empty => whole,
                 State::Written => false,
-                State::Whole(theirs) => match triangle.beside(&self.triangles[theirs as usize], &rect) {
+                State::Whole(theirs) => match triangle.compare_depth(&self.triangles[theirs as usize], &rect)
+                {
                     Some(Ordering::Less) => continue,
                     Some(Ordering::Greater) => whole,
                     _ => false,
@@ -242,7 +251,7 @@ impl Tiles {
         }
     }
 
-    /// The same in one tile, sample by sample.
+    /// Depth-tests the triangle in one tile, sample by sample.
     #[inline(always)]
     fn keep_nearest_in(
         &mut self,
@@ -254,7 +263,7 @@ impl Tiles {
     ) {
         let index = self.index(column, row);
         if self.tiles[index].state != State::Written {
-            self.write_out(column, row);
+            self.expand(column, row);
         }
         let x = (column << TILE_SHIFT) as u16;
         let block = &mut self.blocks[index];
@@ -273,9 +282,9 @@ impl Tiles {
         }
     }
 
-    /// Writes the samples of a tile out.
+    /// Expands a tile to samples.
     #[inline(always)]
-    fn write_out(&mut self, column: usize, row: usize) {
+    fn expand(&mut self, column: usize, row: usize) {
         let index = self.index(column, row);
         let state = std::mem::replace(&mut self.tiles[index].state, State::Written);
         let block = &mut self.blocks[index];
@@ -286,13 +295,13 @@ impl Tiles {
         }
         let within = self.rect(column, row);
         if [within.x1 - within.x0, within.y1 - within.y0] != [TILE as u16; 2] {
-            self.cover_beside(index, [x, y], &within);
+            self.cover_outside(index, [x, y], &within);
         }
     }
 
-    /// Covers what a tile, whose first column and row are given, holds beside the aperture's rectangle.
+    /// Covers the samples of a tile outside the aperture's rectangle. The tile's first column and row are `x` and `y`.
     #[cold]
-    fn cover_beside(&mut self, index: usize, [x, y]: [u16; 2], within: &Rect) {
+    fn cover_outside(&mut self, index: usize, [x, y]: [u16; 2], within: &Rect) {
         for (y, samples) in (y..).zip(&mut self.blocks[index].0) {
             for (x, sample) in (x..).zip(samples) {
                 if !((within.x0..within.x1).contains(&x) && (within.y0..within.y1).contains(&y)) {
@@ -302,7 +311,8 @@ impl Tiles {
         }
     }
 
-    /// Counts a test of each sample of a band in one tile; those that `owner` owns came with the batch at hand.
+    /// Counts a depth test for each sample of a band in one tile; samples that `owner` owns are attributed to the
+    /// current batch.
     #[cold]
     fn count(&mut self, column: usize, row: usize, band: &Band, owner: u32) {
         let Rect { x0, x1, .. } = self.rect(column, row);
@@ -321,20 +331,21 @@ impl Tiles {
         }
     }
 
-    /// A new batch of faces begins.
+    /// Begins a new batch of faces.
     pub(super) fn begin_batch(&mut self) {
         if let Some(trace) = &mut self.trace {
             trace.batch += 1;
         }
     }
 
-    /// Bits of the farthest reversed depth of a tile that is known without looking at samples; no nearer than the truth.
+    /// Returns the bits of the farthest reversed depth of a tile as last computed, without reading its samples; never
+    /// nearer than the truth.
     #[inline(always)]
     pub(super) fn farthest_known(&self, column: usize, row: usize) -> u32 {
         self.tiles[self.index(column, row)].farthest
     }
 
-    /// Bits of the farthest reversed depth of a tile.
+    /// Returns the bits of the farthest reversed depth of a tile, recomputed if stale.
     pub(super) fn farthest(&mut self, column: usize, row: usize) -> u32 {
         if row < self.first_row {
             return u32::MAX;
@@ -351,11 +362,11 @@ impl Tiles {
         self.tiles[index].farthest
     }
 
-    /// Bits of the farthest reversed depth among the samples of a tile inside `rect`.
+    /// Returns the bits of the farthest reversed depth among the samples of a tile inside `rect`.
     pub(super) fn farthest_in(&self, rect: &Rect, column: usize, row: usize) -> u32 {
         let within = self.rect(column, row).intersection(rect);
         if within.is_empty() {
-            // Tiles beside the aperture's rectangle: nothing is seen there.
+            // Tiles outside the aperture's rectangle: nothing is visible there.
             return u32::MAX;
         }
         let Rect { x0, y0, x1, y1 } = within;
@@ -380,7 +391,7 @@ impl Tiles {
         }
     }
 
-    /// Bits of the reversed depth at a sample.
+    /// Returns the bits of the reversed depth at a sample.
     pub(super) fn depth(&self, x: u16, y: u16) -> u32 {
         let index = self.index(usize::from(x) >> TILE_SHIFT, usize::from(y) >> TILE_SHIFT);
         match self.tiles[index].state {
@@ -390,7 +401,7 @@ impl Tiles {
         }
     }
 
-    /// The number of the face that owns a tile as a whole, where that is known without looking at its samples.
+    /// Returns the number of the face that owns a whole tile, if that is known without reading its samples.
     pub(super) fn owner(&self, column: usize, row: usize) -> Option<u32> {
         match self.tiles[self.index(column, row)].state {
             State::Whole(number) => Some(self.triangles[number as usize].owner),
@@ -398,7 +409,7 @@ impl Tiles {
         }
     }
 
-    /// Memory in bytes for a screen of this size.
+    /// Returns the memory in bytes for a screen of `size` (width, height) pixels.
     pub(super) fn needs_bytes(size: [u32; 2]) -> u64 {
         let tiles = u64::from(size[0].div_ceil(TILE as u32)) * u64::from(size[1].div_ceil(TILE as u32));
         tiles * (size_of::<Tile>() + size_of::<Block>() + size_of::<Triangle>()) as u64

@@ -1,20 +1,20 @@
-//! How a cover came to its answer, sample by sample: for pictures of the work.
+//! Work counters of a cover, sample by sample, for debug pictures.
 
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 
-/// How often each sample was tested, and with which batch its owner came.
+/// Number of depth tests of each sample, and the batch that its owner came with.
 #[derive(Default)]
 pub(super) struct Trace {
     width: usize,
-    /// The batch at hand, counted from 1.
+    /// Number of the current batch, counted from 1.
     pub(super) batch: u32,
     tested: Vec<u16>,
     batches: Vec<u32>,
 }
 
 impl Trace {
-    /// Nothing was tested yet in a rectangle.
+    /// Creates counters for a rectangle, all zero.
     pub(super) fn new(rect: &Rect) -> Trace {
         let samples = usize::from(rect.x1) * usize::from(rect.y1);
         Trace {
@@ -25,7 +25,7 @@ impl Trace {
         }
     }
 
-    /// A face was tested at samples `x0..x1` of row `y`.
+    /// Counts a depth test at samples `x0..x1` of row `y`.
     pub(super) fn test(&mut self, y: u16, x0: u16, x1: u16) {
         let start = usize::from(y) * self.width;
         for tested in &mut self.tested[start + usize::from(x0)..start + usize::from(x1)] {
@@ -33,14 +33,14 @@ impl Trace {
         }
     }
 
-    /// The owner of samples `x0..x1` of row `y` came with this batch.
+    /// Records that the owner of samples `x0..x1` of row `y` came with this batch.
     pub(super) fn own(&mut self, y: u16, x0: u16, x1: u16, batch: u32) {
         let start = usize::from(y) * self.width;
         self.batches[start + usize::from(x0)..start + usize::from(x1)].fill(batch);
     }
 
-    /// Tells a canvas about row `y` of a rectangle.
-    pub(super) fn tell(&self, y: u16, rect: &Rect, canvas: &mut dyn Canvas) {
+    /// Emits the counters of row `y` of a rectangle to a canvas.
+    pub(super) fn emit_row(&self, y: u16, rect: &Rect, canvas: &mut dyn Canvas) {
         let start = usize::from(y) * self.width;
         let run = start + usize::from(rect.x0)..start + usize::from(rect.x1);
         canvas.work(y, rect.x0, &self.tested[run.clone()], &self.batches[run]);

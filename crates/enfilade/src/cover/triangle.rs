@@ -1,22 +1,23 @@
-//! A triangle on the screen, and how near it is along a row.
+//! The depth plane of a triangle on the screen, and its values along a scanline.
 
 use crate::aperture::Rect;
 use glam::DVec3;
 use std::cmp::Ordering;
 
-/// A triangle whose samples are being handed out.
+/// A triangle that is being rasterized.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(crate) struct Triangle {
-    /// Reversed depth at a sample is `rev_depth · (x + ½, y + ½, 1)`, kept within `least` and `greatest`.
+    /// Reversed depth at the sample in column x, row y is `rev_depth · (x + ½, y + ½, 1)`, clamped to
+    /// `least..=greatest`.
     pub(super) least: f64,
     pub(super) greatest: f64,
-    /// The number of its face.
+    /// Number of its face.
     pub(super) owner: u32,
     pub(super) rev_depth: DVec3,
 }
 
-/// Reversed depth along one row.
+/// Reversed depth along one scanline.
 #[derive(Clone, Copy)]
 pub(crate) struct Row {
     base: f64,
@@ -26,7 +27,7 @@ pub(crate) struct Row {
 }
 
 impl Triangle {
-    /// As near everywhere.
+    /// Returns a triangle of constant reversed depth, parallel to the screen.
     #[inline(always)]
     pub(super) fn flat(rev_depth: f32) -> Triangle {
         let rev_depth = f64::from(rev_depth);
@@ -38,13 +39,13 @@ impl Triangle {
         }
     }
 
-    /// Bits of the greatest reversed depth of any sample.
+    /// Returns the bits of the largest reversed depth of any sample.
     #[inline(always)]
     pub(super) fn nearest(&self) -> u32 {
         (self.greatest as f32).to_bits()
     }
 
-    /// Reversed depth along row `y`.
+    /// Returns the reversed depth along row `y`.
     #[inline(always)]
     pub(super) fn row(&self, y: u16) -> Row {
         Row {
@@ -57,13 +58,15 @@ impl Triangle {
 }
 
 impl Triangle {
-    /// Is it nearer (`Greater`) or farther (`Less`) than another at every sample of `rect`, where both are there, by
-    /// more than samples are rounded by? `None` where neither is certain.
+    /// Compares the depth with that of another triangle over all samples of `rect`, assuming that both cover it:
+    /// `Greater` if this one is nearer everywhere, `Less` if it is farther everywhere, by more than the rounding of
+    /// samples. `None` if neither is certain.
     #[inline(always)]
-    pub(super) fn beside(&self, other: &Triangle, rect: &Rect) -> Option<Ordering> {
+    pub(super) fn compare_depth(&self, other: &Triangle, rect: &Rect) -> Option<Ordering> {
         const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
         let [mut nearer, mut farther] = [true, true];
-        // Both are linear, and so is their difference: what holds at the corners holds between them.
+        // Both depths are linear, and so is their difference: a comparison that holds at the corners holds everywhere
+        // in the rectangle.
         for y in [rect.y0, rect.y1 - 1] {
             let [mine, theirs] = [self.row(y), other.row(y)];
             for x in [rect.x0, rect.x1 - 1] {
@@ -82,25 +85,26 @@ impl Triangle {
 }
 
 impl Row {
-    /// Reversed depth at column `x`.
+    /// Returns the reversed depth at column `x`.
     #[inline(always)]
     pub(super) fn at(&self, x: u16) -> f64 {
         self.within(self.base + self.step * f64::from(x))
     }
 
-    /// The plane's reversed depth at column `x`, also where the triangle is not.
+    /// Returns the plane's reversed depth at column `x` without clamping, so also outside the triangle.
     #[inline(always)]
     pub(super) fn beyond(&self, x: u16) -> f64 {
         self.base + self.step * f64::from(x)
     }
 
-    /// Reversed depth at column `x`, as bits: those of a positive f32 sort as it does.
+    /// Returns the reversed depth at column `x` as the bits of an f32. The bits of positive floats sort like the
+    /// floats.
     #[inline(always)]
     pub(super) fn bits(&self, x: i32) -> u32 {
         (self.within(self.base + self.step * f64::from(x)) as f32).to_bits()
     }
 
-    /// The same at eight columns, from `x` on.
+    /// Returns the bits of the reversed depth at eight columns, starting at `x`.
     #[inline(always)]
     pub(super) fn eight_bits(&self, x: u16) -> [u32; 8] {
         const COLUMNS: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
@@ -111,7 +115,7 @@ impl Row {
         bits
     }
 
-    /// Unlike `clamp`, nothing here can panic.
+    /// Clamps to `least..=greatest`. Unlike `f64::clamp`, it cannot panic.
     #[inline(always)]
     fn within(&self, rev_depth: f64) -> f64 {
         let rev_depth = if rev_depth < self.least {

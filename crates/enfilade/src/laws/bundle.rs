@@ -1,20 +1,21 @@
-//! Rays from one point, and where they meet boxes and triangles.
+//! Bundles of rays with a common origin; intersection with AABBs and triangles.
 
 use crate::geom::Aabb;
 use glam::{DAffine3, DVec3};
 
-/// Rays from one point that go nearly the same way. A ray's parameter is the distance along the line of sight, in whatever space.
+/// Rays with a common origin and nearly the same direction. A ray's parameter is the distance along the view direction
+/// and is the same in every space.
 #[derive(Clone, Copy)]
 pub(super) struct Bundle<const N: usize> {
     pub(super) origin: DVec3,
     pub(super) directions: [DVec3; N],
 }
 
-/// Bounds of 1 / direction on each axis; `None` where the directions do not agree on a sign.
+/// Interval of 1 / direction on each axis; `None` if the directions differ in sign or one of them is 0.
 pub(super) struct Slopes([Option<[f64; 2]>; 3]);
 
 impl<const N: usize> Bundle<N> {
-    /// The same rays in another space; their parameters stay.
+    /// Transforms the rays to another space; their parameters stay valid.
     pub(super) fn moved(&self, there_from_here: &DAffine3) -> Bundle<N> {
         Bundle {
             origin: there_from_here.transform_point3(self.origin),
@@ -40,7 +41,7 @@ impl<const N: usize> Bundle<N> {
         }))
     }
 
-    /// The least parameter at which any ray may be inside a box; `None` where none can be before `limit`.
+    /// Returns the smallest parameter at which any ray may be inside a box; `None` if none enters it before `limit`.
     #[inline]
     pub(super) fn enters(&self, slopes: &Slopes, bounds: &Aabb, limit: f64) -> Option<f64> {
         let [mut enter, mut leave] = [0.0_f64, limit];
@@ -52,13 +53,14 @@ impl<const N: usize> Bundle<N> {
             enter = enter.max((first * a).min(first * b));
             leave = leave.min((last * a).max(last * b));
         }
-        // Wider by more than the rounding above: a box too many costs time, one too few the truth.
+        // Widened by more than the rounding error above: an unneeded box costs time, a missed one makes the answer
+        // wrong.
         (enter * (1.0 - 1e-12) <= leave * (1.0 + 1e-12)).then_some(enter)
     }
 
-    /// Where ray `ray` meets a triangle: its parameter, and whether it comes from behind.
+    /// Intersects ray `ray` with a triangle. Returns the ray parameter and whether the ray hits the back face.
     ///
-    /// Möller, Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997; sides are counted in.
+    /// Edges belong to the triangle. Source: Möller, Trumbore. Fast, Minimum Storage Ray/Triangle Intersection. 1997.
     #[inline]
     pub(super) fn meets(&self, ray: usize, [a, b, c]: [DVec3; 3]) -> Option<(f64, bool)> {
         let direction = self.directions[ray];

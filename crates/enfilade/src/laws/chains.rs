@@ -1,23 +1,24 @@
-//! Chains of portals, each listed portal by portal.
+//! Portal chains, stored portal by portal.
 //!
-//! Methods name a chain by a hash; here no name stands for one, so that two chains with one name would be noticed.
+//! The methods identify a chain by a hash. Here chains are compared by their portals, so a hash collision in a method
+//! is detected.
 
 use crate::passage::{Passage, PassageId};
 use crate::scene::{PortalId, SectorId};
 use std::collections::HashMap;
 
-/// A chain by its number in a [`Chains`]; 0 is the empty one.
+/// Index of a chain in a [`Chains`]; 0 is the empty chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct ChainId(u32);
 
-/// A chain of portals that begins where the eye is, and the sector that it ends in.
+/// A chain of portals that starts in the eye's sector, and the sector in which it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Chain {
     pub(super) id: ChainId,
     pub(super) sector: SectorId,
 }
 
-/// All chains met so far, as a tree: the last portal of each, and the chain before it.
+/// All chains met so far, as a prefix tree: the last portal of each and its parent chain.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chains {
     links: Vec<(ChainId, PortalId)>,
@@ -25,7 +26,7 @@ pub(super) struct Chains {
 }
 
 impl Chains {
-    /// The chain that goes on through `portal`.
+    /// Returns the chain extended by `portal`; adds it if it is new.
     pub(super) fn through(&mut self, chain: ChainId, portal: PortalId) -> ChainId {
         *self.longer.entry((chain, portal)).or_insert_with(|| {
             self.links.push((chain, portal));
@@ -33,7 +34,7 @@ impl Chains {
         })
     }
 
-    /// The portals of a chain, in order.
+    /// Returns the portals of a chain, in order.
     pub(super) fn portals(&self, chain: ChainId) -> Vec<u32> {
         let mut portals = Vec::new();
         let mut next = chain;
@@ -46,7 +47,7 @@ impl Chains {
         portals
     }
 
-    /// The number that each chain of `other` has here, in its order; `None` for those that are not here.
+    /// Maps each chain of `other`, in its order, to the id here; `None` for chains that are not here.
     pub(super) fn numbers_of(&self, other: &Chains) -> Vec<Option<ChainId>> {
         let mut numbers = vec![Some(ChainId(0))];
         for &(before, portal) in &other.links {
@@ -56,7 +57,7 @@ impl Chains {
         numbers
     }
 
-    /// Adds all chains of `other`; gives the number that each has here, in its order.
+    /// Adds all chains of `other`. Returns the id here of each, in its order.
     pub(super) fn add_all(&mut self, other: &Chains) -> Vec<ChainId> {
         let mut numbers = vec![ChainId(0)];
         for &(before, portal) in &other.links {
@@ -67,19 +68,19 @@ impl Chains {
 }
 
 impl Chain {
-    /// The same chain in another list, by what [`Chains::add_all`] gave.
+    /// Returns the same chain in another list; `numbers` comes from [`Chains::add_all`].
     pub(super) fn renumbered(self, numbers: &[ChainId]) -> Chain {
         let id = numbers[self.id.0 as usize];
         Chain { id, ..self }
     }
 
-    /// The same chain in another list, by what [`Chains::numbers_of`] gave.
+    /// Returns the same chain in another list; `numbers` comes from [`Chains::numbers_of`].
     pub(super) fn found(self, numbers: &[Option<ChainId>]) -> Option<Chain> {
         numbers[self.id.0 as usize].map(|id| Chain { id, ..self })
     }
 }
 
-/// The chains of the passages of one look, by following each to its parent.
+/// The chains of the passages of one look, found through each passage's parent.
 #[derive(Clone, Default)]
 pub(super) struct PassageChains {
     pub(super) chains: Chains,
@@ -87,7 +88,7 @@ pub(super) struct PassageChains {
 }
 
 impl PassageChains {
-    /// The chain of a passage, whose parent must have been asked for before.
+    /// Returns the chain of a passage. Its parent must have been passed in before.
     pub(super) fn of(&mut self, id: PassageId, passage: &Passage) -> Chain {
         let sector = passage.sector;
         let chain = match (passage.parent, passage.portal) {

@@ -10,7 +10,8 @@ use crate::view::View;
 use crate::viewer::{Limits, Viewer};
 use std::fmt;
 
-/// A scene as every method sees it that suits it, each with a viewer that remembers its last view.
+/// A scene built once for each suitable method, each with its own viewer, which keeps its state between views (temporal
+/// coherence).
 pub struct Contestants {
     reference: Reference,
     scene: Scene,
@@ -18,14 +19,14 @@ pub struct Contestants {
     all: Vec<(Method, Scene, Viewer)>,
 }
 
-/// What a method did against its contract in one view.
+/// A violation of a method's contract in one view.
 #[derive(Clone, Debug)]
 pub struct Broken {
-    /// By which method.
+    /// The method.
     pub method: Method,
-    /// How its answer compares with the reference.
+    /// Comparison of its answer with the reference.
     pub verdict: Verdict,
-    /// A sample that is wrong, and what may be there, as text; empty where only the set is.
+    /// A wrong sample and its possible owners, as text; empty if only the visible set is wrong.
     pub sample: String,
 }
 
@@ -40,7 +41,7 @@ impl fmt::Display for Broken {
         let method = self.method;
         write!(
             f,
-            "{method}: missed {missed:?}, {pixels_different} wrong pixels, {extra} too many"
+            "{method}: missed {missed:?}, {pixels_different} wrong pixels, {extra} extra"
         )?;
         if !self.sample.is_empty() {
             write!(f, "; {}", self.sample)?;
@@ -49,12 +50,12 @@ impl fmt::Display for Broken {
     }
 }
 
-/// Places in each pixel at which strict methods are tested.
+/// Number of random positions per pixel at which strict methods are tested.
 const PLACES: u32 = 4;
 
 impl Contestants {
-    /// Builds the reference, and every method that suits the scene and takes no more than `limit_bytes` in each sector;
-    /// approximate ones are left out.
+    /// Builds the reference, and the scene for every method that suits it, at most `limit_bytes` per sector.
+    /// Approximate methods are left out.
     pub fn new(scene: &Scene, limits: Limits, limit_bytes: u64) -> Contestants {
         let promises = |method: &Method| method.contract() != Contract::Approximate && scene.suits(*method);
         let all = Method::ALL.into_iter().filter(promises).filter_map(|method| {
@@ -71,12 +72,12 @@ impl Contestants {
         }
     }
 
-    /// The methods that take part.
+    /// Returns the methods under test.
     pub fn methods(&self) -> impl Iterator<Item = Method> + '_ {
         self.all.iter().map(|(method, ..)| *method)
     }
 
-    /// Draws a view by every method. Returns the number of items that are certainly visible, and what methods did wrong.
+    /// Draws a view with every method. Returns the number of certainly visible items and all contract violations.
     pub fn check(&mut self, view: &View) -> (usize, Vec<Broken>) {
         let truth = self.reference.see(&self.scene, view, &self.limits);
         let anywhere = self
@@ -104,7 +105,7 @@ impl Contestants {
             if contract == Contract::Strict {
                 let verdict = anywhere.check(viewer.look(scene, view), None);
                 if !verdict.missed.is_empty() {
-                    let sample = "between samples".to_owned();
+                    let sample = "false cull at a random position between samples".to_owned();
                     broken.push(Broken {
                         method,
                         verdict,

@@ -1,18 +1,19 @@
-//! What the rays of a bundle meet in one sector.
+//! What a ray bundle hits in one sector.
 
 use super::EPSILON;
 use super::tree::{Found, Meeting};
 use crate::geometry::Owner;
 
-/// What rays meet in a sector, sorted out when all is known.
+/// Hits of a ray bundle in a sector; the hidden ones are filtered out at the end.
 pub(super) struct Hits<const N: usize> {
     active: [bool; N],
-    /// Nearer than this a ray sees nothing: the near distance, or the portal; at the least, and at the most.
+    /// Minimum and maximum parameter at which each ray starts: the near distance or the portal. Nearer hits are
+    /// ignored.
     from: [[f64; 2]; N],
-    /// The nearest that certainly hides what is behind it.
+    /// Parameter of each ray's nearest certain occluder.
     nearest: [f64; N],
     reach: [f64; N],
-    /// As far as a face may begin that is not hidden by these, over the active rays.
+    /// Largest parameter at which a face that is not hidden may start, over the active rays.
     farthest: f64,
     meetings: Vec<(Meeting, Owner)>,
 }
@@ -29,7 +30,7 @@ impl<const N: usize> Hits<N> {
         }
     }
 
-    /// What is this near to where seeing begins may be seen or not: it is possible, but hides nothing for certain.
+    /// Returns `true` if `w` is certainly past the ray's start. A nearer hit is possible, but is no certain occluder.
     pub(super) fn certainly_beyond(&self, ray: usize, w: f64) -> bool {
         w > self.from[ray][1] * (1.0 + EPSILON)
     }
@@ -38,14 +39,14 @@ impl<const N: usize> Hits<N> {
         self.nearest[ray]
     }
 
-    /// The nearest that may hide what is behind it.
+    /// Returns the smallest parameter of anything that may be an occluder along the ray.
     pub(super) fn first_hiding(&self, ray: usize) -> f64 {
         let hiding = self.meetings.iter().map(|(meeting, _)| meeting);
         let hiding = hiding.filter(|meeting| meeting.ray == ray && meeting.hides);
         hiding.map(|meeting| meeting.w[0]).fold(f64::INFINITY, f64::min)
     }
 
-    /// All that is not behind what certainly hides it; asked when all is taken.
+    /// Returns all hits that are not certainly hidden. Call it after all hits are added.
     pub(super) fn meetings(&self) -> impl Iterator<Item = &(Meeting, Owner)> {
         self.meetings
             .iter()
@@ -56,7 +57,7 @@ impl<const N: usize> Hits<N> {
         w > self.nearest[ray] * (1.0 + EPSILON)
     }
 
-    /// Takes what is met. What is farther is hidden, if it hides and is met for certain.
+    /// Adds a hit. If it is a certain occluder, everything behind it is hidden.
     pub(super) fn take(&mut self, meeting: Meeting, owner: Owner, certain: bool) {
         let Meeting {
             ray,
@@ -69,7 +70,7 @@ impl<const N: usize> Hits<N> {
         }
         if hides && certain && greatest < self.nearest[ray] {
             self.nearest[ray] = greatest;
-            // A face nearly in the same plane begins at most as much before where it is met.
+            // A nearly coplanar face may start nearer than its hit by at most this hit's uncertainty.
             self.reach[ray] = greatest + (greatest - least);
             let all = (0..N).filter(|&ray| self.active[ray]);
             self.farthest = all.map(|ray| self.reach[ray]).fold(0.0, f64::max);

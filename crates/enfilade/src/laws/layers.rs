@@ -1,7 +1,7 @@
-//! Glass and cut-outs along rays: what lies over what, and how a picture is held against it.
+//! Alpha-blended and alpha-tested layers along rays: their order, and the comparison of a picture with it.
 //!
-//! A sample's five rays must agree on what they meet, in which order, and that it is in front, or it says nothing: there
-//! two panes cross, or one ends.
+//! A sample counts only if its five rays agree on the layers, their order, and that all are in front of the opaque
+//! surface. Otherwise two layers intersect there, or one ends, and the sample is skipped.
 
 use super::EPSILON;
 use super::chains::{Chain, Chains, PassageChains};
@@ -10,52 +10,52 @@ use crate::canvas::{Canvas, Span};
 use crate::geometry::{ItemId, Owner};
 use crate::passage::{Passage, PassageId};
 
-/// A face of glass, or of a cut-out, that a ray meets.
+/// A hit on an alpha-blended or alpha-tested face.
 #[derive(Clone, Copy)]
 pub(super) struct Pane {
     pub(super) chain: Chain,
     pub(super) item: ItemId,
     pub(super) face: u32,
-    /// How many portals lie before it.
+    /// Number of portals passed before it.
     pub(super) depth: u16,
-    /// How far it is, at the least and at the most.
+    /// Minimum and maximum ray parameter.
     pub(super) w: [f64; 2],
-    /// Is it in front for certain?
+    /// Whether it certainly is in front of the nearest opaque surface.
     pub(super) sure: bool,
 }
 
-/// A face through a chain of portals.
+/// A face seen through a chain of portals.
 type Layer = (Chain, Owner);
 
-/// The glass over each sample of a view, from the farthest to the nearest.
+/// The transparent layers over each sample of a view, back to front.
 #[derive(Default)]
 pub struct Layers {
     width: usize,
     chains: Chains,
-    /// Of each sample; `None` where its rays do not agree.
+    /// Layers per sample; `None` if its rays disagree.
     samples: Vec<Option<Vec<Layer>>>,
 }
 
-/// A canvas that keeps the glass that is painted over each sample, in order.
+/// A canvas that records the transparent layers painted over each sample, in order.
 pub struct LayerPicture {
     width: usize,
     passages: PassageChains,
-    /// Of the passage that is being painted.
+    /// Chain of the passage being painted.
     chain: Option<Chain>,
     samples: Vec<Vec<Layer>>,
 }
 
-/// How a picture's glass compares with the truth.
+/// Comparison of a picture's transparent layers with the reference.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LayerVerdict {
-    /// Samples with glass on which all rays agree.
+    /// Samples with transparent layers on which all rays agree.
     pub compared: usize,
-    /// Those of them that have two layers or more.
+    /// How many of those have two or more layers.
     pub stacked: usize,
-    /// The most layers of any.
+    /// Maximum number of layers at a sample.
     pub deepest: usize,
-    /// Samples with other glass, or in another order: x, y.
+    /// Samples (x, y) whose layers or their order differ.
     pub different: Vec<[u32; 2]>,
 }
 
@@ -84,7 +84,7 @@ impl Layers {
         self.samples.push(agreed);
     }
 
-    /// Holds a picture against it, wherever the rays of a sample agree.
+    /// Compares a picture with the reference at every sample whose rays agree.
     pub fn check(&self, picture: &LayerPicture) -> LayerVerdict {
         let mut verdict = LayerVerdict::default();
         let numbers = self.chains.numbers_of(&picture.passages.chains);
@@ -102,14 +102,14 @@ impl Layers {
         verdict
     }
 
-    /// What lies over a sample, and what a picture has there, as text: for the message of a law that fails.
+    /// Describes the layers of a picture at a sample and the expected ones, for the message of a failed law.
     pub fn describe(&self, picture: &LayerPicture, [x, y]: [u32; 2]) -> String {
         let sample = y as usize * self.width + x as usize;
-        format!("{:?}, not {:?}", picture.samples[sample], self.samples[sample])
+        format!("{:?} instead of {:?}", picture.samples[sample], self.samples[sample])
     }
 }
 
-/// The glass along a ray, the farthest first; `None` where it is not certain.
+/// Returns the layers along a ray, back to front; `None` if their order is uncertain.
 fn along(ray: &RaySees) -> Option<Vec<Layer>> {
     let one_way = ray
         .possible
@@ -132,7 +132,7 @@ fn along(ray: &RaySees) -> Option<Vec<Layer>> {
 }
 
 impl LayerPicture {
-    /// An empty picture.
+    /// Creates an empty picture of `size` pixels.
     pub fn new(size: [u32; 2]) -> LayerPicture {
         LayerPicture {
             width: size[0] as usize,
@@ -156,7 +156,7 @@ impl Canvas for LayerPicture {
                 if span.see_through {
                     sample.extend(self.chain.map(|chain| (chain, span.owner)));
                 } else {
-                    // What hides covers what was painted before.
+                    // An opaque span overwrites everything painted before.
                     sample.clear();
                 }
             }

@@ -1,27 +1,27 @@
-//! The rays that go through a pixel.
+//! Rays through a pixel.
 
 use super::DELTA_PX;
 use super::bundle::Bundle;
 use crate::view::View;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
-/// Rays through a sample: through its centre, and through the four places about it.
+/// Rays per sample: one through the centre and four around it.
 pub(super) const RAYS: usize = 5;
 
-/// Places in a pixel that are looked through together.
+/// Random positions of a pixel that are traced as one bundle.
 pub(super) const PLACES: usize = 16;
 
-/// Numbers by chance, the same for the same seed. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators,
+/// Random numbers, reproducible by seed. Source: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators.
 /// 2014.
 pub(super) struct Chance(u64);
 
 impl Chance {
-    /// For pixel (x, y).
+    /// Creates the generator for pixel (x, y).
     pub(super) fn new(seed: u64, [x, y]: [u32; 2]) -> Chance {
         Chance(seed ^ u64::from(x) << 40 ^ u64::from(y) << 20)
     }
 
-    /// From 0 to 1.
+    /// Returns the next number, 0 to 1.
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -30,10 +30,10 @@ impl Chance {
     }
 }
 
-/// Directions of rays, from one 4×4 matrix made of the view as its docs state it.
+/// Computes ray directions from one 4×4 matrix, derived from the documentation of [`View`] alone.
 pub(super) struct Lens {
     eye: DVec3,
-    /// From clip space (x right, y up, −w to w; depth reversed and infinitely far) to the space of the sector.
+    /// From clip space (x right, y up, −w to w; reversed depth, infinite far plane) to sector space.
     sector_from_clip: DMat4,
     forward: DVec3,
     size: [f64; 2],
@@ -50,7 +50,7 @@ impl Lens {
             .find(is_usable)
             .unwrap_or(DVec3::Y);
         let [width, height] = view.size.map(f64::from);
-        // The tangent is an f32 in the contract, for not all machines compute it alike in f64.
+        // Rounded to f32 as the contract demands: not all machines compute the same tangent in f64.
         let half_tangent = f64::from((0.5 * f64::from(view.fov_y)).tan() as f32);
         let clip_from_eye = DMat4::from_cols(
             DVec4::new(height / (width * half_tangent), 0.0, 0.0, 0.0),
@@ -58,7 +58,7 @@ impl Lens {
             DVec4::new(0.0, 0.0, 0.0, -1.0),
             DVec4::new(0.0, 0.0, f64::from(view.near), 0.0),
         );
-        // Without the translation, which would cost digits far from the origin: rays begin at the eye.
+        // No translation: rays start at the eye, and a translation would lose precision far from the origin.
         let eye_from_sector =
             glam::dcamera::rh::view::look_to_mat4(DVec3::ZERO, forward, up.normalize_or_zero());
         Lens {
@@ -70,7 +70,7 @@ impl Lens {
         }
     }
 
-    /// The rays through the centre of pixel (x, y), and about it.
+    /// Returns the rays through the centre of pixel (x, y) and around it.
     pub(super) fn about_centre(&self, [x, y]: [u32; 2]) -> Bundle<RAYS> {
         let [x, y] = [x, y].map(|place| f64::from(place) + 0.5);
         let places = [[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
@@ -80,7 +80,8 @@ impl Lens {
         }
     }
 
-    /// Rays through the next `used` places in pixel (x, y); the others are spare, and as the first.
+    /// Returns rays through the next `used` random positions in pixel (x, y). The remaining rays are copies of the
+    /// first.
     pub(super) fn anywhere(&self, [x, y]: [u32; 2], used: usize, chance: &mut Chance) -> Bundle<PLACES> {
         let mut place = || {
             let [dx, dy] = [(); 2].map(|()| chance.next());
@@ -94,7 +95,8 @@ impl Lens {
         }
     }
 
-    /// Through the place (x, y) of the screen, in pixels, y down; its length along the line of sight is 1.
+    /// Returns the direction through the screen position (x, y), in pixels, y down. Its component along the view
+    /// direction is 1.
     fn direction(&self, x: f64, y: f64) -> DVec3 {
         let [x, y] = [x + self.sample[0], y + self.sample[1]];
         let clip = DVec4::new(

@@ -1,15 +1,17 @@
-//! The reference, and what methods are held against it.
+//! Conformance checks (laws): an independent ray-cast oracle, and the comparison of every method's result with it.
 //!
-//! Idea: five rays a sample, each followed through portals; whatever any of them may meet first may own the sample.
-//! Source: DESIGN of the contracts; Möller, Trumbore 1997 for triangles.
-//! Cost: about 3 µs a sample and core, half of one for a single ray anywhere; memory of two nodes a triangle.
-//! Independent of the methods: it shares with them only the input arrays of geometries, scenes and views. Which sector the
-//! eye is in, the rays of a view and the chains of portals they follow are computed here anew, in the simplest way.
+//! Idea: traces five rays per sample through the portals; every surface that any of them may hit first is a possible
+//! owner. If all possible owners are one item, the sample is certain, otherwise it is contested.
+//! Source: the definitions of [`Contract`](crate::Contract); Möller, Trumbore 1997 for triangles.
+//! Cost: about 3 µs per sample and core, half a microsecond for a single ray at a random position; two tree nodes per
+//! triangle.
+//! Independent of the methods: shares with them only the input arrays of geometries, scenes and views. The sector of
+//! the eye, the rays of a view and their portal chains are computed separately, in the simplest way.
 //!
-//! Positions are f32, so a face or an opening is where its corners are only up to half the spacing of f32 at its greatest
-//! coordinate. Where that decides which of two is nearer, both are possible: it matters for faces nearly in one plane, seen
-//! at a grazing angle or from very close, and far from the origin. Where the corners of an opening are not quite in one plane,
-//! a ray that passes its edge within that bend may go in or not.
+//! Tolerance: positions are f32, so a face or an opening is known only to half an f32 ulp of its largest coordinate. If
+//! that decides which of two surfaces is nearer, both are possible owners. This matters for nearly coplanar faces, at
+//! grazing angles, at very short distances and far from the origin. If the corners of an opening are not quite
+//! coplanar, a ray that passes its edge within that deviation may or may not enter.
 
 mod bundle;
 mod chains;
@@ -34,8 +36,8 @@ pub use straight::{Lamplight, chains, goes_straight};
 pub use truth::{Truth, Verdict};
 pub use walks::views_through;
 
-/// How far from a sample's centre the other four rays pass, in pixels, along x and y: 2⁻¹⁰.
+/// Offset of the four outer rays from the sample's centre, in pixels, along x and y: 2⁻¹⁰.
 pub const DELTA_PX: f64 = 1.0 / 1024.0;
 
-/// Faces whose reversed depth differs by less than this, relatively, are as near as each other: 2⁻¹⁶.
+/// Relative tolerance of reversed depth: two surfaces that differ by less are equally near. 2⁻¹⁶.
 pub const EPSILON: f64 = 1.0 / 65_536.0;

@@ -1,4 +1,4 @@
-//! Which rays go into an opening, as the docs of `opening_view` state it.
+//! Ray/opening intersection, as the docs of `opening_view` define it.
 
 use super::bundle::Bundle;
 use glam::DVec3;
@@ -7,18 +7,18 @@ use glam::DVec3;
 pub(super) struct Outline {
     corners: Vec<DVec3>,
     normal: DVec3,
-    /// Per corner, the direction in the plane from the next side inwards.
+    /// For each corner, the inward direction in the plane, perpendicular to the edge that starts there.
     inwards: Vec<DVec3>,
-    /// How far any corner is from the plane through the first.
+    /// Maximum distance of a corner from the plane through the first corner.
     bend: f64,
     magnitude: f64,
 }
 
-/// Where a ray goes into an opening.
+/// Intersection of a ray with an opening.
 pub(super) struct Entered {
-    /// The least and the greatest parameter that the corners, which are not quite flat, leave open.
+    /// Minimum and maximum ray parameter, as the corners are not exactly coplanar.
     pub(super) w: [f64; 2],
-    /// Whether the ray certainly goes into it.
+    /// Whether the ray certainly enters.
     pub(super) sure: bool,
 }
 
@@ -47,13 +47,13 @@ impl Outline {
         }
     }
 
-    /// Where a ray of the bundle goes into the opening from its front.
+    /// Intersects a ray of the bundle with the front of the opening.
     pub(super) fn entered<const N: usize>(&self, bundle: &Bundle<N>, ray: usize) -> Option<Entered> {
         let origin = bundle.origin;
         let distance = self.normal.dot(origin - self.corners[0]);
         let magnitude = self.magnitude.max(origin.abs().max_element());
         let in_plane = self.bend + magnitude * 2.0_f64.powi(-40);
-        // How much nearer or farther rounding to f32 and corners off the plane may put it.
+        // Uncertainty of the parameter from rounding to f32 and from corners off the plane.
         let off = (self.bend + magnitude * 0.5 * f64::from(f32::EPSILON))
             / self.normal.dot(bundle.directions[ray]).abs();
         let before = |sure| {
@@ -79,7 +79,7 @@ impl Outline {
         })
     }
 
-    /// How far a point of the plane is inside the outline; negative outside.
+    /// Returns the distance of a point of the plane from the nearest edge; negative outside the outline.
     fn inside(&self, point: DVec3) -> f64 {
         let sides = self.inwards.iter().zip(&self.corners);
         sides
@@ -87,9 +87,10 @@ impl Outline {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Where a ray may meet the outline from the front, and whether it certainly does.
+    /// Intersects a ray with the front of the outline. Returns the parameter and whether the hit is certain.
     ///
-    /// The corners are flat to `bend` alone, so a ray at a grazing angle may pass the edge anywhere within the bend's length along it.
+    /// The corners are coplanar only to within `bend`, so a ray at a grazing angle may pass the edge anywhere within
+    /// the length of `bend` projected along the ray.
     fn hit<const N: usize>(&self, bundle: &Bundle<N>, ray: usize) -> Option<(f64, bool)> {
         let fan =
             (2..self.corners.len()).map(|last| [self.corners[0], self.corners[last - 1], self.corners[last]]);
@@ -112,8 +113,8 @@ impl Outline {
 mod tests {
     use super::*;
 
-    /// Whether a ray from (0, 0, 1) to a point of the plane z = 0 enters a square of side 2 around the origin, and if so certainly;
-    /// one corner of it is `bend` before the plane.
+    /// Traces a ray from (0, 0, 1) to (x, y, 0) into a square of side 2 around the origin, one corner of which is
+    /// raised by `bend`. Returns whether it certainly enters; `None` if it cannot enter.
     fn enters(x: f64, y: f64, bend: f64) -> Option<bool> {
         let corners = [
             [-1.0, -1.0, 0.0],
@@ -146,7 +147,8 @@ mod tests {
         for x in [0.0, 0.9, 0.999] {
             assert_eq!(enters(x, 0.1, bend), Some(true), "{x}");
         }
-        // The plane through its middle is half the bend before z = 0, where rays to the edge are not yet at it.
+        // The plane through its centre is half of `bend` in front of z = 0; rays to the edge have not reached the edge
+        // there.
         assert_eq!(enters(1.000_08, 0.1, bend), Some(false));
         for x in [1.001, -1.001, 3.0] {
             assert_eq!(enters(x, 0.1, bend), None, "{x}");

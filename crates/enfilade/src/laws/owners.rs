@@ -1,21 +1,21 @@
-//! A picture of which face was painted at each sample.
+//! A picture of the face that owns each sample.
 
 use super::chains::{Chain, Chains, PassageChains};
 use crate::canvas::{Canvas, Span};
 use crate::geometry::Owner;
 use crate::passage::{Passage, PassageId};
 
-/// A canvas that keeps the owner of each sample; glass is left aside.
+/// A canvas that records the opaque owner of each sample; transparent spans are ignored.
 pub struct OwnerPicture {
     width: usize,
     passages: PassageChains,
-    /// Of the passage that is being painted.
+    /// Chain of the passage being painted.
     chain: Option<Chain>,
     owners: Vec<Option<(Chain, Owner)>>,
 }
 
 impl OwnerPicture {
-    /// An empty picture.
+    /// Creates an empty picture of `size` pixels.
     pub fn new(size: [u32; 2]) -> OwnerPicture {
         OwnerPicture {
             width: size[0] as usize,
@@ -33,13 +33,12 @@ impl OwnerPicture {
         &self.passages.chains
     }
 
-    /// The owner painted at sample (x, y), whatever passage it is seen through.
+    /// Returns the owner of sample (x, y), whatever its passage.
     pub fn owner(&self, [x, y]: [u32; 2]) -> Option<Owner> {
         self.owners[y as usize * self.width + x as usize].map(|(_, owner)| owner)
     }
 
-    /// The owner painted at sample (x, y) and the portals it is seen through, as text: for the message of a law that
-    /// fails.
+    /// Describes the owner of sample (x, y) and the portals it is seen through, for the message of a failed law.
     pub fn describe(&self, [x, y]: [u32; 2]) -> String {
         match self.owners[y as usize * self.width + x as usize] {
             Some((chain, owner)) => {
@@ -49,12 +48,12 @@ impl OwnerPicture {
         }
     }
 
-    /// Samples on which anything is painted.
+    /// Returns the number of painted samples.
     pub fn painted(&self) -> usize {
         self.owners.iter().flatten().count()
     }
 
-    /// Do two pictures show the same owners everywhere, through the same passages?
+    /// Returns `true` if both pictures show the same owners through the same portals at every sample.
     pub fn same(&self, other: &OwnerPicture) -> bool {
         let numbers = self.chains().numbers_of(other.chains());
         let found = |seen: &Option<(Chain, Owner)>| match seen {

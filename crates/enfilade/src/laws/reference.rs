@@ -1,4 +1,4 @@
-//! What may be seen at each sample, told by rays that follow portals.
+//! The reference: traces rays through portals to find the possible owners of each sample.
 
 use super::EPSILON;
 use super::bundle::Bundle;
@@ -17,13 +17,18 @@ use crate::viewer::Limits;
 use glam::DAffine3;
 use rayon::prelude::*;
 
-/// A scene, ready to be asked what is really seen.
+/// An independent ray-cast oracle for a scene: computes which surfaces are visible at each sample.
+///
+/// Every method's result is compared with it; see [`Truth::check`] and [`Contestants`](super::Contestants).
+#[doc(alias = "ray tracer")]
+#[doc(alias = "ground truth")]
+#[doc(alias = "oracle")]
 pub struct Reference {
     sectors: Vec<Option<Trees>>,
 }
 
 impl Reference {
-    /// Builds the trees; the slow part. Sectors of the user's own hold nothing for the reference.
+    /// Builds the ray-tracing trees; this is the slow part. Custom sectors are empty for the reference.
     pub fn new(scene: &Scene) -> Reference {
         let mut built = Built::default();
         let sectors = scene
@@ -37,8 +42,8 @@ impl Reference {
         Reference { sectors }
     }
 
-    /// What may be seen at each sample of a view, on all threads of the pool at hand. `limits` are those of the
-    /// viewers that will be held against it.
+    /// Traces five rays through each sample of a view, on all threads of the current rayon pool. `limits` must be those
+    /// of the viewers under test.
     pub fn see(&self, scene: &Scene, view: &View, limits: &Limits) -> Truth {
         let lens = Lens::new(view);
         let rows = self.rows(
@@ -53,8 +58,8 @@ impl Reference {
         Truth::new(view.size, rows)
     }
 
-    /// What may be seen at so many places of each pixel, chosen by chance and `seed`, by one ray each: what the set of
-    /// a strict method must hold. It says nothing of pictures.
+    /// Traces one ray through each of `places` random positions per pixel, chosen by `seed`: every item hit must be in
+    /// the visible set of a strict method. The result cannot check a picture.
     pub fn see_anywhere(&self, scene: &Scene, view: &View, limits: &Limits, places: u32, seed: u64) -> Truth {
         let lens = Lens::new(view);
         let rows = self.rows(
@@ -65,7 +70,7 @@ impl Reference {
                 let mut chance = Chance::new(seed, pixel);
                 let mut left = places as usize;
                 while left > 0 {
-                    // Rays through one pixel go through the same boxes: together they are followed faster.
+                    // Rays of one pixel traverse the same AABBs; tracing them as a bundle is faster.
                     let used = left.min(PLACES);
                     let seen = look.along(lens.anywhere(pixel, used, &mut chance), used);
                     seen.chunks(1).for_each(|ray| told.place(ray));
@@ -77,7 +82,8 @@ impl Reference {
         Truth::new(view.size, rows)
     }
 
-    /// The glass, and the cut-outs, that lie over what hides at each sample of a view, in order.
+    /// Finds the alpha-blended and alpha-tested layers in front of the opaque surface at each sample of a view, in
+    /// order.
     pub fn layers(&self, scene: &Scene, view: &View, limits: &Limits) -> Layers {
         let lens = Lens::new(view);
         let rows = self.rows(
@@ -92,7 +98,8 @@ impl Reference {
         Layers::of_rows(view.size, rows)
     }
 
-    /// What is told of each row, where `pixel` looks through one pixel.
+    /// Calls `pixel` for each pixel and `settle` after each row, rows in parallel. Returns the chains and the result of
+    /// each row.
     fn rows<const N: usize, T: Default + Send>(
         &self,
         scene: &Scene,
@@ -124,44 +131,44 @@ impl Reference {
     }
 }
 
-/// What one ray may see, over all ways that it may go.
+/// Possible results of one ray, over all portal chains that it may follow.
 #[derive(Clone, Default)]
 pub(super) struct RaySees {
     pub(super) possible: Vec<Possible>,
-    /// Glass and cut-outs in front.
+    /// Alpha-blended and alpha-tested hits in front of the opaque surface.
     pub(super) glass: Vec<Pane>,
 }
 
-/// Follows one bundle after the other.
+/// Traces the bundles of one row, one after another.
 struct Look<'a, const N: usize> {
     reference: &'a Reference,
     scene: &'a Scene,
     limits: &'a Limits,
     near: f64,
-    /// Where the eye is.
+    /// Sector of the eye.
     sector: SectorId,
     chains: Chains,
     rays: [RaySees; N],
     waiting: Vec<Way<N>>,
 }
 
-/// Where a bundle is: in a sector, behind a portal.
+/// A bundle in a sector, behind a chain of portals.
 struct Way<const N: usize> {
     chain: Chain,
     bundle: Bundle<N>,
     active: [bool; N],
-    /// Whether each ray goes this way for certain.
+    /// Whether each ray certainly follows this chain.
     certain: [bool; N],
-    /// Where each ray met the last portal, at the least and at the most; 0 at the eye.
+    /// Minimum and maximum parameter at which each ray passes the last portal; 0 at the eye.
     entry: [[f64; 2]; N],
     depth: u16,
 }
 
-/// An opening that rays go into.
+/// An opening that rays of the bundle enter.
 struct Ahead<const N: usize> {
     opening: OpeningId,
     active: [bool; N],
-    /// Where each ray meets it, at the least and at the most.
+    /// Minimum and maximum parameter at which each ray enters.
     entry: [[f64; 2]; N],
 }
 
@@ -176,7 +183,7 @@ impl<const N: usize> Ahead<N> {
 }
 
 impl<const N: usize> Look<'_, N> {
-    /// What the first `used` rays of a bundle from the eye may see.
+    /// Traces the first `used` rays of a bundle from the eye.
     fn along(&mut self, bundle: Bundle<N>, used: usize) -> &[RaySees] {
         for ray in &mut self.rays {
             ray.possible.clear();
@@ -199,7 +206,7 @@ impl<const N: usize> Look<'_, N> {
         &self.rays[..used]
     }
 
-    /// Follows the active rays through a sector.
+    /// Traces the active rays through a sector.
     fn follow(&mut self, way: &Way<N>) {
         let Way { chain, certain, .. } = *way;
         let Some(trees) = &self.reference.sectors[chain.sector.0 as usize] else {
@@ -213,7 +220,7 @@ impl<const N: usize> Look<'_, N> {
         trees.walk(&way.bundle, &way.active, &mut hits);
 
         let mut ahead: Vec<Ahead<N>> = Vec::new();
-        // Into how many openings each ray goes, and whether it sees anything in this sector but openings.
+        // Number of openings that each ray enters, and whether it may end in this sector.
         let (mut ways, mut ends) = ([0; N], [false; N]);
         for &(Meeting { ray, w, hides, .. }, owner) in hits.meetings() {
             match owner {
@@ -282,14 +289,14 @@ impl<const N: usize> Look<'_, N> {
     }
 }
 
-/// Adds the openings that rays go into.
+/// Adds the openings that the rays enter.
 fn meet_openings<const N: usize>(way: &Way<N>, trees: &Trees, hits: &mut Hits<N>) {
     for (outline, number) in trees.openings().iter().zip(0..) {
         for ray in (0..N).filter(|&ray| way.active[ray]) {
             let Some(Entered { w, sure }) = outline.entered(&way.bundle, ray) else {
                 continue;
             };
-            // An opening has no near limit: it is seen through even where the eye is in it.
+            // Not clipped at the near plane: an opening that contains the eye must stay open.
             let [first, last] = way.entry[ray];
             if w[1] >= first * (1.0 - EPSILON) {
                 let certain = sure && (way.depth == 0 || w[0] > last * (1.0 + EPSILON));

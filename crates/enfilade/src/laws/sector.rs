@@ -1,10 +1,10 @@
-//! Which sector an eye is in, by asking all of them.
+//! The sector of the eye, by a linear search over all sectors.
 
 use crate::scene::{Scene, SectorId};
 use crate::view::View;
 use glam::DVec3;
 
-/// The sector of a view's eye, as the docs of [`Scene::sector_of`] and [`Scene::locate`] state it.
+/// Returns the sector of a view's eye, as the docs of [`Scene::sector_of`] and [`Scene::locate`] define it.
 pub(super) fn sector_of_eye(scene: &Scene, view: &View) -> Option<SectorId> {
     if let Some(named) = view.sector {
         return scene.sectors().find(|&id| id == named);

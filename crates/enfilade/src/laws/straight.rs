@@ -1,11 +1,11 @@
-//! Straight lines through chains of portals, tried one by one, and the lamplight that comes along them: what beams and
-//! lit pictures are held against.
+//! Straight lines through portal chains, tested one by one, and direct light along them: the reference for light beams
+//! and lit pictures.
 
 use crate::query::Location;
 use crate::scene::{Light, LightShape, PortalId, Scene, SectorId};
 use glam::{DAffine3, DVec3};
 
-/// All chains of open portals that begin in a sector, none longer than `most`, and where each leads.
+/// Returns all chains of at most `most` open portals that start in a sector, and the sector each leads to.
 pub fn chains(scene: &Scene, from: SectorId, most: usize) -> Vec<(Vec<PortalId>, SectorId)> {
     let mut all = vec![(Vec::new(), from)];
     let mut next = 0;
@@ -26,14 +26,14 @@ pub fn chains(scene: &Scene, from: SectorId, most: usize) -> Vec<(Vec<PortalId>,
     all
 }
 
-/// How near to an edge or a plane a line is a matter of rounding, in scene units.
+/// Tolerance in scene units: a line closer than this to an edge or a plane is undecided.
 const CLEAR: f64 = 1e-4;
 
-/// Does the straight line from a place go through all openings of a chain, in their order, to a point of the last
-/// sector? `None` where that is a matter of rounding.
+/// Returns `true` if the straight line from a location to a point of the last sector passes through all openings of a
+/// chain, in order. `None` if rounding decides.
 pub fn goes_straight(scene: &Scene, from: Location, chain: &[PortalId], to: [f64; 3]) -> Option<bool> {
     let portals: Vec<_> = chain.iter().map(|id| &scene.portals()[id.0 as usize]).collect();
-    // The origin in each space, from the first on, and the target in each, from the last back.
+    // The origin in each sector's space, first to last, and the target in each, last to first.
     let mut origins = vec![DVec3::from(from.position.map(f64::from))];
     for portal in &portals {
         origins.push(
@@ -76,26 +76,26 @@ pub fn goes_straight(scene: &Scene, from: Location, chain: &[PortalId], to: [f64
     (!unsure).then_some(true)
 }
 
-/// The light of a scene's lamps, along all chains of portals; not that of suns.
+/// The direct light of a scene's lamps along all portal chains. Suns are not included.
 pub struct Lamplight<'a> {
     scene: &'a Scene,
     ways: Vec<Way>,
 }
 
-/// One way of one lamp into a sector.
+/// One portal chain from a lamp into a sector.
 struct Way {
     light: Light,
     chain: Vec<PortalId>,
     sector: SectorId,
-    /// Where the lamp is, as seen from there, and lengths there for one where it hangs.
+    /// Position of the lamp in that sector's space; `scale` is the length there per unit length at the lamp.
     lamp: DVec3,
-    /// Where the middle of its light goes there, of unit length; zero of a point.
+    /// Unit direction of a spot light's axis in that sector's space; zero for a point light.
     onwards: DVec3,
     scale: f64,
 }
 
 impl Lamplight<'_> {
-    /// Along chains of at most `most` portals.
+    /// Finds the chains of at most `most` portals from each lamp.
     pub fn new(scene: &Scene, most: usize) -> Lamplight<'_> {
         let ways_of = |&light: &Light| {
             let way = move |(chain, sector): (Vec<PortalId>, SectorId)| {
@@ -127,8 +127,8 @@ impl Lamplight<'_> {
         }
     }
 
-    /// What a white surface whose unit normal is `normal` sends back at a point of a sector, linear. `None` where it is
-    /// a matter of rounding whether a lamp shines there.
+    /// Returns the linear color that a white diffuse surface with unit normal `normal` reflects at a point of a sector.
+    /// `None` if rounding decides whether a lamp reaches it.
     pub fn at(&self, sector: SectorId, point: [f64; 3], normal: [f64; 3]) -> Option<[f64; 3]> {
         let mut sum = DVec3::ZERO;
         for way in self.ways.iter().filter(|way| way.sector == sector) {

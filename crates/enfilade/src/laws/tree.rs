@@ -1,7 +1,7 @@
-//! Trees over faces and items, walked by rays in f64.
+//! Bounding volume hierarchies over faces and items, traversed by ray bundles in f64.
 //!
-//! The trees share nothing with those of the methods, so that a fault there shows here. A split leaves at least an
-//! eighth of a node's boxes on either side: building takes O(n log n) time and depth is O(log n) for any boxes.
+//! They share no code with those of the methods, so that a fault there is detected. A split leaves at least an eighth
+//! of a node's boxes on either side: building takes O(n log n) time and depth is O(log n) for any boxes.
 
 use super::bundle::Bundle;
 use super::openings::Outline;
@@ -14,47 +14,46 @@ use smallvec::SmallVec;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A face that a ray meets.
+/// A ray/face hit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
     pub(super) ray: usize,
-    /// The ray's parameter there: the least and the greatest that the rounding of positions to f32 leaves open.
+    /// Minimum and maximum ray parameter, as positions are rounded to f32.
     pub(super) w: [f64; 2],
     pub(super) item: ItemId,
     pub(super) face: u32,
     pub(super) hides: bool,
 }
 
-/// A geometry, ready for rays.
+/// The trees of a geometry.
 pub(super) struct Trees {
     geometry: Arc<Geometry>,
     items: Tree,
-    /// The items that the tree holds: those that have faces.
+    /// Items in the tree: those that have faces.
     solid: Vec<ItemId>,
-    /// The tree of each item's faces; in the item's space, or in the sector's where the item is flattened.
+    /// The tree of each item's faces, in the item's space; in the sector's space if the item's transform is singular.
     faces: Vec<Arc<Faces>>,
-    /// Into each item's space; `None` where its tree is in the sector's.
+    /// Transform into each item's space; `None` if its tree is in the sector's space.
     item_from_sector: Vec<Option<DAffine3>>,
     openings: Vec<Outline>,
 }
 
-/// A tree over the triangles of a mesh.
+/// A BVH over the triangles of a mesh.
 #[derive(Default)]
 struct Faces {
     tree: Tree,
-    /// Face and last corner of each triangle; empty where all faces are triangles.
+    /// Face and last corner of each triangle; empty if all faces are triangles.
     triangles: Vec<[u32; 2]>,
 }
 
-/// Nodes to be looked into, and where the bundle enters them; the next one last. Few trees are so deep that it needs
-/// memory of its own.
+/// Stack of nodes to visit, with the parameter at which the bundle enters them; popped from the end. Few trees are deep
+/// enough to need a heap allocation.
 type Waiting = SmallVec<[(f64, u32); 64]>;
 
-/// Numbered boxes in nested boxes, one in each leaf: a box is tested once for a whole bundle, a triangle once for
-/// every ray.
+/// A BVH with one box per leaf: a box is tested once per bundle, a triangle once per ray.
 #[derive(Default)]
 struct Tree {
-    /// The root is the first; the children of a node are adjacent.
+    /// The root is first; the two children of a node are adjacent.
     nodes: Vec<Node>,
 }
 
@@ -64,13 +63,13 @@ struct Node {
 }
 
 enum Below {
-    /// The first of the two children.
+    /// Index of the first of two adjacent children.
     Children(u32),
-    /// The number of a box.
+    /// Index of a box.
     Leaf(u32),
 }
 
-/// Intervals that the centers of a node's boxes are sorted into.
+/// Number of bins for the centres of a node's boxes.
 const BINS: usize = 8;
 
 impl Tree {
@@ -102,8 +101,8 @@ impl Tree {
     }
 }
 
-/// Sorts at least two boxes into two groups, across the longest side of the box around their centers; returns where the
-/// second starts.
+/// Partitions at least two boxes into two groups, along the longest axis of the bounds of their centres. Returns the
+/// start of the second group.
 fn cut(held: &mut [u32], boxes: &[Aabb]) -> usize {
     if held.len() == 2 {
         return 1;
@@ -122,7 +121,7 @@ fn cut(held: &mut [u32], boxes: &[Aabb]) -> usize {
         *bounds = bounds.union(&boxes[*i as usize]);
         *count += 1;
     }
-    // Area times count of what is below each bin, and of what is not.
+    // Surface area times box count on either side of each bin border (surface area heuristic).
     let sums = |bins: &mut dyn Iterator<Item = &(Aabb, usize)>| {
         let mut sum = (Aabb::EMPTY, 0);
         let mut add = |bin: &(Aabb, usize)| {
@@ -176,7 +175,7 @@ impl Faces {
     }
 }
 
-/// Trees of meshes that are built already, by the mesh's address: geometries may share meshes.
+/// Trees already built, by the address of their mesh: geometries may share meshes.
 #[derive(Default)]
 pub(super) struct Built(HashMap<usize, Arc<Faces>>);
 
@@ -230,8 +229,8 @@ impl Trees {
         &self.openings
     }
 
-    /// Meets all faces that rays of the bundle (those in `active`) meet no farther than the nearest that hides, or a
-    /// little behind it; `limit` is asked again after each.
+    /// Reports all faces hit by the rays in `active`, up to slightly beyond the nearest occluder; reads `limit` again
+    /// after each hit.
     pub(super) fn walk<const N: usize>(
         &self,
         bundle: &Bundle<N>,
@@ -255,7 +254,7 @@ impl Trees {
         let local = back.map_or(*bundle, |back| bundle.moved(&back));
         let mesh = self.geometry.mesh_of(item);
         let sector_from_item = self.geometry.item(item).transform();
-        // A flattened item's faces are met where they stand.
+        // A singular transform has no inverse: such an item's faces are intersected in the sector's space.
         let place = back.is_none().then_some(sector_from_item);
         visit(&faces.tree, &local, found, |triangle, found| {
             let [face, last] = *faces.triangles.get(triangle as usize).unwrap_or(&[triangle, 2]);
@@ -292,8 +291,9 @@ impl Trees {
     }
 }
 
-/// By how much a ray's parameter changes where the corners of a triangle are moved by half the spacing of f32 at its greatest
-/// coordinate: no closer are they to where they were meant. That tilts a triangle too; one as thin as the spacing may face anywhere.
+/// Returns how much a ray's parameter can change if each corner of a triangle moves by half an f32 ulp of its largest
+/// coordinate, the rounding error of f32 positions. That also tilts the triangle; one as thin as an ulp may face any
+/// direction.
 fn spread([a, b, c]: [DVec3; 3], direction: DVec3) -> f64 {
     let greatest = [a, b, c].map(|corner| corner.abs().max_element());
     let moved = 0.5 * f64::from(f32::EPSILON) * greatest.into_iter().fold(0.0, f64::max);
@@ -308,8 +308,7 @@ fn spread([a, b, c]: [DVec3; 3], direction: DVec3) -> f64 {
     }
 }
 
-/// Calls `leaf` with what lies in all boxes of a tree that a bundle may enter before the limit, roughly the nearest
-/// first.
+/// Calls `leaf` for all leaves that a bundle may enter before the limit, roughly front to back.
 fn visit<const N: usize, F: Found>(
     tree: &Tree,
     bundle: &Bundle<N>,
@@ -351,9 +350,9 @@ fn visit<const N: usize, F: Found>(
     }
 }
 
-/// Receives what rays meet.
+/// Receives ray/face hits.
 pub(super) trait Found {
-    /// Beyond this parameter nothing matters any more.
+    /// Parameter beyond which hits are ignored.
     fn limit(&self) -> f64;
     fn add(&mut self, meeting: Meeting);
 }
@@ -384,7 +383,7 @@ mod tests {
             let mut times = vec![0; boxes.len()];
             let mut waiting = vec![(0, 1)];
             while let Some((node, depth)) = waiting.pop() {
-                // log n / log (8 / 7)
+                // log n / log(8/7)
                 assert!(depth <= 87, "{depth}");
                 match tree.nodes[node].below {
                     Below::Leaf(number) => times[number as usize] += 1,

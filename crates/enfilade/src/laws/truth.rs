@@ -1,4 +1,4 @@
-//! What may be seen, and how an answer is held against it.
+//! The reference's result for a view, and the comparison of a method's answer with it.
 
 use super::chains::{Chain, Chains, PassageChains};
 use super::owners::OwnerPicture;
@@ -9,30 +9,31 @@ use crate::scene::SectorId;
 use crate::visible::VisibleSet;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-/// What may own a sample; `None` where nothing is there.
+/// A possible owner of a sample; `None` for the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Possible {
     pub(super) chain: Chain,
     pub(super) owner: Option<Owner>,
 }
 
-/// What may be seen at each sample of a view.
+/// The possible owners of each sample of a view, as found by [`Reference`](super::Reference).
 pub struct Truth {
     size: [u32; 2],
     chains: Chains,
-    /// Possible owners, sample after sample, and where each sample's end; nothing where it is not about a picture.
+    /// Possible owners, sample after sample, and the end index of each sample; empty if the result is not for a
+    /// picture.
     possible: Vec<Possible>,
     ends: Vec<u32>,
     contested: u64,
-    /// Items that certainly own a sample, or certainly are in front at one.
+    /// Items that certainly own a sample, or certainly are a layer in front at one.
     certain: BTreeSet<(Chain, ItemId)>,
-    /// Items that may own a sample, or be in front at one.
+    /// Items that may own a sample, or be a layer in front at one.
     imaginable: HashSet<(Chain, ItemId)>,
-    /// Items of which one certainly owns a sample, though not which, and at how many samples.
+    /// Sets of items of which one certainly owns a sample, though not which, and at how many samples.
     contests: BTreeMap<Vec<(Chain, ItemId)>, u64>,
 }
 
-/// What rays tell, sample after sample: a part of a truth.
+/// Results of one row, to be merged into a [`Truth`].
 #[derive(Default)]
 pub(super) struct Told {
     possible: Vec<Possible>,
@@ -41,20 +42,20 @@ pub(super) struct Told {
     certain: Vec<(Chain, ItemId)>,
     imaginable: Vec<(Chain, ItemId)>,
     contests: Vec<(Vec<(Chain, ItemId)>, u64)>,
-    /// For the current sample only; fields so that their memory is reused.
+    /// Buffers for the current sample, kept to reuse their memory.
     here: Vec<Possible>,
     glass: Vec<(Chain, ItemId)>,
 }
 
 impl Told {
-    /// Takes a sample of a picture, seen by such rays.
+    /// Adds a sample of a picture from its rays.
     pub(super) fn sample(&mut self, rays: &[RaySees]) {
         self.place(rays);
         self.possible.extend_from_slice(&self.here);
         self.ends.push(self.possible.len() as u32);
     }
 
-    /// Takes a place that is in no picture, seen by such rays: only what items may be seen there is kept.
+    /// Adds a position that belongs to no picture: records only its visible items.
     pub(super) fn place(&mut self, rays: &[RaySees]) {
         self.here.clear();
         self.here
@@ -93,7 +94,7 @@ impl Told {
         }
     }
 
-    /// Adds the possible owners of the current sample.
+    /// Records the items that contest the current sample.
     fn contest(&mut self) {
         let item = |p: &Possible| p.owner.and_then(Owner::item).map(|item| (p.chain, item));
         let mut items: Vec<_> = self.here.iter().filter_map(item).collect();
@@ -104,7 +105,7 @@ impl Told {
         }
     }
 
-    /// Keeps every item once. Done where the rays are followed, on many threads, for the sake of speed.
+    /// Removes duplicates. Called on the tracing threads, which is faster than doing it while merging.
     pub(super) fn settle(&mut self) {
         for items in [&mut self.certain, &mut self.imaginable] {
             items.sort_unstable();
@@ -119,27 +120,27 @@ impl Told {
     }
 }
 
-/// Neighbours mostly see the same item: it is not kept for each of them.
+/// Neighbouring samples mostly have the same item; skips repetitions.
 fn push_new(items: &mut Vec<(Chain, ItemId)>, seen: (Chain, ItemId)) {
     if items.last() != Some(&seen) {
         items.push(seen);
     }
 }
 
-/// How an answer compares with the truth.
+/// Comparison of a method's answer with the reference.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Verdict {
-    /// Items that certainly own a sample, or certainly are in front at one; over all passages, each counted once.
+    /// Items that certainly own a sample, or certainly are a layer in front at one; counted once over all passages.
     pub reference_visible: usize,
-    /// Those of them that are not in the set, or not in the set of the passage they are seen through. Where several items
-    /// may own a sample and none of them is in the set, the first of them.
+    /// False culls: those of them that are missing from the set, or from the set of their passage. If several items may
+    /// own a sample and none of them is in the set, the first of them.
     pub missed: Vec<(SectorId, ItemId)>,
-    /// Items in the set that cannot be seen at any sample; over all passages, each counted once.
+    /// Items in the set that are visible at no sample; counted once over all passages.
     pub extra: usize,
-    /// Samples painted with what cannot own them; glass is left aside.
+    /// Wrong pixels: samples painted with an owner that is not possible. Transparent layers are ignored.
     pub pixels_different: u64,
-    /// Samples that more than one item may own, or an item or nothing.
+    /// Contested samples: more than one item, or an item and the background, may own them.
     pub pixels_contested: u64,
     /// Samples of the reference's picture.
     pub pixels: u64,
@@ -180,7 +181,7 @@ impl Truth {
         truth
     }
 
-    /// Items that certainly are seen; over all passages, each counted once.
+    /// Returns the certainly visible items; each once over all passages.
     pub fn visible(&self) -> BTreeSet<(SectorId, ItemId)> {
         self.certain
             .iter()
@@ -188,8 +189,8 @@ impl Truth {
             .collect()
     }
 
-    /// Items of which one certainly owns a sample, though not which, and at how many samples; the most first. Most often
-    /// their faces coincide.
+    /// Returns the sets of items of which one certainly owns a sample, though not which, with their number of samples,
+    /// largest number first. Usually their faces are coplanar.
     pub fn contested(&self) -> Vec<(Vec<(SectorId, ItemId)>, u64)> {
         let mut all: BTreeMap<Vec<(SectorId, ItemId)>, u64> = BTreeMap::new();
         for (items, samples) in &self.contests {
@@ -203,8 +204,8 @@ impl Truth {
         all
     }
 
-    /// Holds a visible set, and the picture that was drawn with it, against the truth. The viewer must have had the
-    /// limits that the reference was given.
+    /// Compares a visible set, and the picture drawn with it, with the reference. The viewer must have had the same
+    /// [`Limits`](crate::Limits) as the reference.
     pub fn check(&self, set: &VisibleSet, picture: Option<&OwnerPicture>) -> Verdict {
         let mut passages = PassageChains::default();
         let chains: Vec<Chain> = (0..)
@@ -213,7 +214,7 @@ impl Truth {
             .map(|(id, passage)| passages.of(id, passage))
             .collect();
         let numbers = self.chains.numbers_of(&passages.chains);
-        // `None` for what is seen through a chain that no ray goes along.
+        // `None` for a chain that no ray follows.
         let answered: HashSet<(SectorId, Option<Chain>, ItemId)> = set
             .items()
             .iter()
@@ -246,7 +247,7 @@ impl Truth {
         }
     }
 
-    /// The samples (x, y) that a picture paints with what cannot own them.
+    /// Returns the samples (x, y) that a picture paints with an owner that is not possible.
     pub fn different<'a>(&'a self, picture: &'a OwnerPicture) -> impl Iterator<Item = [u32; 2]> + 'a {
         let numbers = self.chains.numbers_of(picture.chains());
         let is_wrong = move |&sample: &usize| {
@@ -268,7 +269,7 @@ impl Truth {
             .map(|sample| [sample as u32 % self.size[0], sample as u32 / self.size[0]])
     }
 
-    /// What may own sample (x, y), as text: for the message of a law that fails.
+    /// Describes the possible owners of sample (x, y), for the message of a failed law.
     pub fn describe(&self, [x, y]: [u32; 2]) -> String {
         let sample = (y * self.size[0] + x) as usize;
         let start = sample

@@ -1,17 +1,18 @@
-//! Walks through portals, frame by frame: before the plane, in it, behind it.
+//! Camera paths through portals, frame by frame: in front of the plane, in it and behind it.
 
 use crate::query::Location;
 use crate::scene::{PortalId, Scene};
 use crate::view::View;
 use glam::DVec3;
 
-/// Frames before the plane of the opening, counted in steps of a fifth of the near distance, and behind it.
+/// Distances of the frames in front of the opening's plane (negative: behind it), in fifths of the near distance.
 const FRAMES: [i32; 12] = [12, 8, 5, 4, 3, 2, 1, 0, -1, -2, -4, -8];
 
-/// What a camera sees that goes through the middle of a portal: looking ahead, askew, along the plane and back.
+/// Returns the views of a camera that moves through the middle of a portal, looking ahead, obliquely, along the plane
+/// and back.
 ///
-/// The near distance is 0.01, or less where the opening is small, so that the frames are 2 mm apart near the plane of a
-/// door. The camera changes sectors as [`Scene::walk`] says.
+/// The near distance is 0.01, or less for a small opening, so the frames are 2 mm apart near the plane of a door. The
+/// camera changes sectors as [`Scene::walk`] defines.
 pub fn views_through(scene: &Scene, portal: PortalId, size: [u32; 2]) -> Vec<View> {
     let here = &scene.portals()[portal.0 as usize];
     let outline = &scene.sector(here.from).openings()[usize::from(here.opening.0)].outline;
@@ -41,7 +42,7 @@ pub fn views_through(scene: &Scene, portal: PortalId, size: [u32; 2]) -> Vec<Vie
         };
         let mut walked = scene.walk(place, (at(frame) - start).into());
         if frame >= 0 && walked.crossed.is_empty() {
-            // Not where rounding puts the end of a step, but in the plane where the frame is.
+            // Exactly in the plane, not where rounding ends the step.
             walked.location.position = at(frame).into();
         }
         let eye = DVec3::from(walked.location.position.map(f64::from));

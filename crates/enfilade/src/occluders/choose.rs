@@ -1,15 +1,18 @@
-//! Which occluders a look takes: the best few of all, by a measure of what they hide.
+//! Selects the best occluders for a view, by a measure of how much they hide.
 //!
-//! What waits (nodes over the items, items, nodes over their polygons, polygons) stands in one queue by the most that
-//! anything in its box can measure; what is measured itself, by that. So polygons come out best first, and what is far,
-//! small or out of view is never entered. Who lets each occluder hide before the next is chosen says what is hidden by
-//! then: that is not entered either. Else most of the best stand behind others, and the more so the larger the scene.
-//! Source: Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, section 3.3; the queue is
-//!     that of Hart, Nilsson, Raphael, A Formal Basis for the Heuristic Determination of Minimum Cost Paths, 1968.
-//! Cost: O(boxes met · log waiting), about a few for each occluder chosen; no memory is asked for once warm.
-//! Where nothing is called hidden, the answer is that of measuring every polygon of every item, to the last of them.
+//! A best-first search with one priority queue: it holds octree nodes over the items, items, nodes over their polygons,
+//! and polygons, each by an upper bound of the measure of anything inside it; measured polygons are queued by their
+//! value. So polygons come out best first, and subtrees that are distant, small or outside the view are never entered.
+//! A caller that inserts each occluder into a cover before the next one is selected can report boxes that are hidden by
+//! now, and these are not entered either. Otherwise most of the best occluders would be behind others, the more so the
+//! larger the scene.
+//! Source: Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, section 3.3; the
+//!     search is that of Hart, Nilsson, Raphael, A Formal Basis for the Heuristic Determination of Minimum Cost Paths,
+//!     1968.
+//! Cost: O(boxes tested · log queue length), a few boxes for each selected occluder; no allocation once warm.
+//! If nothing is reported as hidden, the selection equals that of measuring every polygon of every item.
 
-use super::measure::{Chooser, Entered, OccluderMeasure};
+use super::measure::{Chooser, EnteredItem, OccluderMeasure};
 use super::{OccluderSet, Polygon};
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId};
@@ -18,105 +21,110 @@ use glam::{DAffine3, DVec3};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// An occluder that was chosen.
+/// An occluder selected for a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelectedOccluder {
-    /// The item whose faces it stands for.
+    /// The item that the occluder belongs to.
     pub item: ItemId,
-    /// Which polygon of the item's mesh, counted from 0.
+    /// Index of the polygon among the occluders of the item's mesh, from 0.
     pub polygon: u32,
-    /// By the measure that was asked for; all that waited measured no more.
+    /// Value by the requested [`OccluderMeasure`]; no occluder selected later has a larger one.
     pub value: f64,
-    /// The place among all polygons of the set.
-    place: u32,
+    /// Index among all polygons of the set.
+    index: u32,
 }
 
 #[cfg(test)]
 impl SelectedOccluder {
-    /// A polygon of the first item, which is a copy of the first mesh.
-    pub(super) fn for_tests(place: u32) -> SelectedOccluder {
+    /// Selects a polygon of the first item, which is a copy of the first mesh.
+    pub(super) fn for_tests(index: u32) -> SelectedOccluder {
         SelectedOccluder {
             item: ItemId(0),
-            polygon: place,
+            polygon: index,
             value: 1.0,
-            place,
+            index,
         }
     }
 }
 
-/// What choosing needs, kept from one look to the next, and what was chosen.
+/// The selected occluders, and buffers reused from one selection to the next.
+///
+/// Pass the same value to [`OccluderSet::choose`] every frame to avoid allocations.
 #[derive(Debug, Default)]
 pub struct OccluderSelection {
-    waiting: BinaryHeap<Waiting>,
-    entered: Vec<Entered>,
+    queue: BinaryHeap<QueueEntry>,
+    entered: Vec<EnteredItem>,
     corners: Vec<DVec3>,
     chosen: Vec<SelectedOccluder>,
-    /// How many boxes and polygons were held against the passage.
+    /// Number of boxes and polygons tested against the passage.
     met: u64,
 }
 
 impl OccluderSelection {
-    /// What was chosen last, the best first.
+    /// Returns the occluders of the last selection, best first.
     pub fn chosen(&self) -> &[SelectedOccluder] {
         &self.chosen
     }
 
-    /// How many boxes and polygons were looked at for it.
+    /// Returns the number of boxes and polygons tested for the last selection.
     pub fn met(&self) -> u64 {
         self.met
     }
 }
 
+/// An entry of the priority queue.
 #[derive(Debug)]
-struct Waiting {
-    most: f64,
-    what: What,
+struct QueueEntry {
+    /// Upper bound of the measure; the value itself for a measured polygon.
+    bound: f64,
+    target: QueueTarget,
 }
 
-/// Of what may measure the same, boxes come first, so that all that measures the same is known when one of it is taken;
-/// then lower numbers.
+/// Target of a queue entry.
+///
+/// Among equal bounds boxes come first, so that all polygons of that value are known when one of them is taken; then
+/// lower numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum What {
+enum QueueTarget {
+    /// A node over the items.
     Node(u32),
+    /// An item, by its index.
     Item(u32),
-    /// A node over a mesh's polygons; the item by its place in [`OccluderSelection::entered`].
-    MeshNode {
-        entered: u32,
-        node: u32,
-    },
-    /// A polygon that was not measured yet.
-    Polygon {
-        entered: u32,
-        place: u32,
-    },
-    Measured {
-        item: u32,
-        place: u32,
-    },
+    /// A node over a mesh's polygons; `entered` is the index of the item in [`OccluderSelection::entered`].
+    MeshNode { entered: u32, node: u32 },
+    /// A polygon that is not measured yet, by its index in the set.
+    Polygon { entered: u32, index: u32 },
+    /// A measured polygon.
+    Measured { item: u32, index: u32 },
 }
 
-impl Ord for Waiting {
-    fn cmp(&self, other: &Waiting) -> Ordering {
-        self.most.total_cmp(&other.most).then(other.what.cmp(&self.what))
+impl Ord for QueueEntry {
+    fn cmp(&self, other: &QueueEntry) -> Ordering {
+        self.bound
+            .total_cmp(&other.bound)
+            .then(other.target.cmp(&self.target))
     }
 }
 
-impl PartialOrd for Waiting {
-    fn partial_cmp(&self, other: &Waiting) -> Option<Ordering> {
+impl PartialOrd for QueueEntry {
+    fn partial_cmp(&self, other: &QueueEntry) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Waiting {
-    fn eq(&self, other: &Waiting) -> bool {
+impl PartialEq for QueueEntry {
+    fn eq(&self, other: &QueueEntry) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Waiting {}
+impl Eq for QueueEntry {}
 
 impl OccluderSet {
-    /// The best `budget` occluders that `passage` sees, the best first.
+    /// Selects up to `budget` occluders visible in `passage`, best first.
+    ///
+    /// Occluders are not tested against each other, so some of them may be hidden behind better ones. `choice` keeps
+    /// the result and is reused between calls.
     pub fn choose<'a>(
         &self,
         geometry: &Geometry,
@@ -130,33 +138,33 @@ impl OccluderSet {
         &choice.chosen
     }
 
-    /// Begins to choose, one occluder after the other.
+    /// Begins a selection that yields one occluder at a time.
     pub(crate) fn choosing<'a>(
         &'a self,
         geometry: &'a Geometry,
         passage: &'a Passage,
         measure: OccluderMeasure,
         choice: &'a mut OccluderSelection,
-    ) -> Choosing<'a> {
-        choice.waiting.clear();
+    ) -> SelectionRun<'a> {
+        choice.queue.clear();
         choice.entered.clear();
         choice.chosen.clear();
         choice.met = 0;
         let chooser = Chooser::new(self, geometry, passage, measure);
         if let Some(root) = self.tree.root() {
-            let most = chooser.most(
+            let bound = chooser.bound(
                 &passage.screen_from_sector,
                 self.tree.bounds(root),
                 self.largest[0],
                 chooser.eye,
                 1.0,
             );
-            choice.push(most, What::Node(root));
+            choice.push(bound, QueueTarget::Node(root));
         }
-        Choosing { chooser, choice }
+        SelectionRun { chooser, choice }
     }
 
-    /// What [`OccluderSet::choose`] must answer, by measuring everything.
+    /// Reference for [`OccluderSet::choose`]: measures every polygon.
     #[cfg(test)]
     pub(super) fn choose_from_all(
         &self,
@@ -175,98 +183,100 @@ impl OccluderSet {
             .filter(|(_, item)| item.is_occluder)
         {
             let item_id = ItemId(number as u32);
-            let placed = Entered::of(item_id, geometry, passage);
+            let placed = EnteredItem::of(item_id, geometry, passage);
             let [first, end] = self.meshes[item.mesh.0 as usize].polygons;
-            for place in first..end {
-                let polygon = &self.polygons[place as usize];
+            for index in first..end {
+                let polygon = &self.polygons[index as usize];
                 let value = self
-                    .seen_from(polygon, placed.eye)
+                    .eye_height(polygon, placed.eye)
                     .filter(|_| item.transform().inverse().is_some())
                     .and_then(|_| chooser.value(&placed, polygon, &mut corners));
                 all.extend(value.map(|value| SelectedOccluder {
                     item: item_id,
-                    polygon: place - first,
+                    polygon: index - first,
                     value,
-                    place,
+                    index,
                 }));
             }
         }
         all.sort_by(|a, b| {
             b.value
                 .total_cmp(&a.value)
-                .then((a.item, a.place).cmp(&(b.item, b.place)))
+                .then((a.item, a.index).cmp(&(b.item, b.index)))
         });
         all.truncate(budget);
         all
     }
 
+    /// Returns the polygon of a selected occluder.
     pub(super) fn polygon(&self, chosen: &SelectedOccluder) -> &Polygon {
-        &self.polygons[chosen.place as usize]
+        &self.polygons[chosen.index as usize]
     }
 }
 
-/// A choice at work.
-pub(crate) struct Choosing<'a> {
+/// A selection in progress.
+pub(crate) struct SelectionRun<'a> {
     chooser: Chooser<'a>,
     choice: &'a mut OccluderSelection,
 }
 
-impl Choosing<'_> {
-    /// The best occluder of those that are left, but for what is in a box, given in another space, that `may_be_seen` says
-    /// no of: what hides all of it hides all that it would hide.
+impl SelectionRun<'_> {
+    /// Returns the best remaining occluder. Skips everything inside a box, given in another space, for which
+    /// `may_be_seen` returns `false`: whatever hides the whole box also hides everything that an occluder in it would
+    /// hide.
     pub(crate) fn next(
         &mut self,
         mut may_be_seen: impl FnMut(&DAffine3, &Aabb) -> bool,
     ) -> Option<SelectedOccluder> {
-        let Choosing { chooser, choice } = self;
+        let SelectionRun { chooser, choice } = self;
         let Chooser {
             set,
             geometry,
             passage,
             ..
         } = *chooser;
-        while let Some(Waiting { most, what }) = choice.waiting.pop() {
-            match what {
-                What::Node(node) => {
+        while let Some(QueueEntry { bound, target }) = choice.queue.pop() {
+            match target {
+                QueueTarget::Node(node) => {
                     if may_be_seen(&passage.screen_from_sector, set.tree.bounds(node)) {
                         chooser.enter_node(node, choice);
                     }
                 }
-                What::Item(item) => {
+                QueueTarget::Item(item) => {
                     if may_be_seen(&passage.screen_from_sector, &geometry.item(ItemId(item)).bounds) {
                         chooser.enter_item(ItemId(item), choice);
                     }
                 }
-                What::MeshNode { entered, node } => {
-                    let Entered {
+                QueueTarget::MeshNode { entered, node } => {
+                    let EnteredItem {
                         item,
                         screen_from_item,
                         ..
                     } = &choice.entered[entered as usize];
                     let bounds = set.meshes[geometry.item(*item).mesh.0 as usize].tree.bounds(node);
-                    if !chooser.bounds_ignore_the_frame() || may_be_seen(screen_from_item, bounds) {
+                    if !chooser.bounds_ignore_frustum() || may_be_seen(screen_from_item, bounds) {
                         chooser.enter_mesh_node(entered, node, choice);
                     }
                 }
-                What::Polygon { entered, place } => {
+                QueueTarget::Polygon { entered, index } => {
                     let screen_from_item = &choice.entered[entered as usize].screen_from_item;
-                    let bounds = &set.polygons[place as usize].bounds;
-                    if !chooser.bounds_ignore_the_frame() || may_be_seen(screen_from_item, bounds) {
-                        chooser.measure(entered, place, choice);
+                    let bounds = &set.polygons[index as usize].bounds;
+                    if !chooser.bounds_ignore_frustum() || may_be_seen(screen_from_item, bounds) {
+                        chooser.measure(entered, index, choice);
                     }
                 }
-                What::Measured { item, place } => {
+                QueueTarget::Measured { item, index } => {
                     let item = ItemId(item);
                     let screen_from_item = passage.screen_from(&geometry.item(item).transform());
-                    if !may_be_seen(&screen_from_item, &set.polygons[place as usize].bounds) {
+                    if !may_be_seen(&screen_from_item, &set.polygons[index as usize].bounds) {
                         continue;
                     }
                     let first = set.meshes[geometry.item(item).mesh.0 as usize].polygons[0];
                     let chosen = SelectedOccluder {
                         item,
-                        polygon: place - first,
-                        value: most,
-                        place,
+                        polygon: index - first,
+                        value: bound,
+                        index,
                     };
                     choice.chosen.push(chosen);
                     return Some(chosen);
@@ -278,47 +288,51 @@ impl Choosing<'_> {
 }
 
 impl OccluderSelection {
-    fn push(&mut self, most: Option<f64>, what: What) {
+    /// Counts a tested box or polygon and queues it, unless its bound is `None`.
+    fn push(&mut self, bound: Option<f64>, target: QueueTarget) {
         self.met += 1;
-        if let Some(most) = most {
-            self.waiting.push(Waiting { most, what });
+        if let Some(bound) = bound {
+            self.queue.push(QueueEntry { bound, target });
         }
     }
 }
 
 impl Chooser<'_> {
+    /// Queues the children and items of a node.
     fn enter_node(&self, node: u32, choice: &mut OccluderSelection) {
         let (set, screen) = (self.set, &self.passage.screen_from_sector);
         for child in set.tree.children(node) {
-            let most = self.most(
+            let bound = self.bound(
                 screen,
                 set.tree.bounds(child),
                 set.largest[child as usize],
                 self.eye,
                 1.0,
             );
-            choice.push(most, What::Node(child));
+            choice.push(bound, QueueTarget::Node(child));
         }
         for &item in set.tree.things(node) {
             let placed = self.geometry.item(ItemId(item));
             let area = set.areas[item as usize];
-            let most = self.most(screen, &placed.bounds, area, self.eye, 1.0);
-            choice.push(most, What::Item(item));
+            let bound = self.bound(screen, &placed.bounds, area, self.eye, 1.0);
+            choice.push(bound, QueueTarget::Item(item));
         }
     }
 
+    /// Queues the contents of an item.
     fn enter_item(&self, item: ItemId, choice: &mut OccluderSelection) {
         choice
             .entered
-            .push(Entered::of(item, self.geometry, self.passage));
+            .push(EnteredItem::of(item, self.geometry, self.passage));
         self.enter_mesh_node(choice.entered.len() as u32 - 1, 0, choice);
     }
 
+    /// Queues the children and polygons of a node over a mesh's polygons.
     fn enter_mesh_node(&self, entered: u32, node: u32, choice: &mut OccluderSelection) {
         let placed = choice.entered[entered as usize];
         let mesh = &self.set.meshes[self.geometry.item(placed.item).mesh.0 as usize];
-        let most = |bounds: &Aabb, area: f64| {
-            self.most(
+        let bound = |bounds: &Aabb, area: f64| {
+            self.bound(
                 &placed.screen_from_item,
                 bounds,
                 area * placed.stretch,
@@ -327,23 +341,24 @@ impl Chooser<'_> {
             )
         };
         for child in mesh.tree.children(node) {
-            let most = most(mesh.tree.bounds(child), mesh.largest[child as usize]);
-            choice.push(most, What::MeshNode { entered, node: child });
+            let bound = bound(mesh.tree.bounds(child), mesh.largest[child as usize]);
+            choice.push(bound, QueueTarget::MeshNode { entered, node: child });
         }
         for &polygon in mesh.tree.things(node) {
-            let place = mesh.polygons[0] + polygon;
-            let polygon = &self.set.polygons[place as usize];
-            if self.set.seen_from(polygon, placed.eye).is_some() {
-                let most = most(&polygon.bounds, polygon.area);
-                choice.push(most, What::Polygon { entered, place });
+            let index = mesh.polygons[0] + polygon;
+            let polygon = &self.set.polygons[index as usize];
+            if self.set.eye_height(polygon, placed.eye).is_some() {
+                let bound = bound(&polygon.bounds, polygon.area);
+                choice.push(bound, QueueTarget::Polygon { entered, index });
             }
         }
     }
 
-    fn measure(&self, entered: u32, place: u32, choice: &mut OccluderSelection) {
+    /// Measures a polygon and queues it by its value.
+    fn measure(&self, entered: u32, index: u32, choice: &mut OccluderSelection) {
         let placed = &choice.entered[entered as usize];
         let item = placed.item.0;
-        let value = self.value(placed, &self.set.polygons[place as usize], &mut choice.corners);
-        choice.push(value, What::Measured { item, place });
+        let value = self.value(placed, &self.set.polygons[index as usize], &mut choice.corners);
+        choice.push(value, QueueTarget::Measured { item, index });
     }
 }

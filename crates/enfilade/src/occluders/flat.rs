@@ -1,8 +1,8 @@
-//! Convex polygons in a plane, counter-clockwise, and the lines that bound them.
+//! Convex polygons in a plane, counter-clockwise, and the half-planes that bound them.
 
 use glam::{DMat2, DVec2};
 
-/// A half of the plane: where inward · p ≥ offset; the normal is of unit length.
+/// A half-plane: inward · p ≥ offset, with a unit normal.
 #[derive(Clone, Copy)]
 pub(super) struct Side {
     pub(super) inward: DVec2,
@@ -10,12 +10,14 @@ pub(super) struct Side {
 }
 
 impl Side {
+    /// Returns the half-plane to the left of the line through two points.
     pub(super) fn left_of(from: DVec2, to: DVec2) -> Side {
         Side::through(from, (to - from).perp())
     }
 
+    /// Returns the half-plane bounded by a line through `point`, on the side of `inward`.
     pub(super) fn through(point: DVec2, inward: DVec2) -> Side {
-        // Exact along the axes, as most walls are.
+        // Exact if axis-aligned, as most walls are.
         let inward = if inward.x == 0.0 || inward.y == 0.0 {
             DVec2::new(sign(inward.x), sign(inward.y))
         } else {
@@ -27,6 +29,7 @@ impl Side {
         }
     }
 
+    /// Returns the half-plane moved inwards by a distance.
     pub(super) fn moved(self, inward: f64) -> Side {
         Side {
             offset: self.offset + inward,
@@ -34,21 +37,24 @@ impl Side {
         }
     }
 
+    /// Returns the signed distance of a point inside the half-plane.
     pub(super) fn height(&self, point: DVec2) -> f64 {
         self.inward.dot(point) - self.offset
     }
 }
 
-/// −1, 0 or 1.
+/// Returns −1, 0 or 1.
 fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
 }
 
+/// Returns the half-planes that bound a counter-clockwise polygon.
 pub(super) fn sides(piece: &[DVec2]) -> impl Iterator<Item = Side> + '_ {
     (0..piece.len()).map(|place| Side::left_of(piece[place], piece[(place + 1) % piece.len()]))
 }
 
-/// The part of a segment that is higher than `reach` over all sides, as fractions of its length; `None` where none is.
+/// Returns the part of a segment whose height above all sides is more than `reach`, as fractions of its length; `None`
+/// if there is none.
 pub(super) fn inside(sides: &[Side], reach: f64, from: DVec2, to: DVec2) -> Option<[f64; 2]> {
     let [mut start, mut end] = [0.0_f64, 1.0_f64];
     for side in sides {
@@ -66,7 +72,7 @@ pub(super) fn inside(sides: &[Side], reach: f64, from: DVec2, to: DVec2) -> Opti
     (start < end).then_some([start, end])
 }
 
-/// The part of a convex polygon on one side.
+/// Clips a convex polygon by a half-plane.
 pub(super) fn clipped(piece: &[DVec2], side: &Side) -> Vec<DVec2> {
     let mut kept = Vec::with_capacity(piece.len() + 1);
     for (place, &corner) in piece.iter().enumerate() {
@@ -92,7 +98,7 @@ pub(super) fn clipped(piece: &[DVec2], side: &Side) -> Vec<DVec2> {
     kept
 }
 
-/// Twice the area, above zero where corners run counter-clockwise.
+/// Returns twice the signed area, positive if the corners are counter-clockwise.
 pub(super) fn doubled(piece: &[DVec2]) -> f64 {
     let Some(&first) = piece.first() else { return 0.0 };
     piece
@@ -101,15 +107,18 @@ pub(super) fn doubled(piece: &[DVec2]) -> f64 {
         .sum()
 }
 
+/// Returns the area of a polygon.
 pub(super) fn area_of(piece: &[DVec2]) -> f64 {
     0.5 * doubled(piece).abs()
 }
 
+/// Returns `true` if a polygon contains a point.
 pub(super) fn holds(piece: &[DVec2], point: DVec2) -> bool {
     sides(piece).all(|side| side.height(point) >= 0.0)
 }
 
-/// The middle of a polygon, and a measure of distance by which it is about as long as broad.
+/// Returns the centroid of a polygon, and a metric (d·M·d is the squared distance) in which it is about as long as
+/// wide; `None` if it has no area.
 pub(super) fn shape(piece: &[DVec2]) -> Option<(DVec2, DMat2)> {
     let first = *piece.first()?;
     let (mut sum, mut whole) = (DVec2::ZERO, 0.0);
@@ -123,7 +132,7 @@ pub(super) fn shape(piece: &[DVec2]) -> Option<(DVec2, DMat2)> {
         return None;
     }
     let middle = first + sum / whole;
-    // Moments of the triangles around the middle, by their corners: near enough.
+    // Second moments of the triangles around the centroid, approximated from their corners.
     let mut moments = DMat2::ZERO;
     for (place, &corner) in piece.iter().enumerate() {
         let [a, b] = [corner - middle, piece[(place + 1) % piece.len()] - middle];
@@ -137,9 +146,10 @@ pub(super) fn shape(piece: &[DVec2]) -> Option<(DVec2, DMat2)> {
     measure.is_finite().then_some((middle, measure))
 }
 
-/// The area of a piece outside others.
+/// Returns the area of a piece outside others.
 pub(super) fn added_by(piece: &[DVec2], others: &[Vec<DVec2>]) -> f64 {
-    // A piece less a convex one is as many convex ones as that has sides, at most.
+    // Each subtraction of a convex polygon leaves up to as many convex parts as it has sides. Beyond this limit, parts
+    // are kept whole.
     const MAX_PARTS: usize = 256;
     let mut parts = vec![piece.to_vec()];
     for other in others {

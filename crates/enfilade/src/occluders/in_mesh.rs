@@ -1,8 +1,8 @@
-//! The occluders of one mesh: of all its sheets, those polygons that are large enough.
+//! Extracts the occluders of one mesh: the polygons of all its sheets that are large enough.
 
 use super::Polygon;
 use super::outline::{EXACT, Outline};
-use super::pieces::{PieceOf, pieces};
+use super::pieces::{SheetPiece, pieces};
 use super::sheets::Sheet;
 use super::soup::Soup;
 use crate::geom::Aabb;
@@ -10,25 +10,28 @@ use crate::geometry::Geometry;
 use crate::mesh::Mesh;
 use glam::DVec3;
 
-/// An occluder smaller than this part of its mesh's box, seen from its broadest side, is small: the facets of a column
-/// hide little that the column's others do not.
+/// An occluder is small if its area is below this part of the largest face of its mesh's bounding box: the facets of a
+/// column hide little that its other facets do not.
 const LEAST_SHARE: f64 = 1.0 / 128.0;
 
-/// Of small ones, a mesh keeps the largest, as many as it has clusters, if they are no smaller than this: a mesh may be
-/// a whole city.
+/// A mesh keeps its largest small occluders, as many as it has clusters, if their area is at least this part of that
+/// face: a mesh may be a whole city.
 const LEAST_OF_ALL: f64 = 1.0 / 16_384.0;
 
-/// What is found in a mesh, the largest first.
+/// Occluder polygons found in a mesh, largest first.
 #[derive(Default)]
-pub(super) struct InMesh {
+pub(super) struct MeshPolygons {
+    /// Polygons with their corners.
     pub(super) polygons: Vec<(Polygon, Vec<DVec3>)>,
+    /// Total area of the opaque faces that may occlude.
     pub(super) opaque_area: f64,
 }
 
-impl InMesh {
-    pub(super) fn of(mesh: &Mesh, geometry: &Geometry) -> InMesh {
+impl MeshPolygons {
+    /// Finds the occluders of a mesh.
+    pub(super) fn of(mesh: &Mesh, geometry: &Geometry) -> MeshPolygons {
         let Some(soup) = Soup::of(mesh, geometry) else {
-            return InMesh::default();
+            return MeshPolygons::default();
         };
         let [x, y, z] = mesh.bounds().size().map(f64::from);
         let broadest = (x * y).max(y * z).max(z * x);
@@ -39,14 +42,14 @@ impl InMesh {
         found.sort_by(|a, b| b.0.area.total_cmp(&a.0.area));
         let large = found.partition_point(|(polygon, _)| polygon.area >= LEAST_SHARE * broadest);
         found.truncate(large + mesh.clusters().len());
-        InMesh {
+        MeshPolygons {
             polygons: found,
             opaque_area: (0..soup.face_count() as u32).map(|face| soup.area(face)).sum(),
         }
     }
 }
 
-/// Adds the polygons of a sheet that have `least_area` or more.
+/// Adds the polygons of a sheet with an area of at least `least_area`.
 fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygon, Vec<DVec3>)>) {
     let Some(outline) = Outline::of(soup, sheet) else {
         return;
@@ -55,7 +58,7 @@ fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygo
         None => pieces(soup, sheet, &outline, least_area),
         Some(corners) => {
             let area = area(&corners);
-            vec![PieceOf {
+            vec![SheetPiece {
                 corners,
                 inset: 0.0,
                 area,
@@ -75,7 +78,7 @@ fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygo
             corners: corners.len() as u32,
             normal: sheet.normal,
             distance: sheet.distance,
-            // What f64 rounds goes on top: corners that were computed, and eyes that will be.
+            // Plus the f64 rounding of computed corners and of the eye positions to come.
             slack: sheet.slack + EXACT * far,
             inset: piece.inset,
             area: piece.area,
@@ -89,6 +92,7 @@ fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygo
     }
 }
 
+/// Returns the area of a planar polygon in space.
 fn area(corners: &[DVec3]) -> f64 {
     let first = corners[0];
     let sum: DVec3 = corners
@@ -98,7 +102,7 @@ fn area(corners: &[DVec3]) -> f64 {
     0.5 * sum.length()
 }
 
-/// The least box of f32 that holds all points.
+/// Returns the smallest f32 box that contains all points.
 fn box_around(points: &[DVec3]) -> Aabb {
     let below = |value: f64| {
         let rounded = value as f32;

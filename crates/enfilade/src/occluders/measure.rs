@@ -1,9 +1,9 @@
-//! What an occluder measures, and the most that anything in a box can.
+//! Measures how much an occluder hides, and bounds the measure of everything in a box.
 //!
 //! Source: Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, section 3.3, for the
 //!     area-angle measure.
 //! Cost: O(corners) for a polygon, O(1) for a box.
-//! The bound of a box is never below what a polygon in it measures, roundings included.
+//! The bound of a box is never below the measure of a polygon in it, including rounding.
 
 use super::screen::clip;
 use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
@@ -13,43 +13,45 @@ use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Volume};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-/// What makes an occluder a good one.
+/// Measure by which occluders are ranked for selection; larger is better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum OccluderMeasure {
-    /// A · (N · V) / D² with A its area, N its normal, V the direction from its middle to the eye and D the distance:
-    /// about the solid angle that it hides. V is not the line of sight: by that the walls of a corridor would count for
-    /// nothing.
+    /// Area-angle measure, about the solid angle that the occluder hides, in steradians: A · (N · V) / D², with A its
+    /// area, N its unit normal, V the unit direction from its centre to the eye and D the distance.
+    ///
+    /// V is not the viewing direction: with that, the walls of a corridor would count for nothing.
     AreaAngle,
-    /// Pixels that it hides inside the aperture's rectangle.
+    /// Projected area inside the aperture's rectangle, in pixels.
     ProjectedArea,
 }
 
-/// Pixels that an occluder must hide inside the aperture's rectangle to be taken at all, by whichever measure. One of
-/// fewer hides hardly a sample, and costs a cover as much as any.
+/// Minimum projected area of a selected occluder inside the aperture's rectangle, in pixels, for either measure. A
+/// smaller one hides hardly a sample and costs a cover as much as any.
 const LEAST_PIXELS: f64 = 16.0;
 
-/// An item whose polygons are looked at.
+/// An item whose polygons are in the queue.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entered {
+pub(super) struct EnteredItem {
     pub(super) item: ItemId,
     pub(super) screen_from_item: DAffine3,
     sector_from_item: DAffine3,
-    /// The map of normals times areas into the space of the sector.
+    /// Maps area vectors (area times normal) to sector space.
     areas: DMat3,
-    /// By how much that lengthens, at most.
+    /// Upper bound of the factor by which `areas` lengthens a vector.
     pub(super) stretch: f64,
-    /// The eye in the space of the item.
+    /// Eye position in the object space of the item.
     pub(super) eye: DVec3,
-    /// By how much the map back from the sector lengthens, at most.
+    /// Upper bound of the factor by which the map from sector to object space lengthens a vector.
     pub(super) shrink: f64,
 }
 
-impl Entered {
-    pub(super) fn of(item: ItemId, geometry: &Geometry, passage: &Passage) -> Entered {
+impl EnteredItem {
+    /// Computes the transforms of an item as seen through a passage.
+    pub(super) fn of(item: ItemId, geometry: &Geometry, passage: &Passage) -> EnteredItem {
         let sector_from_item = geometry.item(item).transform();
         let screen_from_item = passage.screen_from(&sector_from_item);
         let areas = cofactor(&sector_from_item.0.matrix3);
-        Entered {
+        EnteredItem {
             item,
             screen_from_item,
             areas,
@@ -61,25 +63,26 @@ impl Entered {
     }
 }
 
-/// More than f64 rounds in bounds and measures: a bound must not fall below what it bounds.
+/// Factor larger than any f64 rounding in bounds and measures: a bound must not be below a value that it bounds.
 const ROUND_UP: f64 = 1.0 + 1e-9;
 
-/// By how much reversed depth is rounded up: more than a sum of sides loses of a corner near the eye.
+/// Factor by which reversed depth is rounded up: larger than the error of summing the sides of a box near the eye.
 const NEARER: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
-/// What holds for one choice.
+/// Parameters of one selection.
 pub(super) struct Chooser<'a> {
     pub(super) set: &'a OccluderSet,
     pub(super) geometry: &'a Geometry,
     pub(super) passage: &'a Passage,
     measure: OccluderMeasure,
-    /// The eye in the space of the sector.
+    /// Eye position in sector space.
     pub(super) eye: DVec3,
-    /// Pixels that an area of 1 at distance 1 along the line of sight can cover, at most.
+    /// Upper bound of the projected area, in pixels, of an area of 1 at distance 1 along the view direction.
     pixels: f64,
 }
 
 impl<'a> Chooser<'a> {
+    /// Prepares a selection for a passage.
     pub(super) fn new(
         set: &'a OccluderSet,
         geometry: &'a Geometry,
@@ -89,7 +92,7 @@ impl<'a> Chooser<'a> {
         let focal = passage.focal();
         let rect = passage.aperture.rect();
         let [width, height] = passage.size.map(f64::from);
-        // The farthest corner of the aperture from the middle of the screen: there areas look largest.
+        // The corner of the aperture farthest from the centre of the screen, where areas project largest.
         let off = [
             f64::from(rect.x1).max(width - f64::from(rect.x0)) - 0.5 * width,
             f64::from(rect.y1).max(height - f64::from(rect.y0)) - 0.5 * height,
@@ -107,9 +110,11 @@ impl<'a> Chooser<'a> {
         }
     }
 
-    /// The most that a polygon in a box can measure whose area in the sector is `area` at most; `None` where none is
-    /// worth taking. `eye` is in the space of the box, of which one unit is `shrink`⁻¹ or more of the sector's.
-    pub(super) fn most(
+    /// Returns an upper bound of the measure of a polygon in a box, given that its area in the sector is at most
+    /// `area`; `None` if no such polygon is worth selecting.
+    ///
+    /// `eye` is in the space of the box; one unit of that space is at least `shrink`⁻¹ units of the sector.
+    pub(super) fn bound(
         &self,
         screen_from_local: &DAffine3,
         bounds: &Aabb,
@@ -118,29 +123,33 @@ impl<'a> Chooser<'a> {
         shrink: f64,
     ) -> Option<f64> {
         match self.measure {
-            OccluderMeasure::ProjectedArea => self.most_pixels(screen_from_local, bounds, area),
-            OccluderMeasure::AreaAngle => self.most_angle(screen_from_local, bounds, area, eye, shrink),
+            OccluderMeasure::ProjectedArea => self.bound_pixels(screen_from_local, bounds, area),
+            OccluderMeasure::AreaAngle => self.bound_angle(screen_from_local, bounds, area, eye, shrink),
         }
     }
 
-    /// Does [`Chooser::most`] hold boxes against the frame, or is that left to who enters them?
-    pub(super) fn bounds_ignore_the_frame(&self) -> bool {
+    /// Returns `true` if [`Chooser::bound`] does not test boxes against the view frustum, so that the caller must do it
+    /// before entering them.
+    pub(super) fn bounds_ignore_frustum(&self) -> bool {
         self.measure == OccluderMeasure::AreaAngle
     }
 
-    fn most_pixels(&self, screen_from_local: &DAffine3, bounds: &Aabb, area: f64) -> Option<f64> {
+    /// Computes [`Chooser::bound`] for [`OccluderMeasure::ProjectedArea`].
+    fn bound_pixels(&self, screen_from_local: &DAffine3, bounds: &Aabb, area: f64) -> Option<f64> {
         let (all, near) = (self.passage.aperture.rect(), f64::from(self.passage.near));
         let region = Region::in_rect(self.passage, all, near, screen_from_local, bounds)?;
         let nearest = f64::from(region.nearest).min(1.0 / near);
-        // The rectangle is of samples; half a pixel beyond the outermost on each side belongs to the area.
+        // The rectangle counts samples; half a pixel beyond the outermost ones on each side belongs to the area.
         let side = |from: u16, to: u16| f64::from(to.saturating_sub(from)) + 2.0;
         let rect = side(region.rect.x0, region.rect.x1) * side(region.rect.y0, region.rect.y1);
         let pixels = rect.min(area * self.pixels * nearest * nearest);
         (pixels >= LEAST_PIXELS).then_some(pixels * ROUND_UP)
     }
 
-    /// Only asks how far off the box is: of most boxes that wait, nothing more is ever asked.
-    fn most_angle(
+    /// Computes [`Chooser::bound`] for [`OccluderMeasure::AreaAngle`].
+    ///
+    /// Only considers the distance of the box: most queued boxes are never examined further.
+    fn bound_angle(
         &self,
         screen_from_local: &DAffine3,
         bounds: &Aabb,
@@ -167,8 +176,13 @@ impl<'a> Chooser<'a> {
         Some(area / (distance * distance) * ROUND_UP)
     }
 
-    /// What a polygon measures; `None` where it is not worth taking.
-    pub(super) fn value(&self, placed: &Entered, polygon: &Polygon, corners: &mut Vec<DVec3>) -> Option<f64> {
+    /// Returns the measure of a polygon; `None` if it is not worth selecting.
+    pub(super) fn value(
+        &self,
+        placed: &EnteredItem,
+        polygon: &Polygon,
+        corners: &mut Vec<DVec3>,
+    ) -> Option<f64> {
         corners.clear();
         let all = self.set.corners_of(polygon).iter();
         corners.extend(all.map(|&corner| placed.screen_from_item.transform_point3(corner)));
@@ -188,8 +202,8 @@ impl<'a> Chooser<'a> {
     }
 }
 
-/// The area of a polygon on the screen, in pixels: inside the aperture's rectangle, not nearer than the near distance,
-/// and beyond the last portal. The corners are used up.
+/// Returns the projected area of a polygon in pixels, clipped by the aperture's rectangle, the near plane and the entry
+/// plane. Overwrites the corners.
 fn pixels(corners: &mut Vec<DVec3>, passage: &Passage) -> f64 {
     let rect = passage.aperture.rect();
     let [x0, y0, x1, y1] = [rect.x0, rect.y0, rect.x1, rect.y1].map(f64::from);

@@ -1,16 +1,16 @@
-//! Occluders: few large convex polygons that hide what the faces of a geometry hide.
+//! Occluder selection: a few large convex polygons that hide what the faces of a geometry hide.
 //!
-//! When they are built, faces of one mesh that lie in one plane and hang together become a sheet ([`sheets`]); a sheet
-//! becomes one polygon where its outline is convex ([`outline`]), else several that may overlap ([`pieces`]). A look
-//! then takes the best few ([`choose`]) and sees them on the screen ([`screen`]).
-//! Source: Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, for few large ones,
-//!     chosen anew for each look; Boreskov, Hierarchical s-buffer for scenes of high complexity, for leaving small ones
-//!     out.
+//! When an [`OccluderSet`] is built, connected coplanar faces of a mesh are merged into a sheet ([`sheets`]). A sheet
+//! becomes one polygon if its outline is convex ([`outline`]), otherwise several that may overlap ([`pieces`]). Each
+//! look then selects the best few ([`choose`]) and projects them to the screen ([`screen`]).
+//! Source: Coorg, Teller, Real-Time Occlusion Culling for Models with Large Occluders, I3D 1997, for a few large
+//!     occluders, selected anew for each view; Boreskov, Hierarchical s-buffer for scenes of high complexity, for
+//!     leaving out small ones.
 //! Cost: building O(n log n) for each mesh, however many items are copies of it.
-//! Exact, not simplified: what is hidden by an occluder is hidden by the faces it stands for. A point is behind one
-//! where it is on the inner side of the planes through the eye and each edge, and behind the occluder's plane; and that
-//! is pushed back, away from the eye, by [`Polygon::slack`], for corners of f32 do not lie in one plane.
-//! Only opaque faces become occluders, and none that the maker of a scene marks as detail.
+//! Exact, not simplified: everything that an occluder hides is hidden by the faces it was merged from. A point is
+//! hidden if it is on the inner side of the planes through the eye and each edge, and behind the occluder's plane. That
+//! plane is pushed away from the eye by [`Polygon::slack`], because corners in f32 are not exactly coplanar.
+//! Only opaque faces become occluders, and none that the scene's author marks as detail.
 
 mod choose;
 mod flat;
@@ -35,100 +35,109 @@ use crate::geometry::{Exchanged, Geometry, ItemId, MeshId, MovedItem};
 use crate::mesh::Mesh;
 use crate::threads;
 use glam::{DMat3, DVec3};
-use in_mesh::InMesh;
+use in_mesh::MeshPolygons;
 use outline::EXACT;
 
-/// Polygons or items in a leaf of a tree, at most.
+/// Maximum number of polygons or items in a leaf of an octree.
 const FEW: usize = 8;
 
-/// Meshes of no more faces are looked through side by side; of larger ones, each takes much memory, one after the other.
+/// Meshes of up to this many faces are processed in parallel; larger ones one after the other, since each takes much
+/// memory.
 const LARGEST_SIDE_BY_SIDE: u32 = 1 << 16;
 
-/// The occluders of a geometry: of each mesh once, in the space of the mesh.
+/// The occluders of a geometry: planar convex polygons, stored once per mesh in the mesh's object space.
+///
+/// Build it with [`OccluderSet::build`], select the best occluders of a view with [`OccluderSet::choose`], and project
+/// each of them with [`OccluderSet::on_screen`].
 #[derive(Clone, Debug, Default)]
+#[doc(alias = "occluder mesh")]
+#[doc(alias = "occlusion proxy")]
 pub struct OccluderSet {
     polygons: Vec<Polygon>,
     corners: Vec<DVec3>,
-    /// By mesh.
-    meshes: Vec<OfMesh>,
-    /// Polygons of meshes that are gone.
+    /// Occluders of each mesh, by its index.
+    meshes: Vec<MeshOccluders>,
+    /// Number of polygons of meshes that were removed or replaced.
     waste: usize,
-    /// Over the items that have any.
+    /// Octree over the items that have occluders.
     tree: Octree,
-    /// Of each item the area of its largest, in the space of the sector, or more; 0 where it hides nothing.
+    /// For each item, an upper bound of the area of its largest occluder, in sector space; 0 if it hides nothing.
     areas: Vec<f64>,
-    /// For each node of the tree, the greatest of these below it.
+    /// For each node of the tree, the maximum of `areas` below it.
     largest: Vec<f64>,
 }
 
-/// A convex polygon.
+/// A convex occluder polygon in the object space of its mesh.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polygon {
     first_corner: u32,
     corners: u32,
-    /// Of unit length; it is seen from where this points to.
+    /// Unit normal; points to the side from which the polygon is visible (front face).
     normal: DVec3,
-    /// Of its plane from the origin, along the normal.
+    /// Distance of its plane from the origin, along the normal.
     distance: f64,
-    /// How far off the plane a corner of its faces stands, at most.
+    /// Maximum distance of a corner of its faces from the plane.
     slack: f64,
-    /// How far it keeps from the outline of its faces; 0 where it is bounded by true edges, and hides for every eye.
+    /// Distance that it keeps from the outline of its faces; 0 if it is bounded by edges of the mesh, and then hides
+    /// from every eye position.
     inset: f64,
     area: f64,
-    /// The part of the area that no earlier polygon of the same faces covers.
+    /// Part of the area that no earlier polygon of the same faces covers.
     added: f64,
-    /// Triangles merged into it, and into no earlier one.
+    /// Number of triangles merged into it and into no earlier polygon.
     triangles: u32,
     centre: DVec3,
-    /// Around its corners.
+    /// Bounding box of its corners.
     bounds: Aabb,
     double_sided: bool,
 }
 
-/// An occluder as plain geometry, in the space of its mesh.
+/// An occluder as a plain polygon, in the object space of its mesh.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wall<'a> {
-    /// Counter-clockwise seen from where `normal` points to.
+    /// At least three, counter-clockwise when viewed from the side that `normal` points to.
     pub(crate) corners: &'a [DVec3],
-    /// Of unit length.
+    /// Unit normal of the plane.
     pub(crate) normal: DVec3,
-    /// Of its plane from the origin, along the normal.
+    /// Distance of its plane from the origin, along the normal.
     pub(crate) distance: f64,
-    /// How far off the plane its faces stand, at most.
+    /// Maximum distance of its faces from the plane.
     pub(crate) slack: f64,
 }
 
-/// The occluders of a mesh.
+/// Occluders of one mesh.
 #[derive(Clone, Debug, Default)]
-struct OfMesh {
-    /// The first, among all, and the one after the last.
+struct MeshOccluders {
+    /// Index range of its polygons in the set: first, end (exclusive).
     polygons: [u32; 2],
-    /// Over the polygons, counted from the first.
+    /// Octree over its polygons, which are counted from the first.
     tree: Octree,
-    /// For each node of the tree, the area of the largest below it.
+    /// For each node of the tree, the area of the largest polygon below it.
     largest: Vec<f64>,
-    /// Of all opaque faces.
+    /// Total area of its opaque faces that may occlude.
     opaque_area: f64,
 }
 
 impl OccluderSet {
-    /// About how many bytes [`OccluderSet::build`] works with.
+    /// Estimates the peak memory of [`OccluderSet::build`], in bytes.
     pub(crate) fn needs_bytes(geometry: &Geometry) -> u64 {
-        /// For a face of the largest mesh, what finding its neighbours takes; the set itself is far smaller.
+        /// Memory per face of the largest mesh while its neighbours are found; the set itself is far smaller.
         const BYTES_PER_FACE: u64 = 256;
         let faces = geometry.meshes().iter().map(|mesh| u64::from(mesh.face_count()));
         faces.max().unwrap_or(0) * BYTES_PER_FACE + geometry.items().len() as u64 * 16
     }
 
-    /// Finds the occluders of all meshes.
+    /// Builds the occluders of all meshes of a geometry.
+    ///
+    /// O(n log n) in the faces of each mesh; small meshes are processed in parallel.
     pub fn build(geometry: &Geometry) -> OccluderSet {
         let is_small = |mesh: &Mesh| mesh.face_count() <= LARGEST_SIDE_BY_SIDE;
-        let mut found: Vec<InMesh> = Vec::new();
-        found.resize_with(geometry.meshes().len(), InMesh::default);
+        let mut found: Vec<MeshPolygons> = Vec::new();
+        found.resize_with(geometry.meshes().len(), MeshPolygons::default);
         threads::for_each(&mut found, |place, found| {
             let mesh = &geometry.meshes()[place];
             if is_small(mesh) {
-                *found = InMesh::of(mesh, geometry);
+                *found = MeshPolygons::of(mesh, geometry);
             }
         });
         let mut set = OccluderSet::default();
@@ -136,24 +145,24 @@ impl OccluderSet {
             let found = if is_small(mesh) {
                 found
             } else {
-                InMesh::of(mesh, geometry)
+                MeshPolygons::of(mesh, geometry)
             };
             let of_mesh = set.add(found);
             set.meshes.push(of_mesh);
         }
         set.polygons.shrink_to_fit();
         set.corners.shrink_to_fit();
-        set.place(geometry);
+        set.build_tree(geometry);
         set
     }
 
-    /// Follows items that were edited; gives the number of nodes touched.
+    /// Updates the set after items were edited, and returns the number of octree nodes touched.
     pub(crate) fn follow(&mut self, geometry: &Geometry, done: &Exchanged) -> u64 {
         for &mesh in &done.meshes {
-            let of_mesh = self.add(InMesh::of(&geometry.meshes()[mesh.0 as usize], geometry));
+            let of_mesh = self.add(MeshPolygons::of(&geometry.meshes()[mesh.0 as usize], geometry));
             let place = mesh.0 as usize;
             if place >= self.meshes.len() {
-                self.meshes.resize_with(place + 1, OfMesh::default);
+                self.meshes.resize_with(place + 1, MeshOccluders::default);
             }
             let gone = std::mem::replace(&mut self.meshes[place], of_mesh);
             self.waste += (gone.polygons[1] - gone.polygons[0]) as usize;
@@ -176,7 +185,7 @@ impl OccluderSet {
             self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);
         } else {
             self.largest.resize(self.tree.node_count(), 0.0);
-            // Of one that is there twice the last counts: then its children come before it.
+            // If a node is listed twice, the last entry counts: by then its children are up to date.
             for &node in &touched {
                 self.largest[node as usize] = self.largest_in(node);
             }
@@ -184,8 +193,8 @@ impl OccluderSet {
         touched.len() as u64
     }
 
-    /// The tree over the items.
-    fn place(&mut self, geometry: &Geometry) {
+    /// Builds the octree over the items.
+    fn build_tree(&mut self, geometry: &Geometry) {
         let items = 0..geometry.items().len() as u32;
         self.areas = items
             .clone()
@@ -196,8 +205,8 @@ impl OccluderSet {
         self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);
     }
 
-    /// The area of an item's largest occluder, in the space of the sector, or more; 0 where it hides nothing. One that its
-    /// place flattens does not, and its areas are nothing.
+    /// Returns an upper bound of the area of an item's largest occluder, in sector space; 0 if it hides nothing. An
+    /// item flattened by its transform hides nothing, since its areas are meaningless.
     fn area_of(&self, geometry: &Geometry, item: ItemId) -> f64 {
         let placed = geometry.item(item);
         let largest = &self.meshes[placed.mesh.0 as usize].largest;
@@ -209,7 +218,7 @@ impl OccluderSet {
         }
     }
 
-    /// The greatest area in a node, where those of the nodes below it are known.
+    /// Returns the maximum area in a node, given those of its children.
     fn largest_in(&self, node: u32) -> f64 {
         let own = self
             .tree
@@ -220,7 +229,8 @@ impl OccluderSet {
         own.chain(below).fold(0.0, f64::max)
     }
 
-    fn add(&mut self, found: InMesh) -> OfMesh {
+    /// Appends the polygons found in a mesh.
+    fn add(&mut self, found: MeshPolygons) -> MeshOccluders {
         let first = self.polygons.len();
         for (polygon, corners) in found.polygons {
             self.polygons.push(Polygon {
@@ -232,7 +242,7 @@ impl OccluderSet {
         let polygons = &self.polygons[first..];
         let boxes: Vec<Aabb> = polygons.iter().map(|polygon| polygon.bounds).collect();
         let tree = Octree::build(&boxes, FEW);
-        OfMesh {
+        MeshOccluders {
             polygons: [first as u32, self.polygons.len() as u32],
             largest: largest_below(&tree, |polygon| polygons[polygon as usize].area),
             tree,
@@ -240,7 +250,8 @@ impl OccluderSet {
         }
     }
 
-    /// Meets the occluders of a mesh whose boxes a line meets up to its end at 1, all in the space of the mesh.
+    /// Visits the occluders of a mesh whose boxes a line segment, with its end at parameter 1, intersects. All
+    /// coordinates are in the object space of the mesh.
     pub(crate) fn along(&self, mesh: MeshId, line: &Line, mut visit: impl FnMut(Wall)) {
         let Some(of_mesh) = self.meshes.get(mesh.0 as usize) else {
             return;
@@ -261,11 +272,12 @@ impl OccluderSet {
         });
     }
 
+    /// Returns the corners of a polygon.
     fn corners_of(&self, polygon: &Polygon) -> &[DVec3] {
         &self.corners[polygon.first_corner as usize..(polygon.first_corner + polygon.corners) as usize]
     }
 
-    /// Memory in bytes.
+    /// Returns the memory of the set in bytes.
     pub fn bytes(&self) -> u64 {
         let meshes = self
             .meshes
@@ -281,7 +293,7 @@ impl OccluderSet {
     }
 }
 
-/// The box of an item that hides something; that of nothing where it does not.
+/// Returns the bounding box of an item with occluders; an empty box if it has none.
 fn box_of(geometry: &Geometry, areas: &[f64], item: u32) -> Aabb {
     if areas[item as usize] > 0.0 {
         geometry.item(ItemId(item)).bounds
@@ -290,7 +302,7 @@ fn box_of(geometry: &Geometry, areas: &[f64], item: u32) -> Aabb {
     }
 }
 
-/// For each node of a tree, the greatest area below it.
+/// Returns, for each node of a tree, the maximum area below it.
 fn largest_below(tree: &Octree, area: impl Fn(u32) -> f64) -> Vec<f64> {
     let mut largest = vec![0.0; tree.node_count()];
     // Children have higher numbers than their parents.
@@ -302,7 +314,7 @@ fn largest_below(tree: &Octree, area: impl Fn(u32) -> f64) -> Vec<f64> {
     largest
 }
 
-/// The map of normals times areas that goes with a map of points.
+/// Returns the cofactor matrix: it maps area vectors (area times normal) as `matrix` maps points.
 fn cofactor(matrix: &DMat3) -> DMat3 {
     let DMat3 {
         x_axis: x,
@@ -312,7 +324,7 @@ fn cofactor(matrix: &DMat3) -> DMat3 {
     DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y))
 }
 
-/// By how much a map lengthens a vector, at most; exact where it is alike in all directions.
+/// Returns an upper bound of the factor by which a matrix lengthens a vector; exact if it scales uniformly.
 fn greatest_stretch(matrix: DMat3) -> f64 {
     let gram = matrix.transpose() * matrix;
     let rows = [gram.x_axis, gram.y_axis, gram.z_axis].map(|row| row.abs().element_sum());

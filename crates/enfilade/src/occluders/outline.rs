@@ -1,49 +1,52 @@
-//! What a sheet covers, flattened: its outline as edges in a plane, and whether that is one convex polygon.
+//! The silhouette of a sheet: its boundary edges projected to its plane, and whether they form one convex polygon.
 //!
-//! Why an outline of true edges hides only what the faces hide, from every eye, though corners are off the plane by
-//! their roundings: take an eye before the plane, by more than the slack, and a point behind it, by more than the slack,
-//! that is on the inner side of every plane through the eye and an edge. Seen from there the outline turns around the
-//! point at every edge, so it winds around it, once or more; it is the sum of the outlines of the faces, each taken
-//! around; so one of them winds around it the right way: a face that looks at the eye lies before the point. It need not
-//! be convex for that: where it turns inwards by a rounding, less is hidden.
-//! An edge may replace two only where they lie outside it from every eye: in one line exactly, or, where all corners are
-//! in one plane exactly, bulging outwards.
-//! Source: winding numbers; the kernel of a polygon (Lee, Preparata, J. ACM 1979) is what all edges hold.
+//! Why an outline of mesh edges hides only what the faces hide, from every eye position, although the corners are off
+//! the plane by their rounding: take an eye in front of the plane by more than the slack, and a point behind it by more
+//! than the slack that is on the inner side of every plane through the eye and an edge. Seen from the eye, the outline
+//! turns around the point at every edge, so its winding number around the point is one or more. The outline is the sum
+//! of the outlines of the faces, so one of the faces winds around the point in the positive direction: a front face
+//! that is in front of the point. The outline need not be convex for this: where it turns inwards by a rounding error,
+//! less is hidden.
+//! One edge may replace two only where they are outside it from every eye position: if they are exactly collinear, or,
+//! if all corners are exactly coplanar, where they bulge outwards.
+//! Source: winding numbers; the kernel of a polygon (Lee, Preparata, J. ACM 1979) is the region inside all edges.
 //! Cost: O(n log n) for n edges.
-//! *Exactly* is up to the rounding of f64, as in all that is done on the screen.
+//! *Exactly* means up to the rounding of f64, as in all screen-space computations.
 
 use super::sheets::Sheet;
 use super::soup::Soup;
 use glam::{DVec2, DVec3};
 
-/// Corners of an occluder, at most: each is a plane for an occlusion tree, and rounder ones hide little more.
+/// Maximum number of corners of an occluder: each is a plane of an occlusion tree, and rounder polygons hide little
+/// more.
 pub(super) const MAX_CORNERS: usize = 16;
 
-/// What f64 rounds, relatively, with a margin of a hundred.
+/// Relative rounding error of f64, with a safety factor of a hundred.
 pub(super) const EXACT: f64 = 1.0 / (1_u64 << 46) as f64;
 
-/// By how many f32 spacings an outline may waver and be called straight.
+/// Number of f32 spacings by which an outline may deviate and still count as straight.
 const WAVERING: f64 = 16.0;
 
 /// The outline of a sheet in its plane.
 pub(super) struct Outline<'a> {
     soup: &'a Soup,
+    /// Origin of the plane's coordinates, in space.
     origin: DVec3,
-    /// Unit vectors in the plane; a quarter turn leads from one to the other, seen from the front.
+    /// Unit vectors in the plane; the second is the first rotated by 90° counter-clockwise, viewed from the front.
     axes: [DVec3; 2],
-    /// From and to, as places in the soup's points; inside is on the left.
+    /// Boundary edges, from and to, as indices into the soup's points; the inside is on the left.
     pub(super) edges: Vec<[u32; 2]>,
-    /// Do all corners lie in the plane, exactly?
+    /// Whether all corners are exactly in the plane.
     pub(super) exact: bool,
-    /// By how much an outline may waver and be called straight.
+    /// Distance by which an outline may deviate and still count as straight.
     pub(super) wavering: f64,
-    /// Around all corners.
+    /// Bounding rectangle of all corners: minimum, and maximum in `max`.
     pub(super) min: DVec2,
     pub(super) max: DVec2,
 }
 
 impl<'a> Outline<'a> {
-    /// The outline of some faces of a sheet; `None` where they bound nothing.
+    /// Computes the outline of the faces of a sheet; `None` if they bound no area.
     pub(super) fn of(soup: &'a Soup, sheet: &Sheet) -> Option<Outline<'a>> {
         let edges = soup.boundary(&sheet.faces, sheet.normal);
         let ends = || edges.iter().flatten().map(|&end| soup.points[end as usize]);
@@ -54,7 +57,7 @@ impl<'a> Outline<'a> {
             .map(|&[from, to]| soup.points[to as usize] - soup.points[from as usize])
             .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
         let (origin, axes) = match (0..3).find(|&axis| normal[axis].abs() == 1.0) {
-            // The other two coordinates serve as they are, so that nothing is rounded.
+            // Axis-aligned: the other two coordinates are used unchanged, so that nothing is rounded.
             Some(axis) => {
                 let next = DVec3::AXES[(axis + 1) % 3];
                 (normal * sheet.distance, [next, normal.cross(next)])
@@ -84,31 +87,32 @@ impl<'a> Outline<'a> {
         Some(outline)
     }
 
-    /// Where a corner is in the plane.
+    /// Returns the position of a corner in the plane.
     pub(super) fn flat(&self, point: u32) -> DVec2 {
         self.flattened(self.soup.points[point as usize])
     }
 
+    /// Projects a point of space to the plane.
     pub(super) fn flattened(&self, point: DVec3) -> DVec2 {
         let from_origin = point - self.origin;
         DVec2::new(self.axes[0].dot(from_origin), self.axes[1].dot(from_origin))
     }
 
-    /// Where a point of the plane is in space.
+    /// Returns the position in space of a point of the plane.
     pub(super) fn raised(&self, point: DVec2) -> DVec3 {
         self.origin + self.axes[0] * point.x + self.axes[1] * point.y
     }
 
-    /// A true corner, in space.
+    /// Returns the position in space of a corner of the mesh.
     pub(super) fn corner(&self, point: u32) -> DVec3 {
         self.soup.points[point as usize]
     }
 
-    /// The corners of the whole outline, if it is one convex polygon of few corners: but for roundings, at which it may
-    /// turn inwards.
+    /// Returns the corners of the outline if it is one convex polygon of at most [`MAX_CORNERS`] corners; it may turn
+    /// inwards by rounding errors.
     pub(super) fn as_one(&self) -> Option<Vec<DVec3>> {
         let mut corners = self.loop_of_edges()?;
-        // Twice: what is dropped at the end may bring the start into line.
+        // Twice: dropping corners at the end may make the start collinear.
         for _ in 0..2 {
             self.straighten(&mut corners);
         }
@@ -123,7 +127,7 @@ impl<'a> Outline<'a> {
         (corners.len() <= MAX_CORNERS).then(|| corners.iter().map(|&corner| self.corner(corner)).collect())
     }
 
-    /// All edges, end to end; `None` where they are not one loop.
+    /// Chains all edges end to end; `None` if they do not form one loop.
     fn loop_of_edges(&self) -> Option<Vec<u32>> {
         let mut sorted = self.edges.clone();
         sorted.sort_unstable();
@@ -143,7 +147,7 @@ impl<'a> Outline<'a> {
         (corners.len() == sorted.len() && corners.len() >= 3).then_some(corners)
     }
 
-    /// Drops corners that add nothing or next to nothing.
+    /// Removes corners that add no or almost no area.
     fn straighten(&self, corners: &mut Vec<u32>) {
         let mut kept: Vec<u32> = Vec::with_capacity(corners.len());
         for (place, &corner) in corners.iter().enumerate() {
@@ -161,7 +165,7 @@ impl<'a> Outline<'a> {
         *corners = kept;
     }
 
-    /// May the edges to and from a corner be one?
+    /// Returns `true` if the edges to and from a corner may be replaced by one edge.
     fn is_straight(&self, before: u32, corner: u32, after: u32) -> bool {
         let [a, b, c] = [before, corner, after].map(|point| self.corner(point));
         let (to, on) = (b - a, c - b);
@@ -176,11 +180,11 @@ impl<'a> Outline<'a> {
         self.exact && bulge >= 0.0 && bulge <= self.wavering * a.distance(c)
     }
 
-    /// Is a loop convex, but for roundings?
+    /// Returns `true` if a loop is convex up to rounding errors.
     fn is_convex(&self, corners: &[u32]) -> bool {
         let flat: Vec<DVec2> = corners.iter().map(|&corner| self.flat(corner)).collect();
         let middle = flat.iter().sum::<DVec2>() / flat.len() as f64;
-        // Once around the middle, and no notch deeper than a rounding.
+        // Winds once around the centre, with no notch deeper than a rounding error.
         let mut turns = 0;
         for (place, &b) in flat.iter().enumerate() {
             let a = flat[(place + flat.len() - 1) % flat.len()];
@@ -196,8 +200,8 @@ impl<'a> Outline<'a> {
     }
 }
 
-/// Which corners of a convex polygon to keep, so that few are left: the ones cut off are those that lose least. What is
-/// left lies inside it.
+/// Selects the corners of a convex polygon to keep, so that at most [`MAX_CORNERS`] are left, if possible. Repeatedly
+/// cuts off the corner that loses the least area; the result is inside the polygon.
 pub(super) fn fewer_corners(flat: Vec<DVec2>) -> Vec<usize> {
     let mut kept: Vec<usize> = (0..flat.len()).collect();
     let lost = |kept: &[usize], place: usize| {
@@ -205,7 +209,7 @@ pub(super) fn fewer_corners(flat: Vec<DVec2>) -> Vec<usize> {
             [place + kept.len() - 1, place, place + 1].map(|place| flat[kept[place % kept.len()]]);
         (b - a).perp_dot(c - b)
     };
-    // The many that hardly count first, so that what is left to be chosen from is little.
+    // Halves long outlines first, so that the quadratic loop below is short.
     while kept.len() > 8 * MAX_CORNERS {
         let half: Vec<usize> = (0..kept.len())
             .filter(|&place| place % 2 == 0 || lost(&kept, place) < 0.0)

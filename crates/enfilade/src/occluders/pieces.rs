@@ -1,15 +1,17 @@
-//! Large convex pieces of a sheet that is not convex: a wall with windows, a floor with an L for its outline.
+//! Large convex pieces of a sheet that is not convex, such as a wall with windows or an L-shaped floor.
 //!
-//! A piece grows around a point: it begins as all of the plane that matters, and as long as an edge of the outline
-//! reaches into it, it is cut where the nearest such edge is, along that edge's line if it can be. Once grown, it grows
-//! again around its own middle, by a measure of distance stretched as it is, for as long as it gains. Pieces may
+//! A piece grows around a point. It begins as the bounding rectangle of the outline; as long as an edge of the outline
+//! reaches into it, it is clipped at the nearest such edge, along that edge's line if possible. A finished piece is
+//! grown again around its own centroid, with a metric stretched to its shape, for as long as it gains area. Pieces may
 //! overlap: they are occluders, not a partition; each must add enough area to those before it.
-//! No edge of the outline reaches into a piece, and its middle is in a face: so all of it is, as in the header of
-//! [`super::outline`]. Where corners are off the plane by roundings, an eye at a grazing angle sees them elsewhere, and
-//! pieces keep an [`inset`] from the outline; they hide only for eyes steep enough.
+//! No edge of the outline reaches into a piece, and its centre is in a face: so the whole piece is, by the argument in
+//! the header of [`super::outline`]. If corners are off the plane by rounding, an eye at a grazing angle sees them
+//! displaced, so pieces keep an [`inset`] from the outline and hide only for eyes at a steep enough angle.
 //! Source: Deits, Tedrake, Computing Large Convex Regions of Obstacle-Free Space through Semidefinite Programming, WAFR
-//!     2014: cuts at the nearest obstacle and a growing ellipse, here with a measure from moments instead of a program.
-//! Cost: O(edges) for each cut, [`MAX_CUTS`] at most; O(edges + faces) for each piece; [`WORK`] bounds both for all.
+//!     2014: cuts at the nearest obstacle and a growing ellipse, here with a metric from second moments instead of a
+//!     semidefinite program.
+//! Cost: O(edges) for each cut, [`MAX_CUTS`] at most; O(edges + faces) for each piece; [`WORK`] bounds both for all
+//!     pieces.
 
 use super::flat::{Side, added_by, area_of, clipped, doubled, holds, inside, shape, sides};
 use super::outline::{EXACT, MAX_CORNERS, Outline, fewer_corners};
@@ -17,42 +19,42 @@ use super::sheets::Sheet;
 use super::soup::Soup;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Cuts of one piece, at most: more leave a piece of many corners and little area.
+/// Maximum number of cuts of one piece: more leave a piece of many corners and little area.
 const MAX_CUTS: usize = 64;
 
-/// How often a piece is grown again, at most.
+/// Maximum number of times that a piece is grown again.
 const GROWTHS: usize = 3;
 
-/// Edges and faces looked at for one sheet, at most: about a hundredth of a second.
+/// Maximum number of edges and faces examined for one sheet: about a hundredth of a second.
 const WORK: usize = 1 << 21;
 
-/// Pieces of one sheet, at most, and how many in a row may be of no use.
+/// Maximum number of pieces of one sheet, and of consecutive failures to find one.
 const MAX_PIECES: usize = 64;
 const MAX_FAILURES: usize = 8;
 
-/// The part of a sheet's area that a piece must add, at least.
+/// Minimum part of a sheet's area that a piece must add.
 const LEAST_ADDED: f64 = 0.01;
 
-/// How far a piece keeps from an outline whose corners are off their plane by `slack`: eyes are served whose height
-/// over the plane is 1/128 of the distance along it, or more.
+/// Returns the distance that a piece keeps from an outline whose corners are off their plane by `slack`. It serves eyes
+/// whose height over the plane is at least 1/128 of the distance along it.
 pub(super) fn inset(slack: f64) -> f64 {
     128.0 * slack
 }
 
-/// A convex piece.
-pub(super) struct PieceOf {
+/// A convex piece of a sheet.
+pub(super) struct SheetPiece {
     pub(super) corners: Vec<DVec3>,
-    /// How far it keeps from the outline; 0 where it needs not.
+    /// Distance that it keeps from the outline; 0 if none is needed.
     pub(super) inset: f64,
     pub(super) area: f64,
-    /// The part of the area that no earlier piece of the sheet covers.
+    /// Part of the area that no earlier piece of the sheet covers.
     pub(super) added: f64,
-    /// Triangles of the sheet whose middles it covers and no earlier piece does.
+    /// Number of triangles of the sheet whose centres it covers and no earlier piece does.
     pub(super) triangles: u64,
 }
 
-/// Pieces of a sheet that add `least_area` or more each, those around the largest faces first.
-pub(super) fn pieces(soup: &Soup, sheet: &Sheet, outline: &Outline, least_area: f64) -> Vec<PieceOf> {
+/// Finds pieces of a sheet that each add at least `least_area`, starting around the largest faces.
+pub(super) fn pieces(soup: &Soup, sheet: &Sheet, outline: &Outline, least_area: f64) -> Vec<SheetPiece> {
     let mut cutter = Cutter::of(outline, sheet.slack);
     let mut seeds: Vec<(f64, u32)> = sheet.faces.iter().map(|&face| (soup.area(face), face)).collect();
     seeds.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -60,9 +62,9 @@ pub(super) fn pieces(soup: &Soup, sheet: &Sheet, outline: &Outline, least_area: 
         let corners = soup.face(face);
         corners.iter().map(|&corner| outline.flat(corner)).sum::<DVec2>() / corners.len() as f64
     };
-    let mut found: Vec<PieceOf> = Vec::new();
-    // Flat; those of no use are not tried again from every face that they cover.
-    let (mut taken, mut of_no_use): (Vec<Vec<DVec2>>, Vec<Vec<DVec2>>) = (Vec::new(), Vec::new());
+    let mut found: Vec<SheetPiece> = Vec::new();
+    // Pieces in the plane. Rejected ones are kept so that they are not tried again from every face that they cover.
+    let (mut taken, mut rejected): (Vec<Vec<DVec2>>, Vec<Vec<DVec2>>) = (Vec::new(), Vec::new());
     let (mut left, mut failures, mut work) = (sheet.area, 0, 0);
     let enough = least_area.max(LEAST_ADDED * sheet.area);
     for &(area, face) in &seeds {
@@ -74,13 +76,13 @@ pub(super) fn pieces(soup: &Soup, sheet: &Sheet, outline: &Outline, least_area: 
         {
             break;
         }
-        work += 1 + taken.len() + of_no_use.len();
+        work += 1 + taken.len() + rejected.len();
         let middle = middle_of(face);
-        if taken.iter().chain(&of_no_use).any(|piece| holds(piece, middle)) {
+        if taken.iter().chain(&rejected).any(|piece| holds(piece, middle)) {
             continue;
         }
         let grown = cutter.grow(middle, &mut work);
-        // The face itself, where growing gains nothing.
+        // Use the face itself if growing gains no area.
         let is_face =
             soup.face(face).len() <= MAX_CORNERS && grown.as_ref().is_none_or(|piece| area_of(piece) <= area);
         let (flat, corners) = if is_face {
@@ -100,12 +102,12 @@ pub(super) fn pieces(soup: &Soup, sheet: &Sheet, outline: &Outline, least_area: 
         let added = added_by(&flat, &taken);
         if added < enough {
             failures += 1;
-            of_no_use.push(flat);
+            rejected.push(flat);
             continue;
         }
         left -= added;
         failures = 0;
-        found.push(PieceOf {
+        found.push(SheetPiece {
             corners,
             inset: if is_face { 0.0 } else { cutter.inset },
             area: area_of(&flat),
@@ -123,21 +125,23 @@ pub(super) fn pieces(soup: &Soup, sheet: &Sheet, outline: &Outline, least_area: 
     found
 }
 
-/// A cut, and what it leaves.
+/// A cutting line, the remaining polygon, and twice its area.
 struct Cut {
     line: Side,
     left: Vec<DVec2>,
     area: f64,
 }
 
-/// Cuts convex polygons free of the edges of an outline.
+/// Clips convex polygons until no edge of an outline reaches into them.
 struct Cutter<'a> {
     outline: &'a Outline<'a>,
-    /// The edges, from and to.
+    /// Edges of the outline in the plane, from and to.
     edges: Vec<[DVec2; 2]>,
+    /// Distance to keep from the outline.
     inset: f64,
-    /// What f64 rounds, in the plane.
+    /// Rounding error of f64 in plane coordinates.
     rounding: f64,
+    /// Edges that may still reach into the current piece.
     active: Vec<u32>,
 }
 
@@ -156,7 +160,7 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    /// A large convex polygon around a point, counter-clockwise; `None` where there is none.
+    /// Grows a large convex polygon around a point, counter-clockwise; `None` if there is none.
     fn grow(&mut self, around: DVec2, work: &mut usize) -> Option<Vec<DVec2>> {
         let mut best = self.cut(around, DMat2::IDENTITY, work)?;
         for _ in 0..GROWTHS {
@@ -180,8 +184,8 @@ impl<'a> Cutter<'a> {
         Some(kept.into_iter().map(|place| best[place]).collect())
     }
 
-    /// Leaves corners out that are in one place with the next, or in line with both their neighbours: cuts through one
-    /// corner leave such. What is left of a convex polygon lies inside it.
+    /// Removes corners that coincide with the next one or are collinear with both neighbours: cuts through one corner
+    /// leave such. The remainder of a convex polygon is inside it.
     fn tidy(&self, piece: &mut Vec<DVec2>) {
         let mut place = 0;
         while place < piece.len() && piece.len() >= 3 {
@@ -196,13 +200,13 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    /// What is left around `middle` when it is cut at the nearest edge that reaches into it, over and over; d·M·d is
-    /// the square of the distance.
+    /// Clips the bounding rectangle around `middle` at the nearest edge that reaches into it, repeatedly; d·M·d is the
+    /// squared distance.
     fn cut(&mut self, middle: DVec2, measure: DMat2, work: &mut usize) -> Option<Vec<DVec2>> {
         let (min, max) = (self.outline.min, self.outline.max);
         let mut piece = vec![min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
-        // Kept as they were made: the sides of a piece with an edge of next to no length, taken from its corners, would
-        // point anywhere.
+        // Stored as created: a half-plane recomputed from the corners of an almost degenerate edge would have an
+        // arbitrary direction.
         let mut lines: Vec<Side> = sides(&piece).collect();
         self.active.clear();
         self.active.extend(0..self.edges.len() as u32);
@@ -228,7 +232,7 @@ impl<'a> Cutter<'a> {
             else {
                 return Some(piece);
             };
-            // Along one of the nearest edges, or across the way to the point.
+            // Along one of the nearest edges, or perpendicular to the direction to the point.
             let mut best: Option<Cut> = None;
             for &(distance, _, edge) in &near {
                 if distance <= least * (1.0 + 1e-9) {
@@ -248,12 +252,12 @@ impl<'a> Cutter<'a> {
         None
     }
 
-    /// What a cut leaves, if it is the most so far and holds the middle.
+    /// Clips by a line, and replaces `best` if the remainder contains the middle and is the largest so far.
     fn try_cut(&self, piece: &[DVec2], middle: DVec2, line: Side, best: &mut Option<Cut>) {
         if !line.inward.is_finite() {
             return;
         }
-        // Corners that waver over the line move it, lest each of them needs a cut of its own.
+        // Corners that deviate across the line shift it, so that they need no cuts of their own.
         let band = self.outline.wavering;
         let mut shift = 0.0_f64;
         for &edge in &self.active {
@@ -275,7 +279,7 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    /// A corner in space: the outline's own where it is one.
+    /// Returns a corner in space: the exact corner of the outline if it coincides with one.
     fn raised(&self, corner: DVec2) -> DVec3 {
         let own = (self.inset == 0.0)
             .then(|| {

@@ -1,10 +1,11 @@
-//! An occluder as the eye sees it: corners and plane in the space of the screen.
+//! Projects an occluder to the screen: its corners and plane in the space of (X, Y, W).
 //!
-//! Corners are (X, Y, W), the eye at the origin, never divided. Seen from one eye or another an outline of f32 corners
-//! may turn inwards by a rounding; then what all its edges hold is cut out, for covers may rely on convex corners.
+//! The eye is at the origin, and no coordinate is divided by W. From some eye positions an outline of f32 corners may
+//! turn inwards by a rounding error; it is then clipped to the region inside all of its edges, because covers may rely
+//! on convex polygons.
 //! Source: clipping as in Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974.
 //! Cost: O(corners) for most, O(corners²) for one that turns inwards.
-//! See the header of [`super`] for why what it hides is hidden.
+//! See the header of [`super`] for the proof that everything it hides is hidden.
 
 use super::outline::EXACT;
 use super::{OccluderSet, Polygon, SelectedOccluder};
@@ -12,43 +13,48 @@ use crate::geometry::Geometry;
 use crate::passage::{BEYOND, Passage, eye_in};
 use glam::{DAffine3, DVec3};
 
-/// A convex polygon that hides, as the eye sees it: in (X, Y, W), the eye at the origin.
+/// A selected occluder projected to the screen: a convex polygon in (X, Y, W), with the eye at the origin.
 ///
-/// Hidden is what lies inside the pyramid from the eye over the polygon (on the inner side of the planes through the eye
-/// and each edge), strictly behind its plane. Of faces that come nearer than the near distance or before the last
-/// portal it is what is left beyond.
+/// It hides the points inside the pyramid from the eye over the polygon (on the inner side of the planes through the
+/// eye and each edge) that are strictly behind its plane. The polygon is already clipped by the near plane and by the
+/// entry plane of the last portal.
 #[derive(Clone, Copy, Debug)]
 pub struct Occluder<'a> {
-    /// At least three, counter-clockwise as the eye sees them: a point q is on the inner side of an edge where
-    /// `to × from · q` is above zero.
+    /// At least three, counter-clockwise from the eye: a point q is on the inner side of an edge if `to × from · q` is
+    /// positive.
     pub(crate) corners: &'a [DVec3],
-    /// Unit normal n and distance d > 0: points with n · p > d are behind it.
+    /// Unit normal n and distance d > 0: points with n · p > d are behind the occluder.
     pub(crate) plane: (DVec3, f64),
 }
 
 impl Occluder<'_> {
-    /// At least three, each (X, Y, W): the pixel is (X / W, Y / W), W the distance along the line of sight. They run
-    /// counter-clockwise as the eye sees them.
+    /// Returns the corners, at least three, each as (X, Y, W): the pixel is (X / W, Y / W), with y pointing down, and W
+    /// is the distance along the view direction in scene units.
+    ///
+    /// They are counter-clockwise from the eye.
     pub fn corners(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         self.corners.iter().map(DVec3::to_array)
     }
 
-    /// Unit normal n and distance d > 0: points with n · (X, Y, W) > d are behind it.
+    /// Returns the plane as a unit normal n and a distance d > 0: points with n · (X, Y, W) > d are behind the
+    /// occluder.
     pub fn plane(&self) -> ([f64; 3], f64) {
         (self.plane.0.to_array(), self.plane.1)
     }
 }
 
-/// Room for an occluder's corners on the screen, used again and again.
+/// Buffers for projecting an occluder with [`OccluderSet::on_screen`]; reuse them to avoid allocations.
 #[derive(Debug, Default)]
 pub struct OccluderRoom {
     corners: Vec<DVec3>,
-    /// To cut from.
+    /// The unclipped corners.
     whole: Vec<DVec3>,
 }
 
 impl OccluderSet {
-    /// What `passage` sees of a chosen occluder, made in `room`. `None` where it hides nothing from there.
+    /// Projects a selected occluder to the screen of `passage`; `None` if it hides nothing from there.
+    ///
+    /// The result borrows its corners from `room`.
     pub fn on_screen<'a>(
         &self,
         geometry: &Geometry,
@@ -60,7 +66,7 @@ impl OccluderSet {
         let polygon = self.polygon(chosen);
         let item = geometry.item(chosen.item).transform();
         let screen_from_item = passage.screen_from(&item);
-        let seen = self.seen_from(polygon, eye_in(&screen_from_item))?;
+        let seen = self.eye_height(polygon, eye_in(&screen_from_item))?;
         let plane = seen.plane(polygon, &screen_from_item)?;
         corners.clear();
         corners.extend(
@@ -68,7 +74,7 @@ impl OccluderSet {
                 .iter()
                 .map(|&corner| screen_from_item.transform_point3(corner)),
         );
-        // Their sum, seen from the eye, turns clockwise where it points away from the eye.
+        // Viewed from the eye, their area vector is clockwise if it points away from the eye.
         let first = corners[0];
         let sum: DVec3 = corners
             .windows(2)
@@ -78,7 +84,7 @@ impl OccluderSet {
             corners.reverse();
         }
         make_convex(corners, whole);
-        // Where a ray meets the faces it may be nearer than where it meets the polygon, by their roundings.
+        // By the rounding of corners, a ray may hit the faces nearer than it hits the polygon.
         let nearer = 1.0 / (1.0 - 3.0 * seen.slack / seen.height.abs());
         clip(corners, DVec3::Z, f64::from(passage.near) * nearer);
         if let Some((normal, distance)) = passage.entry {
@@ -87,16 +93,17 @@ impl OccluderSet {
         (corners.len() >= 3).then_some(Occluder { corners, plane })
     }
 
-    /// How an eye, in the space of the mesh, sees a polygon; `None` where it hides nothing from there.
-    pub(super) fn seen_from(&self, polygon: &Polygon, eye: DVec3) -> Option<SeenFrom> {
+    /// Returns the height of an eye, in the object space of the mesh, over a polygon; `None` if the polygon hides
+    /// nothing from there.
+    pub(super) fn eye_height(&self, polygon: &Polygon, eye: DVec3) -> Option<EyeHeight> {
         let height = polygon.normal.dot(eye) - polygon.distance;
-        // The eye's own rounding on top: its place comes through the inverse of a map.
+        // Plus the rounding of the eye position, which comes from an inverted transform.
         let slack = polygon.slack + 16.0 * EXACT * eye.abs().max_element().max(polygon.distance.abs());
         if height.abs() <= 4.0 * slack || (height < 0.0 && !polygon.double_sided) {
             return None;
         }
         if polygon.inset > 0.0 {
-            // As seen from there, no corner of the outline may be off by more than the inset.
+            // From this eye, the projection must not displace any corner of the outline by more than the inset.
             let reach = self
                 .corners_of(polygon)
                 .iter()
@@ -106,23 +113,23 @@ impl OccluderSet {
                 return None;
             }
         }
-        Some(SeenFrom { height, slack })
+        Some(EyeHeight { height, slack })
     }
 }
 
-/// How an eye sees a polygon.
+/// Height of an eye over a polygon's plane, and the slack of the plane.
 #[derive(Clone, Copy)]
-pub(super) struct SeenFrom {
-    /// Over the plane; below zero behind it.
+pub(super) struct EyeHeight {
+    /// Height over the plane; negative behind it.
     height: f64,
-    /// How far the plane is to be pushed back.
+    /// Distance by which the plane is pushed back.
     slack: f64,
 }
 
-impl SeenFrom {
-    /// The plane, pushed back, on the screen.
+impl EyeHeight {
+    /// Returns the plane, pushed back, in the space of (X, Y, W).
     fn plane(&self, polygon: &Polygon, screen_from_item: &DAffine3) -> Option<(DVec3, f64)> {
-        // A normal is mapped by the inverse, transposed; the eye is at the origin.
+        // Normals are transformed by the inverse transpose; the eye is at the origin.
         let away = -polygon.normal * self.height.signum();
         let normal = screen_from_item.matrix3.inverse().transpose() * away;
         let length = normal.length();
@@ -132,23 +139,23 @@ impl SeenFrom {
     }
 }
 
-/// What f64 rounds of a corner, relatively.
+/// Relative rounding error of a corner in f64.
 const ROUNDING: f64 = EXACT / 16.0;
 
-/// Does the outline turn inwards at a corner, by more than `rounding` of the corners can explain?
+/// Returns `true` if the outline turns inwards at a corner by more than `rounding` of the corners can explain.
 fn turns_inwards(corners: &[DVec3], place: usize, rounding: f64) -> bool {
     let [a, b, c] = around(corners, place);
     let (to, on) = (b - a, c - b);
     to.cross(on).dot(b) > rounding * b.length_squared() * (to.length() + on.length())
 }
 
-/// A corner between those before and after it.
+/// Returns a corner between its neighbours: previous, this, next.
 fn around(corners: &[DVec3], place: usize) -> [DVec3; 3] {
     let count = corners.len();
     [place + count - 1, place, place + 1].map(|place| corners[place % count])
 }
 
-/// Cuts a polygon, counter-clockwise seen from the origin, until it is convex from there.
+/// Clips a polygon, counter-clockwise from the origin, until it is convex from there. Clears it if that fails.
 fn make_convex(corners: &mut Vec<DVec3>, whole: &mut Vec<DVec3>) {
     let turns =
         |corners: &[DVec3], rounding| (0..corners.len()).any(|place| turns_inwards(corners, place, rounding));
@@ -159,7 +166,7 @@ fn make_convex(corners: &mut Vec<DVec3>, whole: &mut Vec<DVec3>) {
     whole.extend_from_slice(corners);
     for place in (0..whole.len()).filter(|&place| turns_inwards(whole, place, ROUNDING)) {
         let [a, b, c] = around(whole, place);
-        // What is inside both edges at that corner.
+        // Keep the region inside both edges at that corner.
         for (from, to) in [(a, b), (b, c)] {
             clip(corners, to.cross(from), 0.0);
         }
@@ -174,12 +181,13 @@ fn make_convex(corners: &mut Vec<DVec3>, whole: &mut Vec<DVec3>) {
     }
 }
 
-/// Keeps the part of a polygon with normal · p ≥ distance.
+/// Clips a polygon to normal · p ≥ distance.
 pub(super) fn clip(corners: &mut Vec<DVec3>, normal: DVec3, distance: f64) {
     let count = corners.len();
     let Some(&last) = corners.last() else { return };
     let (mut before, mut height_before) = (last, normal.dot(last) - distance);
-    // What is kept is written behind the corners still to be read, then moved to the front: no second buffer.
+    // The output is appended behind the corners still to be read, then moved to the front, so no second buffer is
+    // needed.
     for place in 0..count {
         let corner = corners[place];
         let height = normal.dot(corner) - distance;

@@ -1,48 +1,48 @@
-//! Sheets: faces of a mesh that lie in one plane and hang together by their edges.
+//! Merges coplanar faces of a mesh that are connected by edges into sheets.
 //!
-//! From the largest face a sheet grows over neighbours whose corners keep to its plane, and the plane is fitted anew to
-//! what was found, for that of one small face is too rough to reach far. Faces seen from one side and from both never
-//! mix; faces that look the other way do not join.
-//! Source: flood filling; the plane by Newell's sum (Tampieri, Graphics Gems III, 1992).
-//! Cost: O(n log n) for sorting faces by area, then each fitting O(faces in the sheet), a few of them.
-//! A face is in one sheet or none. A sheet's corners are off its plane by [`Sheet::slack`] at most, and that is at most
-//! [`SPACINGS`] roundings of f32.
+//! A sheet grows from the largest face by a flood fill over neighbours whose corners are in its plane. The plane is
+//! then fitted again to all faces found, because the plane of one small face is too imprecise to reach far.
+//! Single-sided and double-sided faces never mix, and faces that face the other way do not join.
+//! Source: flood fill; the plane by Newell's sum (Tampieri, Graphics Gems III, 1992).
+//! Cost: O(n log n) for sorting faces by area, then O(faces in the sheet) for each of a few fits.
+//! A face is in at most one sheet. The corners of a sheet are off its plane by at most [`Sheet::slack`], which is at
+//! most [`SPACINGS`] roundings of f32.
 
 use super::soup::Soup;
 use glam::DVec3;
 
-/// How many times the spacing of f32 a corner may stand off the plane of its sheet. A wall that was turned and moved
-/// before its corners were rounded is off by one or two.
+/// Maximum distance of a corner from the plane of its sheet, in f32 spacings. A wall that was transformed before its
+/// corners were rounded is off by one or two.
 const SPACINGS: f64 = 8.0;
 
-/// An edge of more faces joins none: the leaves of a book would be turned over by each other.
+/// An edge shared by more faces than this connects none: the pages of a book would be merged through its spine.
 const MAX_SHARERS: usize = 16;
 
-/// How often a plane is fitted; each time a sheet may reach eight times as far.
+/// Maximum number of plane fits; each lets a sheet reach up to eight times as far.
 const FITTINGS: u32 = 6;
 
-/// Faces in one plane that hang together.
+/// Connected coplanar faces.
 pub(super) struct Sheet {
-    /// As numbers of the soup's faces.
+    /// Indices of faces in the soup.
     pub(super) faces: Vec<u32>,
-    /// Unit normal; faces seen from one side are seen from where it points to.
+    /// Unit normal; single-sided faces are visible from the side that it points to.
     pub(super) normal: DVec3,
-    /// Of the plane from the origin, along the normal.
+    /// Distance of the plane from the origin, along the normal.
     pub(super) distance: f64,
-    /// How far off the plane a corner stands, at most.
+    /// Maximum distance of a corner from the plane.
     pub(super) slack: f64,
     pub(super) double_sided: bool,
     pub(super) area: f64,
 }
 
 impl Soup {
-    /// All sheets of at least `least_area`, from that of the largest face on.
+    /// Calls `found` with each sheet whose area is at least `least_area`, starting with that of the largest face.
     pub(super) fn sheets(&self, least_area: f64, mut found: impl FnMut(Sheet)) {
         let mut by_area: Vec<(f64, u32)> = (0..self.face_count() as u32)
             .map(|face| (self.area(face), face))
             .collect();
         by_area.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let mut filling = Filling {
+        let mut fill = SheetFill {
             soup: self,
             taken: vec![false; self.face_count()],
             met: vec![0; self.face_count()],
@@ -54,13 +54,13 @@ impl Soup {
             if area <= 0.0 {
                 break;
             }
-            if filling.taken[seed as usize] {
+            if fill.taken[seed as usize] {
                 continue;
             }
-            filling.taken[seed as usize] = true;
-            if let Some(sheet) = filling.sheet(seed, least_area) {
+            fill.taken[seed as usize] = true;
+            if let Some(sheet) = fill.sheet(seed, least_area) {
                 for &face in &sheet.faces {
-                    filling.taken[face as usize] = true;
+                    fill.taken[face as usize] = true;
                 }
                 if sheet.area >= least_area {
                     found(sheet);
@@ -70,25 +70,27 @@ impl Soup {
     }
 }
 
-/// Faces spoken for.
-struct Filling<'a> {
+/// State of the flood fills.
+struct SheetFill<'a> {
     soup: &'a Soup,
+    /// Whether each face is already in a sheet or rejected.
     taken: Vec<bool>,
-    /// The last walk that met a face.
+    /// For each face, the last fill that visited it.
     met: Vec<u32>,
+    /// Number of the current fill.
     walk: u32,
-    /// What the last walk found, and what it has still to enter.
+    /// Faces found by the last fill, and in `waiting` the stack of faces still to expand.
     faces: Vec<u32>,
     waiting: Vec<u32>,
 }
 
-impl Filling<'_> {
-    /// The sheet around a face; `None` where the face itself is not flat, or what is around it small.
+impl SheetFill<'_> {
+    /// Finds the sheet around a face; `None` if the face itself is not flat or the area around it is small.
     fn sheet(&mut self, seed: u32, least_area: f64) -> Option<Sheet> {
         let mut plane = self.fitted(&[seed], self.soup.normal(seed))?;
         self.fill(seed, plane);
         let area = self.area();
-        // A better plane reaches eight times as far. Most faces of curved things end here.
+        // A better plane reaches eight times as far in each direction. Most faces of curved surfaces stop here.
         if area < least_area / 64.0 || (self.faces.len() == 1 && area < least_area) {
             self.faces
                 .iter()
@@ -108,7 +110,7 @@ impl Filling<'_> {
             }
         }
         let (faces, plane) = best?;
-        // Fitted once more: what was found around it may lie nearer to a plane of its own.
+        // Fit once more: the faces found may be nearer to a plane fitted to all of them.
         let fitted = self.fitted(&faces, plane.0).unwrap_or(plane);
         let [old, new] = [plane, fitted].map(|plane| self.slack(&faces, plane));
         let ((normal, distance), slack) = if new <= old { (fitted, new) } else { (plane, old) };
@@ -122,11 +124,12 @@ impl Filling<'_> {
         })
     }
 
+    /// Returns the area of the faces found.
     fn area(&self) -> f64 {
         self.faces.iter().map(|&face| self.soup.area(face)).sum()
     }
 
-    /// Finds the faces around `seed` that keep to a plane.
+    /// Finds the connected faces around `seed` that are in a plane.
     fn fill(&mut self, seed: u32, plane: (DVec3, f64)) {
         let soup = self.soup;
         self.walk += 1;
@@ -164,7 +167,7 @@ impl Filling<'_> {
         }
     }
 
-    /// Does a face lie in a plane, and look where it does?
+    /// Returns `true` if a face is in a plane and faces the same way.
     fn keeps_to(&self, face: u32, (normal, distance): (DVec3, f64), far: f64) -> bool {
         let soup = self.soup;
         let mut allowed = 0.0;
@@ -178,7 +181,7 @@ impl Filling<'_> {
         if soup.double_sided[face as usize] || soup.normal(face).dot(normal) >= 0.0 {
             return true;
         }
-        // A face no higher than the roundings of its corners looks anywhere: it belongs to what is around it.
+        // A sliver no wider than the rounding of its corners has no reliable normal: it joins its neighbours.
         let corners = soup.face(face);
         let longest = (1..corners.len())
             .map(|i| soup.points[corners[i] as usize].distance(soup.points[corners[0] as usize]))
@@ -186,7 +189,7 @@ impl Filling<'_> {
         soup.normal(face).length() <= allowed * longest
     }
 
-    /// The plane of some faces; `None` where they have no area.
+    /// Fits a plane to some faces; `None` if they have no area.
     fn fitted(&self, faces: &[u32], along: DVec3) -> Option<(DVec3, f64)> {
         let soup = self.soup;
         let sum: DVec3 = faces
@@ -195,7 +198,7 @@ impl Filling<'_> {
             .map(|normal| if normal.dot(along) < 0.0 { -normal } else { normal })
             .sum();
         let axis = sum.abs().cmpgt(DVec3::ZERO);
-        // Exact where it can be: dividing by the length rounds.
+        // Exact for an axis-aligned plane: dividing by the length would round.
         let normal = if axis.bitmask().count_ones() == 1 {
             sum.signum() * DVec3::from(<[bool; 3]>::from(axis).map(|on| f64::from(u8::from(on))))
         } else {
@@ -205,7 +208,7 @@ impl Filling<'_> {
         Some((normal, 0.5 * (least + greatest)))
     }
 
-    /// How far along a direction the corners of some faces reach.
+    /// Returns the extent of the corners of some faces along a direction: minimum, maximum.
     fn spread(&self, faces: &[u32], normal: DVec3) -> (f64, f64) {
         let corners = faces.iter().flat_map(|&face| self.soup.face(face));
         corners
@@ -215,6 +218,7 @@ impl Filling<'_> {
             })
     }
 
+    /// Returns the maximum distance of the corners of some faces from a plane.
     fn slack(&self, faces: &[u32], (normal, distance): (DVec3, f64)) -> f64 {
         let (least, greatest) = self.spread(faces, normal);
         (greatest - distance).max(distance - least)

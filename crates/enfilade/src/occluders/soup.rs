@@ -1,34 +1,35 @@
-//! The opaque faces of a mesh: each place one corner, and what is across every edge.
+//! Triangle soup with adjacency: the opaque faces of a mesh with welded vertices, and the faces along every edge.
 //!
-//! Corners in one place are one corner, whatever their index, and faces hang together where they share both ends of an
-//! edge; so nothing lies between them, not even a crack.
-//! Cost: O(n log n) for sorting corners and edges.
+//! Vertices at one position are merged, whatever their indices, and faces are connected if they share both ends of an
+//! edge; so there is nothing between them, not even a crack.
+//! Cost: O(n log n) for sorting vertices and edges.
 
 use crate::geometry::Geometry;
 use crate::mesh::Mesh;
 use glam::DVec3;
 
-/// The opaque faces of a mesh, and what is across their edges.
+/// Opaque faces of a mesh that may occlude, with their adjacency.
 pub(super) struct Soup {
-    /// Corners, each place once.
+    /// Welded vertex positions.
     pub(super) points: Vec<DVec3>,
-    /// Where each face's corners begin, and the end of the last.
+    /// Start of each face's corners, and the end of the last.
     starts: Vec<u32>,
-    /// Faces' corners, as places in `points`.
+    /// Corners of the faces, as indices into `points`.
     corners: Vec<u32>,
-    /// Twice the area times the normal.
+    /// Area vector of each face: twice the area times the unit normal.
     normals: Vec<DVec3>,
+    /// Whether each face is double-sided.
     pub(super) double_sided: Vec<bool>,
-    /// For each corner, the edge that begins there.
+    /// For each corner, the index of the edge that begins there.
     pub(super) edges: Vec<u32>,
-    /// For each edge, the run in `sharers`.
+    /// For each edge, the start of its run in `sharers`, and the end of the last.
     pub(super) runs: Vec<u32>,
-    /// The faces along each edge.
+    /// Faces along each edge.
     pub(super) sharers: Vec<u32>,
 }
 
 impl Soup {
-    /// The opaque faces of a mesh that are no detail; `None` where it has none.
+    /// Collects the opaque faces of a mesh that are not marked as detail; `None` if it has none.
     pub(super) fn of(mesh: &Mesh, geometry: &Geometry) -> Option<Soup> {
         let chosen = |cluster: &&crate::mesh::Cluster| geometry.material(cluster).can_occlude();
         let (mut starts, mut corners, mut double_sided) = (vec![0], Vec::new(), Vec::new());
@@ -67,26 +68,27 @@ impl Soup {
         })
     }
 
+    /// Returns the number of faces.
     pub(super) fn face_count(&self) -> usize {
         self.double_sided.len()
     }
 
-    /// Where a face's corners are among all.
+    /// Returns the range of a face's corners among all corners.
     pub(super) fn range(&self, face: u32) -> std::ops::Range<usize> {
         self.starts[face as usize] as usize..self.starts[face as usize + 1] as usize
     }
 
-    /// A face's corners, as places in `points`.
+    /// Returns the corners of a face, as indices into `points`.
     pub(super) fn face(&self, face: u32) -> &[u32] {
         &self.corners[self.range(face)]
     }
 
-    /// Twice the area times the normal.
+    /// Returns the area vector of a face: twice the area times the unit normal.
     pub(super) fn normal(&self, face: u32) -> DVec3 {
         self.normals[face as usize]
     }
 
-    /// The first three corners of a face, the least first.
+    /// Returns the first three corners of a face, sorted.
     fn least_corners(&self, face: u32) -> [u32; 3] {
         let corners = self.face(face);
         let mut least = [corners[0], corners[1], corners[2]];
@@ -94,26 +96,27 @@ impl Soup {
         least
     }
 
+    /// Returns the area of a face.
     pub(super) fn area(&self, face: u32) -> f64 {
         0.5 * self.normals[face as usize].length()
     }
 
-    /// How many triangles a face has.
+    /// Returns the number of triangles of a face.
     pub(super) fn triangles(&self, face: u32) -> u64 {
         self.range(face).len() as u64 - 2
     }
 
-    /// The edges that bound some faces of one sheet, from and to, as places in `points`; inside is on the left as seen
-    /// from where `normal` points. Edges between two of the faces are none.
+    /// Returns the boundary edges of some faces of one sheet, from and to, as indices into `points`; the inside is on
+    /// the left, viewed from the side that `normal` points to. Edges between two of the faces cancel.
     pub(super) fn boundary(&self, faces: &[u32], normal: DVec3) -> Vec<[u32; 2]> {
-        // A face that is there twice bounds what it bounds once.
+        // Duplicate triangles count once.
         let mut once: Vec<([u32; 3], u32)> = faces
             .iter()
             .map(|&face| (self.least_corners(face), face))
             .collect();
         once.sort_unstable();
         once.dedup_by(|b, a| a.0 == b.0 && self.range(a.1).len() == 3 && self.range(b.1).len() == 3);
-        // By edge: how often it is walked up, from the lesser end, less how often down.
+        // For each edge: traversals from its lower vertex minus traversals from its higher one.
         let mut walked: Vec<(u32, i32, [u32; 2])> = Vec::new();
         for (_, face) in once {
             let corners = self.face(face);
@@ -141,11 +144,11 @@ impl Soup {
     }
 }
 
-/// Gives corners in one place one number; returns the places.
+/// Merges vertices at the same position: renumbers `corners` and returns the positions.
 fn weld(positions: &[[f32; 3]], corners: &mut [u32]) -> Vec<DVec3> {
     let mut used = vec![false; positions.len()];
     corners.iter().for_each(|&corner| used[corner as usize] = true);
-    // −0 is in the same place as 0.
+    // −0 equals 0.
     let bits = |index: u32| positions[index as usize].map(|value| (value + 0.0).to_bits());
     let mut sorted: Vec<([u32; 3], u32)> = (0..positions.len() as u32)
         .filter(|&index| used[index as usize])
@@ -165,7 +168,8 @@ fn weld(positions: &[[f32; 3]], corners: &mut [u32]) -> Vec<DVec3> {
     points
 }
 
-/// For each corner the edge that begins there; and for each edge the faces along it, as runs.
+/// Returns, for each corner, the edge that begins there; for each edge, the start of its run of faces; and the faces of
+/// all runs.
 fn share_edges(starts: &[u32], corners: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
     let mut sorted: Vec<(u64, u32, u32)> = Vec::with_capacity(corners.len());
     for (face, ends) in starts.windows(2).enumerate() {
@@ -192,7 +196,8 @@ fn share_edges(starts: &[u32], corners: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>
     (edges, runs, sharers)
 }
 
-/// Newell's sum: twice the area times the normal, from the first corner so that far faces lose nothing.
+/// Returns the area vector by Newell's sum: twice the area times the unit normal. Relative to the first corner, so that
+/// faces far from the origin lose no precision.
 fn twice_area(mut corners: impl Iterator<Item = DVec3>) -> DVec3 {
     let (Some(first), Some(second)) = (corners.next(), corners.next()) else {
         return DVec3::ZERO;

@@ -1,30 +1,30 @@
-//! What the occluders of a geometry come to, in numbers.
+//! Statistics of the occluders of a geometry.
 
 use super::{OccluderSet, cofactor, greatest_stretch};
 use crate::geometry::{Alpha, Geometry, Item};
 use crate::mesh::Mesh;
 use glam::{DMat3, DVec3};
 
-/// What the occluders of a geometry come to.
+/// Statistics of the occluders of a geometry.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct OccluderSummary {
-    /// Polygons, of each mesh once.
+    /// Number of polygons, counting each mesh once.
     pub polygons: u64,
-    /// Polygons of all items.
+    /// Number of polygons over all items that may occlude.
     pub placed: u64,
-    /// Triangles that they stand for, of each mesh once.
+    /// Number of triangles merged into them, counting each mesh once.
     pub triangles: u64,
-    /// The area that they cover, of all items, what several cover counted once; in square scene units.
+    /// Area that they cover over all items, in square scene units; where polygons of a mesh overlap, counted once.
     pub area: f64,
-    /// The area of all opaque faces of all items.
+    /// Area of the opaque faces of all items that may occlude, in square scene units.
     pub opaque_area: f64,
-    /// Memory.
+    /// Memory of the occluder set, in bytes.
     pub bytes: u64,
 }
 
 impl OccluderSet {
-    /// Adds everything up, over all items.
+    /// Computes statistics over all items.
     pub fn summary(&self, geometry: &Geometry) -> OccluderSummary {
         let mut summary = OccluderSummary {
             polygons: self.polygons.len() as u64,
@@ -57,7 +57,7 @@ impl OccluderSet {
         summary
     }
 
-    /// The area that polygons cover where areas are mapped so.
+    /// Returns the area that polygons cover, given a matrix that maps area vectors.
     fn added(&self, [start, end]: [u32; 2], areas: &DMat3) -> f64 {
         let polygons = &self.polygons[start as usize..end as usize];
         polygons
@@ -67,7 +67,8 @@ impl OccluderSet {
     }
 }
 
-/// By how much a map lengthens vectors, at least and at most: equal where it does so alike in all directions.
+/// Returns bounds of the factors by which a matrix lengthens vectors, minimum and maximum; equal if it scales
+/// uniformly.
 fn stretches(map: &DMat3) -> (f64, f64) {
     let inverse = map.inverse();
     let least = if inverse.is_finite() {
@@ -78,7 +79,7 @@ fn stretches(map: &DMat3) -> (f64, f64) {
     (least, greatest_stretch(*map))
 }
 
-/// The area of the opaque faces of an item, where areas are mapped so.
+/// Returns the area of the opaque faces of an item, given a matrix that maps area vectors.
 fn opaque_area(geometry: &Geometry, item: &Item, areas: &DMat3) -> f64 {
     let mesh: &Mesh = &geometry.meshes()[item.mesh.0 as usize];
     let opaque = mesh

@@ -1,9 +1,9 @@
-//! Boxes of one space, as a passage sees them: eight at a time.
+//! Projects eight AABBs of one space through a passage at a time.
 //!
-//! Lanes are boxes, and corners come one after the other, so that nothing has to be gathered across lanes.
-//! Source: none but ours.
-//! Cost: O(1), as much for eight boxes as for one.
-//! Conservative, with the same bits as [`Region::of`] at every SIMD level.
+//! SIMD lanes are boxes, and corners are processed in sequence, so no operation crosses lanes.
+//! Source: original.
+//! Cost: O(1), the same for eight boxes as for one.
+//! Conservative; bit-identical to [`Region::of`] at every SIMD level.
 
 use super::{ROUND_UP, Region, Volume, middle_and_half};
 use crate::aperture::Rect;
@@ -13,24 +13,24 @@ use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, f32x16, f64x8, i32x16, mask64x8};
 use glam::{DAffine3, DVec3};
 
-/// Boxes that are looked at together.
+/// Number of boxes projected at a time.
 pub(crate) const BOXES: usize = 8;
 
-/// Up to eight boxes.
+/// The projections of up to eight boxes.
 #[derive(Default)]
 pub(crate) struct EightBoxes {
     /// x, y and w of the origin, then of each side.
     volumes: [[[f64; BOXES]; 3]; 4],
-    /// First columns, first rows; columns and rows after the last.
+    /// First columns, then first rows; `end` has the last columns and rows + 1.
     first: [i32; 2 * BOXES],
     end: [i32; 2 * BOXES],
     nearest: [f64; BOXES],
-    /// A bit for each that is out of view.
+    /// Bit mask of the boxes that are out of view.
     outside: u64,
 }
 
 impl EightBoxes {
-    /// Boxes given in another space; those after the eighth are left out.
+    /// Projects boxes given in another space; boxes after the eighth are ignored.
     #[inline(always)]
     pub(crate) fn of(passage: &Passage, screen_from_local: &DAffine3, boxes: &[Aabb]) -> EightBoxes {
         let mut corners = [[f32::NAN; 2 * BOXES]; 3];
@@ -45,7 +45,7 @@ impl EightBoxes {
         eight
     }
 
-    /// The samples that may show one, and how near it comes.
+    /// Returns the samples that may show a box, and its nearest reversed depth.
     #[inline(always)]
     pub(crate) fn rect(&self, lane: usize) -> (Rect, f32) {
         let [x0, y0] = [self.first[lane] as u16, self.first[BOXES + lane] as u16];
@@ -58,7 +58,7 @@ impl EightBoxes {
         (rect, self.nearest[lane] as f32)
     }
 
-    /// What the passage sees of one; `None` where no sample of the aperture's rectangle can show any of it.
+    /// Returns the region of a box; `None` if no sample of the aperture's rectangle can show any part of it.
     #[inline(always)]
     pub(crate) fn region(&self, lane: usize) -> Option<Region> {
         let (rect, nearest) = self.rect(lane);
@@ -77,7 +77,7 @@ impl EightBoxes {
         })
     }
 
-    /// `corners`: by axis the least of each box, and then the greatest.
+    /// `corners`: by axis the minimum of each box, then the maximum.
     #[inline(always)]
     fn see<S: Simd>(
         &mut self,
@@ -100,7 +100,7 @@ impl EightBoxes {
             ];
             let from_middle = [x - w * middle[0], y - w * middle[1]];
             let [right, below] = [w * half[0], w * half[1]];
-            // Also where something is no number.
+            // Negated, so that NaN counts as inside.
             inside[0] |= !from_middle[0].simd_lt(-right);
             inside[1] |= !from_middle[0].simd_gt(right);
             inside[2] |= !from_middle[1].simd_lt(-below);
@@ -140,7 +140,7 @@ impl EightBoxes {
     }
 }
 
-/// The samples between the least and the greatest places on the screen, as [`Rect::around`] has them: columns, then rows.
+/// Returns the samples between the minimum and maximum screen positions, as [`Rect::around`] does: columns, then rows.
 #[inline(always)]
 fn samples<S: Simd>(simd: S, min: [f64x8<S>; 2], max: [f64x8<S>; 2], limits: &Rect) -> [i32x16<S>; 2] {
     let [low, high] = [
@@ -156,7 +156,7 @@ fn samples<S: Simd>(simd: S, min: [f64x8<S>; 2], max: [f64x8<S>; 2], limits: &Re
             .floor();
         end[axis] = (max[axis] + slack).max(least).min(most).floor();
     }
-    // Whole numbers below 65,537: an f32 holds them.
+    // Integers below 65,537: exact in f32.
     let [first, end]: [f32x16<S>; 2] = [first[0].narrow(first[1]), end[0].narrow(end[1])];
     [first.to_int(), end.to_int()]
 }
@@ -164,7 +164,7 @@ fn samples<S: Simd>(simd: S, min: [f64x8<S>; 2], max: [f64x8<S>; 2], limits: &Re
 /// Volumes, one in each lane.
 struct Volumes<S: Simd> {
     vectors: [[f64x8<S>; 3]; 4],
-    /// Is there anything in the box?
+    /// Whether the box is not empty.
     there: mask64x8<S>,
 }
 
@@ -194,7 +194,7 @@ impl<S: Simd> Volumes<S> {
         Volumes { vectors, there }
     }
 
-    /// One coordinate of a corner of each, added up as for one volume alone.
+    /// Returns one coordinate of a corner of each volume, summed in the same order as for a single volume.
     #[inline(always)]
     fn coordinate(&self, simd: S, axis: usize, corner: usize) -> f64x8<S> {
         let [origin, x, y, z] = [
@@ -213,8 +213,7 @@ impl<S: Simd> Volumes<S> {
     }
 }
 
-/// The least and the greatest of five numbers of the corners: x and y from the middle times w, w, and x and y on the
-/// screen.
+/// Minimum and maximum of five values over the corners: x and y relative to the centre times w, w, and screen x and y.
 struct Bounds<S: Simd> {
     least: [f64x8<S>; 5],
     greatest: [f64x8<S>; 5],
@@ -248,7 +247,7 @@ impl<S: Simd> Bounds<S> {
         nearest_w
     }
 
-    /// The least and the greatest places on the screen.
+    /// Returns the minimum and maximum screen positions.
     #[inline(always)]
     fn on_screen(&self, simd: S, near: f64, nearest_w: f64x8<S>, middle: &[f64; 2]) -> [[f64x8<S>; 2]; 2] {
         let mut min = [self.least[3], self.least[4]];
@@ -259,7 +258,7 @@ impl<S: Simd> Bounds<S> {
         }
         let zero = f64x8::splat(simd, 0.0);
         for axis in 0..2 {
-            // w lies between these two, whatever x and y are.
+            // w is between these two for all x and y.
             let [close, far] = [nearest_w, self.greatest[2]];
             let [least, greatest] = [self.least[axis], self.greatest[axis]];
             let low = least / least.simd_lt(zero).select(close, far) + middle[axis];
@@ -271,7 +270,7 @@ impl<S: Simd> Bounds<S> {
     }
 }
 
-/// The greater of each two.
+/// Returns the larger of each pair.
 #[inline(always)]
 fn greater<S: Simd>(a: f64x8<S>, b: f64x8<S>) -> f64x8<S> {
     a.simd_gt(b).select(a, b)

@@ -1,11 +1,12 @@
-//! What an eye sees of boxes.
+//! Tests of the projection of boxes.
 
 use super::*;
 use crate::chance::{Dice, levels};
 use crate::scene::SectorId;
 use crate::view::View;
 
-/// What an eye at the origin, looking along −z with a lens of 90 degrees, sees of a box on a square screen.
+/// Projects a box for an eye at the origin that looks along −z, with a field of view of 90 degrees and a square
+/// viewport.
 fn seen(min: [f32; 3], max: [f32; 3]) -> Option<Region> {
     let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [100, 100]);
     view.fov_y = 90.0_f32.to_radians();
@@ -15,7 +16,7 @@ fn seen(min: [f32; 3], max: [f32; 3]) -> Option<Region> {
 
 #[test]
 fn a_box_ahead_is_as_near_as_its_front() {
-    let region = seen([-1.0, -1.0, -4.0], [1.0, 1.0, -2.0]).expect("it is in view");
+    let region = seen([-1.0, -1.0, -4.0], [1.0, 1.0, -2.0]).expect("box in view");
     assert_eq!(
         region.rect,
         Rect {
@@ -30,7 +31,7 @@ fn a_box_ahead_is_as_near_as_its_front() {
 
 #[test]
 fn a_ceiling_that_reaches_behind_the_eye_is_as_near_as_where_it_enters_the_picture() {
-    let region = seen([-9.0, 3.0, -20.0], [9.0, 3.1, 20.0]).expect("it is in view");
+    let region = seen([-9.0, 3.0, -20.0], [9.0, 3.1, 20.0]).expect("box in view");
     assert!(
         region.nearest >= 1.0 / 3.0 && region.nearest < 0.334,
         "{region:?}"
@@ -40,7 +41,7 @@ fn a_ceiling_that_reaches_behind_the_eye_is_as_near_as_where_it_enters_the_pictu
 
 #[test]
 fn a_box_around_the_eye_is_everywhere_and_at_hand() {
-    let region = seen([-1.0; 3], [1.0; 3]).expect("the eye is in it");
+    let region = seen([-1.0; 3], [1.0; 3]).expect("eye inside the box");
     assert_eq!(region.nearest, f32::INFINITY);
     assert_eq!(
         region.rect,
@@ -60,7 +61,12 @@ fn a_box_beside_or_behind_the_picture_is_not_seen() {
 }
 
 impl Volume {
-    fn touched_one_by_one(&self, limits: &Rect, near: f64, entry: Option<(DVec3, f64)>) -> Option<Touched> {
+    fn touched_one_by_one(
+        &self,
+        limits: &Rect,
+        near: f64,
+        entry: Option<(DVec3, f64)>,
+    ) -> Option<ScreenBounds> {
         let corners = self.corners();
         let [middle, half] = middle_and_half(limits);
         let mut outside = 0b11_1111_u8;
@@ -96,13 +102,13 @@ impl Volume {
             }
         } else {
             for axis in 0..2 {
-                // w lies between these two, whatever x and y are.
+                // w is between these two for all x and y.
                 let [close, far] = [nearest_w, greatest[2]];
                 min[axis] = middle[axis] + least[axis] / if least[axis] < 0.0 { close } else { far };
                 max[axis] = middle[axis] + greatest[axis] / if greatest[axis] > 0.0 { close } else { far };
             }
         }
-        Some(Touched {
+        Some(ScreenBounds {
             min,
             max,
             nearest: nearest(nearest_w, near),
@@ -110,9 +116,9 @@ impl Volume {
     }
 }
 
-/// What counts of it: zero has no sign, and what is no number is as good as itself.
-fn spoken(touched: Touched) -> String {
-    let Touched { min, max, nearest } = touched;
+/// Normalizes a result for comparison: zero has no sign, and all NaNs are equal.
+fn spoken(touched: ScreenBounds) -> String {
+    let ScreenBounds { min, max, nearest } = touched;
     let sides = [min[0], min[1], max[0], max[1]].map(|value| value + 0.0);
     format!("{sides:?} {nearest:?}")
 }

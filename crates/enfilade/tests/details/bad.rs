@@ -76,7 +76,7 @@ fn a_source_that_fails_leaves_its_item_its_box() {
             |_| Ok(too_large()),
             "it made a mesh that reaches out of its bounds",
         ),
-        (|_| Ok(of_gold()), "item `odd` is made of material 7"),
+        (|_| Ok(of_gold()), "item `odd` uses material 7"),
     ];
     for (make, why) in sources {
         for method in Method::ALL

@@ -1,9 +1,11 @@
-//! Four planes at once: each turned about an edge of a winding until it rests on another winding.
+//! Four separating planes at a time: each is rotated about an edge of one winding until it touches the other winding.
 //!
-//! Edges lie abreast; the other winding's corners come one after another, and each lane keeps the lowest so far.
-//! Source: the wrapping of gifts (Chand, Kapur. An Algorithm for Convex Polytopes. Journal of the ACM 17, 1970), one turn.
+//! Each SIMD lane holds one edge. The kernel loops over the other winding's corners, and each lane keeps the lowest so
+//! far.
+//! Source: one turn of gift wrapping (Chand, Kapur. An Algorithm for Convex Polytopes. Journal of the ACM 17, 1970).
 //! Cost: O(corners of both) for four edges, without branches.
-//! The same operations in the same order at any SIMD level: the bits are those of one plane at a time.
+//! Exact: the operations and their order are the same at every SIMD level, so the bits equal those of the scalar
+//! version.
 
 use super::{NEEDLE, ROUNDING};
 use crate::winding::{Plane, above_exactly};
@@ -11,32 +13,32 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f64x4, mask64x4};
 use glam::DVec3;
 
-/// Four planes, lane by lane; lanes without one have everything above.
+/// Four planes, one per lane. A lane without a plane has everything above it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FourPlanes {
     normal: [[f64; 4]; 3],
     offset: [f64; 4],
     slack: [f64; 4],
-    /// The corners that each is through: the ends of an edge of one winding, and a corner of the other.
+    /// The three corners that define each plane: the ends of an edge of one winding, and a corner of the other.
     ends: [[usize; 2]; 4],
     touched: [usize; 4],
-    /// Whether the winding with the edges is the one above.
+    /// Whether the winding with the edges is the upper one.
     edges_above: bool,
-    /// A bit for each lane that has a plane.
+    /// One bit for each lane that has a plane.
     parts: u64,
 }
 
-/// Where a winding lies, a bit for each lane.
+/// Position of a winding relative to the four planes; one bit per lane.
 pub(super) struct Heights {
-    /// All of it below, for sure.
+    /// All of it is below, regardless of rounding.
     pub(super) below: u64,
-    /// None of it above, or so little that rounding could decide.
+    /// None of it is above, or so little that rounding could decide.
     pub(super) touching: u64,
-    /// Some of it below, for sure.
+    /// Some of it is below, regardless of rounding.
     pub(super) cut: u64,
 }
 
-/// The edges, lane by lane.
+/// Four edges, one per lane.
 #[derive(Clone, Copy)]
 struct Edges<S: Simd> {
     from: [f64x4<S>; 3],
@@ -45,10 +47,12 @@ struct Edges<S: Simd> {
 }
 
 impl FourPlanes {
-    /// `ends` are the corners of `edged` from which and to which each edge goes; lanes may repeat. `size` is the farthest
-    /// that two corners of the world are apart. With `edges_above` planes are turned to have `edged` above.
+    /// Computes the planes through four edges of `edged` that touch `other` and separate the two.
+    ///
+    /// `ends` holds the indices of each edge's first and last corner; lanes may repeat an edge. `size` is the largest
+    /// distance between two corners of the world. With `edges_above` the planes are flipped so that `edged` is above.
     #[inline(always)]
-    pub(super) fn rest<S: Simd>(
+    pub(super) fn find<S: Simd>(
         simd: S,
         ends: [[usize; 2]; 4],
         [edged, other]: [&[DVec3]; 2],
@@ -101,7 +105,7 @@ impl FourPlanes {
         }
     }
 
-    /// Leaves the first lanes; `None` if none of them has a plane.
+    /// Keeps the first `lanes` lanes; returns `None` if none of them has a plane.
     pub(super) fn first(mut self, lanes: usize) -> Option<FourPlanes> {
         for lane in lanes..4 {
             self.parts &= !(1 << lane);
@@ -120,7 +124,7 @@ impl FourPlanes {
         }
     }
 
-    /// As [`Plane::above`].
+    /// As [`Plane::above`], for all four lanes.
     #[inline(always)]
     fn above<S: Simd>(&self, simd: S, point: DVec3) -> f64x4<S> {
         let lanes = |of: [f64; 4]| f64x4::simd_from(simd, of);
@@ -147,12 +151,12 @@ impl FourPlanes {
         }
     }
 
-    /// Whether a way is below one of the planes between `parted`: for most by its sphere.
+    /// Returns `true` if a way is below one of the planes between `windings`. A bounding sphere test decides most ways.
     #[inline(always)]
-    pub(super) fn hides_way<S: Simd>(
+    pub(super) fn culls_way<S: Simd>(
         &self,
         simd: S,
-        parted: [&[DVec3]; 2],
+        windings: [&[DVec3]; 2],
         (centre, radius): (DVec3, f64),
         corners: &[DVec3],
     ) -> bool {
@@ -168,15 +172,15 @@ impl FourPlanes {
         let heights = self.heights(simd, corners);
         let touching = heights.touching & near.to_bitmask();
         heights.below != 0
-            || (0..4).any(|lane| touching >> lane & 1 != 0 && self.hides_exactly(lane, parted, corners))
+            || (0..4).any(|lane| touching >> lane & 1 != 0 && self.culls_exactly(lane, windings, corners))
     }
 
-    /// Whether none of a winding is above the plane of a lane between `parted`, which is so close to it that rounding could
-    /// decide: exactly, and also whether the plane parts those.
+    /// Returns `true` if exact arithmetic shows that no corner of `winding` is above the plane of a lane, and that the
+    /// plane separates `windings`. For windings so close to the plane that rounding could decide.
     ///
-    /// What only touches the plane is not above it.
-    pub(super) fn hides_exactly(&self, lane: usize, parted: [&[DVec3]; 2], winding: &[DVec3]) -> bool {
-        let [below, above] = parted;
+    /// Corners on the plane are not above it.
+    pub(super) fn culls_exactly(&self, lane: usize, windings: [&[DVec3]; 2], winding: &[DVec3]) -> bool {
+        let [below, above] = windings;
         let (edged, other) = if self.edges_above {
             (above, below)
         } else {
@@ -217,7 +221,7 @@ impl<S: Simd> Edges<S> {
         }
     }
 
-    /// From where the edges begin to a corner.
+    /// Returns the vectors from the start of each edge to a corner.
     #[inline(always)]
     fn reach(&self, simd: S, corner: DVec3) -> [f64x4<S>; 3] {
         let splat = |value: f64| f64x4::splat(simd, value);
@@ -228,8 +232,8 @@ impl<S: Simd> Edges<S> {
         ]
     }
 
-    /// Whether all corners are on their sides, or so close to the plane that it may rest on them; and the least sine, squared,
-    /// between the edge and one of those.
+    /// Returns the lanes whose plane separates the two windings up to rounding, and per lane the smallest squared sine
+    /// between the edge and a corner that may touch the plane.
     #[inline(always)]
     fn part(
         &self,
@@ -250,7 +254,8 @@ impl<S: Simd> Edges<S> {
                 let turned = crossed(self.along, reach);
                 let off_edge = dot(turned, turned);
                 let lengths = self.length_squared * reach_squared;
-                // What lies on the edge is on no side; what is all but in line with it says nothing sure.
+                // Corners on the edge are on neither side. Corners almost collinear with the edge make the plane
+                // unreliable.
                 let rests = !clear & off_edge.simd_gt(0.0);
                 parts &= !(rests & off_edge.simd_le(lengths * NEEDLE));
                 sine_squared = rests.select(sine_squared.min(off_edge / lengths), sine_squared);
@@ -280,7 +285,7 @@ mod tests {
     use crate::random::Random;
     use fearless_simd::{Level, dispatch};
 
-    /// One edge at a time, as it is meant: normal, offset, slack, and the corner that the plane rests on.
+    /// Scalar reference: returns normal, offset, slack, and the index of the corner that the plane touches.
     fn through(
         [from, to]: [DVec3; 2],
         edged: &[DVec3],
@@ -326,7 +331,7 @@ mod tests {
         Some((normal, normal.dot(from), slack, touching))
     }
 
-    /// Corners of a quadrilateral across z, which may be snapped to whole numbers.
+    /// Returns a random quadrilateral at height z, with corners snapped to integers if `snapped`.
     fn winding(random: &mut Random, z: f64, snapped: bool) -> Vec<DVec3> {
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
         let middle = [random.unit(), random.unit()].map(|at| 6.0 * at);
@@ -340,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn four_edges_at_once_are_four_edges_one_by_one() {
+    fn four_edges_at_a_time_equal_four_edges_one_by_one() {
         let mut parts = 0;
         for seed in 0..2000 {
             let random = &mut Random::new(seed);
@@ -351,7 +356,7 @@ mod tests {
             for level in [Level::new(), Level::baseline()] {
                 let windings = [edged.as_slice(), &other];
                 let rest =
-                    |above| dispatch!(level, simd => FourPlanes::rest(simd, ends, windings, above, 100.0));
+                    |above| dispatch!(level, simd => FourPlanes::find(simd, ends, windings, above, 100.0));
                 let [four, flipped] = [false, true].map(rest);
                 for (lane, ends) in ends.into_iter().enumerate() {
                     let one = through(ends.map(|end| edged[end]), &edged, &other, 100.0);

@@ -1,4 +1,4 @@
-//! Pairs of cells held against lines, against a slow flow that takes no short cuts, and against what one can work out.
+//! Compares the PVS with random rays, with a slow flow without short cuts, and with results known in advance.
 
 mod naive;
 mod refused;
@@ -9,7 +9,7 @@ mod worlds;
 use enfilade_bake::{Cells, PairsOptions, PairsWork, Stage, VisiblePairs, find_missing};
 
 fn pairs_of(cells: &Cells) -> VisiblePairs {
-    VisiblePairs::compute(cells, &PairsOptions::default()).expect("little memory")
+    VisiblePairs::compute(cells, &PairsOptions::default()).expect("within the memory limit")
 }
 
 #[test]
@@ -22,7 +22,10 @@ fn no_line_through_random_worlds_shows_a_pair_that_is_missing() {
         assert!(missing.is_none(), "world {seed}: {}", missing.expect("some"));
         pairs_seen += pairs.count();
     }
-    assert!(pairs_seen > 20_000, "the worlds are closed: {pairs_seen} pairs");
+    assert!(
+        pairs_seen > 20_000,
+        "the worlds are too closed: {pairs_seen} pairs"
+    );
 }
 
 #[test]
@@ -34,7 +37,7 @@ fn a_slow_flow_without_short_cuts_keeps_all_that_is_kept() {
         let naive = naive::pairs(&cells);
         for from in 0..cells.count() {
             for to in 0..cells.count() {
-                // Neither is exact: both may keep what is not seen, but a line shows what is.
+                // Neither is exact: both may keep pairs that are not visible, but a ray proves visible ones.
                 ours += usize::from(pairs.sees(from, to));
                 slow += usize::from(naive[from as usize][to as usize]);
             }
@@ -43,7 +46,7 @@ fn a_slow_flow_without_short_cuts_keeps_all_that_is_kept() {
             for to in pairs.seen_from(from) {
                 assert!(
                     naive[from as usize][to as usize],
-                    "world {seed}: {from} sees {to} for us alone"
+                    "world {seed}: only the fast flow keeps {from} and {to}"
                 );
             }
         }
@@ -78,7 +81,7 @@ fn sight_has_no_direction() {
                     ..PairsOptions::default()
                 },
             )
-            .expect("little memory");
+            .expect("within the memory limit");
             for from in 0..cells.count() {
                 assert!(pairs.sees(from, from));
                 for to in pairs.seen_from(from) {
@@ -102,7 +105,7 @@ fn the_fast_bound_keeps_all_that_the_full_one_keeps() {
                     ..PairsOptions::default()
                 },
             )
-            .expect("little memory")
+            .expect("within the memory limit")
         });
         for from in 0..cells.count() {
             assert!(full.seen_from(from).all(|to| fast.sees(from, to)));
@@ -133,7 +136,7 @@ fn nearly_every_pair_that_is_kept_has_a_line_to_show() {
     let (mut pairs_kept, mut shown) = (0, 0);
     for seed in 500..505 {
         let cells = worlds::random(seed, 60);
-        let mut work = PairsWork::begin(&cells, 1 << 30).expect("little memory");
+        let mut work = PairsWork::begin(&cells, 1 << 30).expect("within the memory limit");
         assert_eq!(work.line_between(0, 1), None, "too early");
         while work.stage() != Stage::Done {
             work.step();

@@ -1,4 +1,4 @@
-//! The flow as one would first write it: every chain, every plane through an edge and a corner, nothing remembered.
+//! The flow without optimizations: every chain, every plane through an edge and a corner, no caches.
 
 use enfilade_bake::Cells;
 use glam::DVec3;
@@ -9,10 +9,10 @@ struct Way {
     to: usize,
 }
 
-/// Farther than rounding shifts anything in these worlds.
+/// Larger than any rounding error in these worlds.
 const SLACK: f64 = 1e-7;
 
-/// For each cell, whether it may see each other.
+/// Returns for each pair of cells whether they may see each other.
 pub(crate) fn pairs(cells: &Cells) -> Vec<Vec<bool>> {
     let mut ways = Vec::new();
     for portal in cells.portals() {
@@ -41,7 +41,7 @@ pub(crate) fn pairs(cells: &Cells) -> Vec<Vec<bool>> {
             row,
         );
     }
-    // Kept by either end: ours asks one end alone, whichever is cheaper.
+    // Keep a pair if either end does: the optimized flow runs from one end only, whichever is cheaper.
     let one_end = seen.clone();
     for (to, row) in one_end.iter().enumerate() {
         let seers = row.iter().enumerate().filter(|&(_, &sees)| sees);
@@ -94,7 +94,7 @@ fn plane(corners: &[DVec3]) -> (DVec3, f64) {
     (normal, normal.dot(corners[0]))
 }
 
-/// All planes through an edge of one and a corner of the other that have the first below and the second above.
+/// Returns all planes through an edge of one and a corner of the other with the first below and the second above.
 fn planes(below: &[DVec3], above: &[DVec3]) -> Vec<(DVec3, f64)> {
     let mut found = Vec::new();
     for (edged, other) in [(below, above), (above, below)] {

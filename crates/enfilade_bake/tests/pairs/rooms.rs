@@ -1,4 +1,4 @@
-//! Rooms of which one can say who sees whom.
+//! Rooms whose visible pairs are known.
 
 use crate::pairs_of;
 use enfilade_bake::{Cells, PairsOptions, Portal, VisiblePairs};
@@ -37,7 +37,7 @@ fn doors_that_step_aside_hide_what_is_behind_the_third() {
 
 #[test]
 fn doors_that_only_touch_the_line_of_sight_hide() {
-    // Through [0, 1], [1, 2] and [0, 1] goes only what runs along y = 1, on the edge of all three.
+    // Only lines along y = 1, on the edge of all three, pass through [0, 1], [1, 2] and [0, 1].
     let pairs = pairs_of(&row(&[[0.0, 1.0], [1.0, 2.0], [0.0, 1.0]]));
     assert!(!pairs.sees(0, 3));
     let fast = VisiblePairs::compute(
@@ -47,7 +47,7 @@ fn doors_that_only_touch_the_line_of_sight_hide() {
             ..PairsOptions::default()
         },
     )
-    .expect("little memory");
+    .expect("within the memory limit");
     assert!(!fast.sees(0, 3));
 }
 
@@ -72,7 +72,7 @@ fn a_gap_of_a_millionth_is_seen_through_far_from_the_origin() {
 
 #[test]
 fn rooms_round_a_corner_are_not_seen_into() {
-    // 0 → 1 along x, then out of 1 along y into 2, and back along x into 3, which lies beside 0.
+    // 0 → 1 along x, then out of 1 along y into 2, and back along x into 3, which is beside 0.
     let across_y = |y: f64, x: [f64; 2], cells| Portal {
         corners: vec![[x[1], y, 0.0], [x[0], y, 0.0], [x[0], y, 2.0], [x[1], y, 2.0]],
         cells,
@@ -110,7 +110,7 @@ fn cells_without_portals_see_themselves_alone() {
     );
 }
 
-/// Nine rooms in a row along a slanted line; it passes each door between two by `gap` inside one edge, each time another.
+/// Nine rooms along a slanted line, which passes each door `gap` inside a different edge.
 fn round_a_line(gap: f64) -> Cells {
     let doors = (0..8).map(|at| {
         let x = 10.0 * f64::from(at + 1);

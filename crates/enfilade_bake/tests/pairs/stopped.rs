@@ -1,4 +1,4 @@
-//! Work that is watched, stopped, saved and gone on with.
+//! Work that reports progress, stops, is saved and resumed.
 
 use crate::{pairs_of, worlds};
 use enfilade_bake::{Cells, PairsOptions, PairsWork, ResumeError, Stage, VisiblePairs};
@@ -7,10 +7,10 @@ use std::collections::BTreeSet;
 const LIMIT: u64 = 1 << 30;
 
 fn begin(cells: &Cells) -> PairsWork {
-    PairsWork::begin(cells, LIMIT).expect("little memory")
+    PairsWork::begin(cells, LIMIT).expect("within the memory limit")
 }
 
-/// Returns the bytes of work after so many steps, and those of its passages.
+/// Saves work and its passages after `steps` steps.
 fn saved_after(cells: &Cells, steps: usize) -> [Vec<u8>; 2] {
     let mut work = begin(cells);
     for _ in 0..steps {
@@ -55,13 +55,13 @@ fn at_every_moment_all_that_is_seen_is_in_the_pairs() {
 
 #[test]
 fn work_that_was_stopped_anywhere_ends_like_work_that_was_not() {
-    // More ways than one step takes in any stage.
+    // More ways than one step handles in any stage.
     let cells = worlds::random(5, 90);
     let end = pairs_of(&cells);
     let mut stages = BTreeSet::new();
     for steps in 0.. {
         let [saved, passages] = saved_after(&cells, steps);
-        let mut work = PairsWork::resume(&cells, LIMIT, &saved, &passages).expect("it is of these cells");
+        let mut work = PairsWork::resume(&cells, LIMIT, &saved, &passages).expect("saved for these cells");
         let stage = work.stage();
         stages.insert(stage);
         assert_eq!(work.save(), saved, "it is where it was after {steps} steps");
@@ -86,7 +86,7 @@ fn work_whose_passages_are_lost_or_older_ends_like_work_that_was_not_stopped() {
         let [saved, passages] = saved_after(&cells, steps);
         let damaged = &passages[..passages.len() - 8];
         for passages in [&[], damaged, &older, b"something else"] {
-            let mut work = PairsWork::resume(&cells, LIMIT, &saved, passages).expect("it is of these cells");
+            let mut work = PairsWork::resume(&cells, LIMIT, &saved, passages).expect("saved for these cells");
             while work.stage() != Stage::Done {
                 work.step();
             }
@@ -121,11 +121,13 @@ fn saved_work_of_other_cells_or_with_any_byte_changed_is_refused() {
 #[test]
 fn work_that_would_take_too_much_is_refused_before_it_begins() {
     let many = Cells::new(u32::MAX, Vec::new()).expect("no portal is wrong");
-    let refused = PairsWork::begin(&many, LIMIT).expect_err("a square of four billion");
+    let refused = PairsWork::begin(&many, LIMIT).expect_err("four billion squared exceeds the limit");
     assert!(refused.needs_bytes > 1 << 60, "{refused}");
-    let refused = VisiblePairs::compute(&many, &PairsOptions::default()).expect_err("as much");
+    let refused = VisiblePairs::compute(&many, &PairsOptions::default()).expect_err("the same limit");
     assert!(refused.needs_bytes > 1 << 60, "{refused}");
     let cells = worlds::random(2, 60);
-    let needs = PairsWork::begin(&cells, 0).expect_err("something").needs_bytes;
+    let needs = PairsWork::begin(&cells, 0)
+        .expect_err("no memory allowed")
+        .needs_bytes;
     assert!(PairsWork::begin(&cells, needs).is_ok());
 }

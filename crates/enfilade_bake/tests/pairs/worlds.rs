@@ -1,17 +1,17 @@
-//! Worlds made by chance: a box cut into boxes, with holes in the walls between, all of it turned and slanted.
+//! Random worlds: a box split into boxes, with holes in the walls between, optionally sheared.
 
 use enfilade_bake::{Cells, Portal, Witness};
 use glam::DVec3;
 
-/// A chain of numbers that looks like chance.
-pub(crate) struct Chance(u64);
+/// A pseudorandom number generator.
+pub(crate) struct Random(u64);
 
-impl Chance {
-    pub(crate) fn new(seed: u64) -> Chance {
-        Chance(seed * 2 + 1)
+impl Random {
+    pub(crate) fn new(seed: u64) -> Random {
+        Random(seed * 2 + 1)
     }
 
-    /// 0 to 1.
+    /// Returns a number in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
         self.0 = self
             .0
@@ -24,12 +24,12 @@ impl Chance {
 
 type Span = [f64; 2];
 
-/// `count` rooms. Worlds with even seeds stand upright on whole numbers, as maps do; the others are turned and slanted.
+/// Creates `count` rooms. Worlds with even seeds are axis-aligned on integers, as maps are; the others are sheared.
 pub(crate) fn random(seed: u64, count: usize) -> Cells {
-    let chance = &mut Chance::new(seed);
+    let random = &mut Random::new(seed);
     let mut boxes: Vec<[Span; 3]> = vec![[[0.0, 1024.0], [0.0, 1024.0], [0.0, 512.0]]];
     while boxes.len() < count {
-        // The longest side of the largest box, somewhere in its middle.
+        // Split the largest box across its longest side, near the middle.
         let size = |of: &[Span; 3]| of.iter().map(|[from, to]| to - from).product::<f64>();
         let largest = (0..boxes.len())
             .max_by(|&a, &b| size(&boxes[a]).total_cmp(&size(&boxes[b])))
@@ -39,20 +39,20 @@ pub(crate) fn random(seed: u64, count: usize) -> Cells {
         let long = |axis: &usize| low[*axis][1] - low[*axis][0];
         let axis = (0..3).max_by(|a, b| long(a).total_cmp(&long(b))).expect("three");
         let [from, to] = low[axis];
-        let at = (from + (to - from) * (0.3 + 0.4 * chance.unit())).round();
+        let at = (from + (to - from) * (0.3 + 0.4 * random.unit())).round();
         low[axis][1] = at;
         high[axis][0] = at;
         boxes.extend([low, high]);
     }
-    let slant = slant(seed, chance);
+    let slant = slant(seed, random);
     let mut portals = Vec::new();
     for (a, low) in boxes.iter().enumerate() {
         for (b, high) in boxes.iter().enumerate() {
             for axis in (0..3).filter(|&axis| low[axis][1] == high[axis][0]) {
                 let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
                 let shared = |axis: usize| [low[axis][0].max(high[axis][0]), low[axis][1].min(high[axis][1])];
-                let hole = [hole(shared(u), chance), hole(shared(v), chance)];
-                if hole.iter().any(|[from, to]| to - from < 4.0) || chance.unit() < 0.25 {
+                let hole = [hole(shared(u), random), hole(shared(v), random)];
+                if hole.iter().any(|[from, to]| to - from < 4.0) || random.unit() < 0.25 {
                     continue;
                 }
                 let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(at_u, at_v)| {
@@ -72,30 +72,30 @@ pub(crate) fn random(seed: u64, count: usize) -> Cells {
     Cells::new(boxes.len() as u32, portals).expect("a world")
 }
 
-/// Half of the holes take the whole of what is shared, the others a part, on whole numbers.
-fn hole([from, to]: Span, chance: &mut Chance) -> Span {
-    if to <= from || chance.unit() < 0.3 {
+/// Returns the extent of a hole: about a third fill the shared wall, the others a part of it, on integers.
+fn hole([from, to]: Span, random: &mut Random) -> Span {
+    if to <= from || random.unit() < 0.3 {
         return [from, to];
     }
-    let a = from + (to - from) * chance.unit() * 0.6;
-    let b = a + (to - a) * (0.2 + 0.8 * chance.unit());
+    let a = from + (to - from) * random.unit() * 0.6;
+    let b = a + (to - a) * (0.2 + 0.8 * random.unit());
     [a.round(), b.round()]
 }
 
-/// A map of positive determinant.
-fn slant(seed: u64, chance: &mut Chance) -> [[f64; 3]; 3] {
+/// Returns a matrix with positive determinant.
+fn slant(seed: u64, random: &mut Random) -> [[f64; 3]; 3] {
     let mut rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     if seed % 2 == 1 {
         for row in &mut rows {
             for entry in row {
-                *entry += 0.3 * (chance.unit() - 0.5);
+                *entry += 0.3 * (random.unit() - 0.5);
             }
         }
     }
     rows
 }
 
-/// Goes along a line of sight, from cell to cell as it says, through a portal each time, inside its outline and onwards.
+/// Verifies that a line of sight passes from cell to cell, each time inside a portal and forwards.
 #[track_caller]
 pub(crate) fn follow(cells: &Cells, line: &Witness) {
     let [origin, direction] = [line.origin, line.direction].map(DVec3::from);

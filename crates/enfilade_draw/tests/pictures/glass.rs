@@ -1,4 +1,4 @@
-//! Glass upon glass: its colours are those of light that goes through all of it.
+//! Stacked glass layers: their colour equals the blend of all layers.
 
 use crate::stage::{SIZE, drawn, view};
 use enfilade::{Alpha, GeometryBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Transform};
@@ -6,7 +6,7 @@ use enfilade_draw::Settings;
 
 const PANES: usize = 12;
 
-/// A wall, and so many panes before it, each of a colour of its own.
+/// Creates a wall with `count` panes before it, each of a different colour.
 fn panes(count: usize) -> (Scene, Vec<Material>) {
     let pane = |number: usize| Material {
         base_color: [
@@ -35,7 +35,7 @@ fn panes(count: usize) -> (Scene, Vec<Material>) {
     for number in 0..materials.len() {
         let mesh = Mesh::triangles(&square, &[0, 1, 2, 0, 2, 3], MaterialId(number as u32));
         let mesh = geometry.mesh(mesh.expect("a square"));
-        // The nearest is added first.
+        // The nearest pane is added first.
         let depth = if number == 0 { -4.0 } else { -0.2 * number as f32 };
         geometry.item("pane", mesh, Transform::translation([0.0, 0.0, depth]));
     }
@@ -65,7 +65,9 @@ fn a_dozen_panes_before_a_wall_lose_no_colour() {
         .into_iter()
         .filter(|method| method.requires().is_none())
     {
-        let scene = scene.with_method(method, u64::MAX).expect("small");
+        let scene = scene
+            .with_method(method, u64::MAX)
+            .expect("within the memory limit");
         let image = drawn(&scene, &view(), &Settings::default()).image;
         let shown = image.get_pixel(SIZE[0] / 2, SIZE[1] / 2).0;
         for channel in 0..3 {
@@ -83,9 +85,10 @@ fn glass_before_nothing_shows_the_sky_through_it() {
     for (scene, gone) in [(&mut glazed, &[0][..]), (&mut bare, &[0, 1])] {
         let mut edit = scene.edit();
         for &item in gone {
-            edit.remove(hall, enfilade::ItemId(item)).expect("it is there");
+            edit.remove(hall, enfilade::ItemId(item))
+                .expect("an existing item");
         }
-        edit.finish().expect("small");
+        edit.finish().expect("within the memory limit");
     }
     let [through, sky] = [&glazed, &bare].map(|scene| drawn(scene, &view(), &Settings::default()).image);
     let own = materials[1].base_color;

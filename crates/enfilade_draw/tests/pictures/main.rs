@@ -1,5 +1,5 @@
-//! Pictures held against rays: each sample of a picture is cast again by itself, and what it meets is looked up and lit in
-//! f64, as the documentation has it.
+//! Compares pictures with ray casts: each sample is cast separately, and its surface is textured and lit in f64 as the
+//! documentation specifies.
 
 mod glass;
 mod samples;

@@ -1,4 +1,4 @@
-//! Four samples a pixel, and how often samples are shaded.
+//! Four samples per pixel, and the number of shaded samples.
 
 use crate::stage::{SIZE, drawn, gallery, mosaic, poster, view};
 use enfilade::laws::OwnerPicture;
@@ -45,7 +45,7 @@ fn an_edge_shows_as_much_of_a_face_as_its_four_samples_do() {
 fn a_face_inside_is_shaded_once_for_each_pixel_however_many_samples_it_has() {
     let scene = gallery(vec![mosaic([4, 3])], &[poster()]);
     let [one, many] = [Settings::default(), four()].map(|settings| drawn(&scene, &view(), &settings));
-    // Only pixels with an edge in them are shaded more than once.
+    // Only pixels with an edge are shaded more than once.
     assert!(many.shaded > one.shaded, "{} and {}", many.shaded, one.shaded);
     assert!(
         4 * many.shaded < 5 * one.shaded,
@@ -80,16 +80,19 @@ fn what_shows_how_a_method_works_has_one_sample() {
 
 #[test]
 fn methods_that_know_the_owners_shade_each_sample_that_is_seen_once() {
-    // The palace has cut-outs and glass in view, which are no opaque samples.
+    // The palace has visible alpha-tested and alpha-blended faces, which do not count as opaque samples.
     for name in ["enfilade", "mirrors", "two-rooms", "glass"] {
-        let built = built_in(name).expect("it is built in");
+        let built = built_in(name).expect("a built-in scene");
         for method in [
             Method::SBuffer,
             Method::BspFront,
             Method::HierarchicalS,
             Method::ZBuffer,
         ] {
-            let scene = built.scene.with_method(method, u64::MAX).expect("it fits");
+            let scene = built
+                .scene
+                .with_method(method, u64::MAX)
+                .expect("within the memory limit");
             let stage = Stage::new(&scene);
             let view = built.cameras[0].view(SIZE);
             let mut owners = OwnerPicture::new(SIZE);

@@ -1,4 +1,4 @@
-//! Light on faces: normals of corners, spots, suns, and what light does not touch.
+//! Shading of faces: vertex normals, spots, suns, and unlit materials.
 
 use crate::stage::{SIZE, direction, view};
 use enfilade::{
@@ -8,7 +8,7 @@ use enfilade::{
 use enfilade_draw::{Exposure, Settings, Stage};
 use glam::DVec3;
 
-/// A wall across the view at z = −3, whose corners have these normals.
+/// Creates a wall across the view at z = −3 with these vertex normals.
 fn wall(normals: &[[f32; 3]], material: Material, lights: &[Light]) -> Scene {
     let mut geometry = GeometryBuilder::new([material]);
     let mesh = Mesh::new(&[Part {
@@ -51,7 +51,7 @@ fn linear(byte: u8) -> f64 {
     }
 }
 
-/// Where a pixel's middle meets the wall.
+/// Returns the point where the ray through a pixel's centre meets the wall.
 fn met(x: u32, y: u32) -> DVec3 {
     let view: View = view();
     let way = direction(&view, [f64::from(x) + 0.5, f64::from(y) + 0.5]);
@@ -59,7 +59,7 @@ fn met(x: u32, y: u32) -> DVec3 {
     eye + way * ((-3.0 - eye.z) / way.z)
 }
 
-/// Holds what a light adds against what it should.
+/// Asserts that a light adds the expected light to the picture.
 fn holds(
     light: Light,
     normals: &[[f32; 3]],
@@ -78,7 +78,7 @@ fn holds(
             let added = part * normal(point).dot(to_light).max(0.0) * f64::from(light.color[0]);
             let [shown, before] = [&lit, &unlit].map(|image| linear(image.get_pixel(x, y).0[0]));
             let expected = (before + added).min(1.0);
-            // A step of a byte, at that brightness.
+            // One step of an sRGB byte at that brightness.
             assert!(
                 (shown - expected).abs() < 0.012,
                 "({x}, {y}): {shown}, {expected}"
@@ -128,7 +128,7 @@ fn a_sun_shines_alike_everywhere_and_the_normals_of_corners_bend_its_light() {
         direction: (-toward).as_vec3().into(),
     };
     holds(sun, &FLAT, |_| DVec3::Z, |_| (toward, 1.0));
-    // Left and right edges lean outwards: between them normals turn.
+    // The normals of the left and right edges lean outwards and are interpolated in between.
     let [left, right] = [[-0.6, 0.0, 0.8], [0.6, 0.0, 0.8]];
     let bent = [left, right, right, left];
     let normal = |point: DVec3| DVec3::new(0.6 * point.x / 6.0, 0.0, 0.8).normalize();

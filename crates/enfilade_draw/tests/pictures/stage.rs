@@ -1,4 +1,4 @@
-//! Small worlds with textures, and what a ray sees of them.
+//! Small textured scenes, and ray casts into them.
 
 use enfilade::{
     Attributes, GeometryBuilder, Material, MaterialId, Mesh, Method, Part, Ray, Scene, SceneBuilder,
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 pub(crate) const SIZE: [u32; 2] = [120, 80];
 
-/// A texture in which no two of its first 12 texels are alike, drawn as it is.
+/// Creates a texture with 12 different texels, unfiltered.
 pub(crate) fn mosaic(size: [u32; 2]) -> Texture {
     let texel = |i: u32| {
         [
@@ -20,8 +20,8 @@ pub(crate) fn mosaic(size: [u32; 2]) -> Texture {
             255,
         ]
     };
-    let mut texture =
-        Texture::new("mosaic", size, (0..size[0] * size[1]).map(texel).collect()).expect("texels for all");
+    let mut texture = Texture::new("mosaic", size, (0..size[0] * size[1]).map(texel).collect())
+        .expect("one texel per pixel");
     texture.magnify = enfilade::Filter::Nearest;
     texture.minify = enfilade::Minify {
         texels: enfilade::Filter::Nearest,
@@ -30,7 +30,7 @@ pub(crate) fn mosaic(size: [u32; 2]) -> Texture {
     texture
 }
 
-/// A sheet of two triangles from (0, 0, 0) to (2, 1, 0), at places of its texture that are no rectangle.
+/// Creates a sheet of two triangles from (0, 0, 0) to (2, 1, 0), with non-rectangular texture coordinates.
 pub(crate) fn sheet(material: MaterialId) -> Mesh {
     Mesh::new(&[Part {
         positions: &[[0.0; 3], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
@@ -45,7 +45,7 @@ pub(crate) fn sheet(material: MaterialId) -> Mesh {
     .expect("a sheet")
 }
 
-/// Sheets that stand about, turned, stretched and mirrored; beyond a mirror they are seen again.
+/// Creates several sheets, rotated, scaled and mirrored, and a mirror that reflects them.
 pub(crate) fn gallery(textures: Vec<Texture>, materials: &[Material]) -> Scene {
     let mut geometry = GeometryBuilder::new(materials.to_vec());
     geometry.textures(textures.into_iter().map(Arc::new).collect::<Vec<_>>());
@@ -79,7 +79,7 @@ pub(crate) fn drawn(scene: &Scene, view: &View, settings: &Settings) -> Picture 
     Stage::new(scene).draw(&mut Viewer::new(), scene, view, settings)
 }
 
-/// Unlit, seen from both sides, of the first texture.
+/// An unlit, two-sided material with the first texture.
 pub(crate) fn poster() -> Material {
     Material {
         texture: Some(TextureId(0)),
@@ -89,13 +89,13 @@ pub(crate) fn poster() -> Material {
     }
 }
 
-/// What a ray through the middle of a pixel meets, and what the corners there carry.
-pub(crate) struct Met {
+/// The surface that the ray through a pixel's centre meets, with interpolated vertex attributes.
+pub(crate) struct RayHit {
     pub(crate) place: [f64; 2],
     pub(crate) face: (SectorId, u32, u32),
 }
 
-/// The ray through a place of the screen.
+/// Returns the ray through a screen position.
 pub(crate) fn direction(view: &View, [x, y]: [f64; 2]) -> DVec3 {
     let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
     let forward = (toward - eye).normalize();
@@ -109,7 +109,7 @@ pub(crate) fn direction(view: &View, [x, y]: [f64; 2]) -> DVec3 {
     forward + right * (right_of * step) - right.cross(forward) * (below * step)
 }
 
-pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<Met> {
+pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<RayHit> {
     let direction = direction(view, at);
     let sector = scene.sector_of(view)?;
     let ray = Ray {
@@ -143,7 +143,7 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<Met> {
     let weights = DMat3::from_cols(b - a, c - a, normal).inverse() * (point - a);
     let carried = [0, 1, 2].map(|i| mesh.texture()[corners[i] as usize].map(f64::from));
     let [second, third] = [weights.x, weights.y];
-    Some(Met {
+    Some(RayHit {
         place: [0, 1].map(|axis| {
             carried[0][axis] * (1.0 - second - third) + carried[1][axis] * second + carried[2][axis] * third
         }),
@@ -151,7 +151,7 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<Met> {
     })
 }
 
-/// The texel at a place, counted from the upper left; `None` within a hundredth of the border to another.
+/// Returns the texel at texture coordinates, or `None` within 0.01 texels of another texel.
 pub(crate) fn texel(texture: &Texture, [u, v]: [f64; 2]) -> Option<[u8; 4]> {
     let [width, height] = texture.size();
     let mut found = [0; 2];

@@ -21,7 +21,9 @@ fn every_texel_is_where_a_ray_meets_it_also_beyond_the_sides_and_in_a_mirror() {
             if method.contract() == Contract::Approximate {
                 continue;
             }
-            let scene = scene.with_method(method, u64::MAX).expect("small");
+            let scene = scene
+                .with_method(method, u64::MAX)
+                .expect("within the memory limit");
             let image = drawn(&scene, &view(), &Settings::default()).image;
             let mut compared = 0;
             for y in 0..SIZE[1] {
@@ -30,7 +32,7 @@ fn every_texel_is_where_a_ray_meets_it_also_beyond_the_sides_and_in_a_mirror() {
                     let Some(met) = meet(&scene, &view(), at) else {
                         continue;
                     };
-                    // At the edges of faces either is right.
+                    // At the edges of faces either colour is accepted.
                     let beside = [[-0.05, 0.0], [0.05, 0.0], [0.0, -0.05], [0.0, 0.05]];
                     let same = beside.iter().all(|[dx, dy]| {
                         meet(&scene, &view(), [at[0] + dx, at[1] + dy])
@@ -55,7 +57,7 @@ fn a_cut_out_is_seen_through_where_its_texture_says_and_nowhere_else() {
     let mut texture = mosaic([4, 3]);
     let holes = |(i, [r, g, b, _]): (usize, &[u8; 4])| [*r, *g, *b, if i % 2 == 0 { 100 } else { 160 }];
     let texels = texture.texels().iter().enumerate().map(holes).collect();
-    let mut holed = enfilade::Texture::new("holed", [4, 3], texels).expect("as many");
+    let mut holed = enfilade::Texture::new("holed", [4, 3], texels).expect("one texel per pixel");
     (holed.magnify, holed.minify) = (texture.magnify, texture.minify);
     texture = holed;
     let cut_out = |cutoff| Material {

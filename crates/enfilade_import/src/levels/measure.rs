@@ -1,11 +1,11 @@
-//! Is no point of one mesh farther from another than so much?
+//! Tests whether one mesh is within a distance of another.
 //!
-//! The distance from one triangle is convex: where the corners of a piece are near enough to the same triangle, all of the
-//! piece is. Where there is no such triangle the piece is cut in four.
-//! Source: the idea of Aspert, Santa-Cruz, Ebrahimi, MESH: measuring errors between surfaces, 2002, with a bound in place of
-//!     samples.
-//! Cost: O(faces + length of the edges of both / distance) questions for the nearest, on all cores.
-//! Sure where it says yes; it says no also where it would take too long to know.
+//! The distance to a single triangle is a convex function: if the corners of a piece are all close enough to the same
+//! triangle, so is the whole piece. If there is no such triangle, the piece is split into four.
+//! Source: the idea of Aspert, Santa-Cruz, Ebrahimi, MESH: measuring errors between surfaces, 2002, with a bound
+//! instead of samples.
+//! Cost: O(faces + edge lengths of both / distance) nearest-triangle queries, on all cores.
+//! Conservative: `true` is always correct; `false` is also returned when the test would take too long.
 
 use super::triangles;
 use enfilade::geom::Step;
@@ -14,13 +14,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How often a face may be cut in four, one piece within the other.
+/// Maximum recursion depth of splitting a face into four.
 const DEPTH: u32 = 8;
 
-/// Pieces that may be asked about, for each face of both meshes.
+/// Maximum number of pieces per face of both meshes.
 const PIECES: u64 = 30;
 
-/// Is every point of `of` within `distance` of `to`? In doubt, no.
+/// Returns `true` if every point of `of` is within `distance` of `to`; `false` when unsure.
 pub(super) fn within(of: &Mesh, to: &Mesh, distance: f64) -> bool {
     let left = AtomicU64::new(PIECES * u64::from(of.face_count() + to.face_count()));
     let at = |index: u32| DVec3::from(of.positions()[index as usize].map(f64::from));
@@ -29,6 +29,7 @@ pub(super) fn within(of: &Mesh, to: &Mesh, distance: f64) -> bool {
     })
 }
 
+/// Tests a triangular piece, recursively; `left` counts the pieces that may still be split.
 fn piece(corners: [DVec3; 3], to: &Mesh, distance: f64, depth: u32, left: &AtomicU64) -> bool {
     let [a, b, c] = corners;
     match holding(corners, to, distance) {
@@ -45,16 +46,17 @@ fn piece(corners: [DVec3; 3], to: &Mesh, distance: f64, depth: u32, left: &Atomi
         .all(|corners| piece(corners, to, distance, depth - 1, left))
 }
 
-/// What is within a distance of a piece.
+/// How much of a piece is within the distance of the other mesh.
 enum Nearest {
-    /// One triangle is, of all of it.
+    /// The whole piece is within the distance of one triangle.
     One,
-    /// One is of its middle, but of all of it there may be only several together.
+    /// Its centroid is; the rest of the piece may be, but only of several triangles together.
     Several,
-    /// Nothing is, of its middle.
+    /// Its centroid is not within the distance of any triangle.
     None,
 }
 
+/// Classifies a piece by the triangles of `to` near its centroid.
 fn holding(corners: [DVec3; 3], to: &Mesh, distance: f64) -> Nearest {
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     let square = distance * distance;
@@ -91,12 +93,13 @@ fn holding(corners: [DVec3; 3], to: &Mesh, distance: f64) -> Nearest {
     nearest
 }
 
+/// Returns `true` if the squared distance from the point to the AABB is at most `square`.
 fn reaches(bounds: &Aabb, point: DVec3, square: f64) -> bool {
     let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
     point.distance_squared(point.clamp(min, max)) <= square
 }
 
-/// The squared distance of a point from a triangle; that from its edges where it has no area.
+/// Returns the squared distance from a point to a triangle, or to its edges if it has no area.
 fn square_distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let normal = (b - a).cross(c - a);
     let edges = [(a, b), (b, c), (c, a)];

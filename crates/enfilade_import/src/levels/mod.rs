@@ -1,11 +1,14 @@
-//! Levels of detail of a mesh, made by `meshopt` when they are wanted.
+//! Generates the LODs of a mesh with `meshopt`, on demand.
 //!
-//! Each level halves the error of the one before, down to a quarter of the mean edge; the last is the mesh itself. `meshopt`
-//! takes vertices away as long as quadrics say that little changes; what comes of it is measured, and made again finer
-//! where it is off by more than the level says.
-//! Source: Garland, Heckbert. Surface simplification using quadric error metrics. SIGGRAPH 1997; meshoptimizer by Kapoulkine.
-//! Cost: O(faces log faces) for each level, and to measure it O(faces) questions for the nearest; nothing before it is wanted.
-//! No point of either surface is farther from the other than the level's error; only the mesh itself hides.
+//! Each level has half the error of the one before, down to a quarter of the mean edge length; the last level is the
+//! mesh itself. `meshopt` removes vertices as long as the quadric error stays small. The true error of the result is
+//! then measured; if it exceeds the level's error, the level is generated again with a smaller target.
+//! Source: Garland, Heckbert. Surface simplification using quadric error metrics. SIGGRAPH 1997; meshoptimizer by
+//! Kapoulkine.
+//! Cost: O(faces log faces) for each level, plus O(faces) nearest-triangle queries to measure it; nothing before a
+//! level is built.
+//! The Hausdorff distance between a level and the mesh is at most the level's error. Only the mesh itself is an
+//! occluder.
 
 mod measure;
 mod welded;
@@ -19,25 +22,25 @@ use std::error::Error;
 use std::sync::Arc;
 use welded::{Welded, triangles};
 
-/// The levels of a mesh.
+/// The LODs of a mesh; implements [`DetailSource`].
 #[derive(Clone, Debug)]
 pub struct Levels {
     mesh: Arc<Mesh>,
     errors: Vec<f32>,
 }
 
-/// Levels with an error, at most.
+/// Maximum number of levels with an error above 0.
 const MAX_LEVELS: i32 = 10;
 
-/// How often a level is made again with half the error asked of `meshopt`, before the mesh itself stands in for it. Mostly
-/// once or twice: what it leaves is off by twice to four times what it says.
+/// Maximum number of attempts per level, each with half the target error of the one before; after that, the mesh itself
+/// is used. Usually one or two suffice: the true error of a result is two to four times what `meshopt` reports.
 const ATTEMPTS: i32 = 8;
 
 impl Levels {
-    /// The levels of a mesh, none of them made yet.
+    /// Creates the levels of a mesh; none is built yet.
     pub fn of(mesh: Arc<Mesh>) -> Levels {
         let size = DVec3::from(mesh.bounds().size().map(f64::from)).length();
-        // Nothing is saved where less than an edge is taken away.
+        // Levels whose error is a fraction of an edge would save nothing.
         let least = 0.25 * mean_edge(&mesh);
         let mut errors: Vec<f32> = (0..MAX_LEVELS)
             .map(|level| size / 16.0 * 0.5_f64.powi(level))
@@ -48,7 +51,7 @@ impl Levels {
         Levels { mesh, errors }
     }
 
-    /// The mesh with as little as `meshopt` leaves for such an error, which it does not quite keep to.
+    /// Simplifies the mesh to the target error `error`, which `meshopt` may exceed.
     fn simplified(&self, welded: &Welded, error: f32) -> Result<Mesh, Box<dyn Error + Send + Sync>> {
         let options = SimplifyOptions::ErrorAbsolute | SimplifyOptions::Sparse;
         let left: Vec<(MaterialId, Vec<u32>)> = welded
@@ -111,10 +114,11 @@ impl DetailSource for Levels {
     }
 }
 
-/// Gives levels to all items of a scene that have at least so many triangles; items that are copies of one mesh share them.
+/// Attaches LODs to all items of a scene with at least `least_triangles` triangles; items that share a mesh share its
+/// LODs.
 ///
 /// # Errors
-/// As [`Details::adopt`].
+/// The same as [`Details::adopt`].
 pub fn details_of(
     scene: &mut Scene,
     least_triangles: u64,
@@ -142,6 +146,7 @@ pub fn details_of(
     Ok(details)
 }
 
+/// Returns the mean edge length of all triangles; 0 for a mesh without faces.
 fn mean_edge(mesh: &Mesh) -> f64 {
     let at = |index: u32| DVec3::from(mesh.positions()[index as usize].map(f64::from));
     let (mut sum, mut count) = (0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Levels of meshes made in code, and of what real scenes hold.
+//! Tests LODs of generated meshes and of real scenes.
 
 use super::*;
 use enfilade::{
@@ -6,7 +6,7 @@ use enfilade::{
 };
 use std::path::Path;
 
-/// Hills of n × n squares, the half to the left of grass, the other of stone.
+/// Hills of n × n squares: the left half with material 0 (grass), the right half with material 1 (stone).
 fn hills(n: u32) -> Arc<Mesh> {
     let at = |i: u32| i as f32 / n as f32;
     let height =
@@ -57,13 +57,13 @@ fn each_level_has_fewer_faces_and_is_no_farther_off_than_it_says() {
     for level in 0..levels.levels() {
         let made = levels.build(level).expect("it can be made");
         faces.push(made.face_count());
-        // Slack for what f32 loses of the level's error.
+        // Tolerance for rounding the level's error to f32.
         let error = f64::from(levels.error(level)) * (1.0 + 1e-6) + 1e-7;
         assert!(
             within(&mesh, &made, error) && within(&made, &mesh, error),
             "level {level}"
         );
-        // Where grass meets stone nothing is taken away, so there is no crack.
+        // No vertex on the border between grass and stone is removed, so no crack opens.
         let seam = |position: [f32; 3]| position[0] == 0.5;
         let [grass, stone] = [0, 1].map(|material| corners_on(&made, seam, material));
         assert_eq!((grass.len(), &grass), (65, &stone), "level {level}");
@@ -78,7 +78,7 @@ fn each_level_has_fewer_faces_and_is_no_farther_off_than_it_says() {
 #[test]
 fn levels_keep_what_corners_carry_and_the_seams_of_textures() {
     let mesh = hills(64);
-    // The texture is unrolled twice: what is left of the middle ends at 1, what is right of it begins at 0.
+    // The texture is unrolled twice: left of the middle its coordinates end at 1, right of it they begin at 0.
     let is_right = |&&corner: &&u32| mesh.positions()[corner as usize][0] > 0.5;
     let half = |right: bool| -> Vec<u32> {
         let faces = (0..mesh.face_count()).map(|face| mesh.face(face));
@@ -138,9 +138,9 @@ fn what_is_measured_is_what_is_there() {
         .flat_map(|face| mesh.face(face).to_vec())
         .collect();
     let shifted = Mesh::triangles(&shifted, &corners, MaterialId(0)).expect("hills");
-    // Steep places are nearer than that; those at the rim are not.
+    // Steep slopes are nearer than that; the rim is not.
     assert!(within(&mesh, &shifted, 0.51) && !within(&mesh, &shifted, 0.3));
-    // A part of it is near all of it, but not the other way round.
+    // A subset of the mesh is within 1e-9 of the whole, but not the other way round.
     let part = Mesh::triangles(mesh.positions(), &corners[..90], MaterialId(0)).expect("a part");
     assert!(within(&part, &mesh, 1e-9) && !within(&mesh, &part, 0.1));
 }

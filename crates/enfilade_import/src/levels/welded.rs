@@ -1,19 +1,20 @@
-//! Meshes whose corners hang together: clusters have positions of their own, and would come apart.
+//! Welds vertices: the clusters of a mesh store separate positions, which simplification would pull apart.
 
 use enfilade::{Attributes, MaterialId, Mesh};
 use std::collections::{BTreeMap, HashMap};
 
-/// A mesh whose corners that are at one place, and carry the same, are one. Those at one place that carry something else
-/// stay apart, as at the seam of a texture: `meshopt` finds by itself that they must move together.
+/// A mesh whose identical vertices are merged. Vertices with the same position but different attributes stay separate,
+/// such as at a texture seam; `meshopt` detects by itself that they must move together.
 #[derive(Default)]
 pub(super) struct Welded {
     pub(super) positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     texture: Vec<[f32; 2]>,
     colors: Vec<[f32; 4]>,
-    /// Triangles of each material.
+    /// Index lists of the triangles, by material.
     pub(super) parts: BTreeMap<MaterialId, Vec<u32>>,
-    /// Is a position one of two materials? Those stay, or there would be cracks between the two.
+    /// For each vertex, whether two materials share its position. Those are locked, otherwise cracks would open between
+    /// the materials.
     pub(super) shared: Vec<bool>,
 }
 
@@ -61,7 +62,7 @@ impl Welded {
     }
 }
 
-/// What tells corners apart.
+/// Returns the key by which vertices are merged: the bits of position and attributes.
 fn carried(mesh: &Mesh, corner: usize) -> [u32; 12] {
     let [x, y, z] = bits(mesh.positions()[corner]);
     let [nx, ny, nz] = mesh.normals().get(corner).map_or([0; 3], |&normal| bits(normal));
@@ -70,12 +71,12 @@ fn carried(mesh: &Mesh, corner: usize) -> [u32; 12] {
     [x, y, z, nx, ny, nz, u, v, r, g, b, a]
 }
 
-/// 0 and −0 are the same.
+/// Returns the bits of numbers, with −0 as 0.
 fn bits<const N: usize>(numbers: [f32; N]) -> [u32; N] {
     numbers.map(|value| (value + 0.0).to_bits())
 }
 
-/// The triangles of a convex face.
+/// Triangulates a convex face as a fan.
 pub(super) fn triangles(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]])
 }

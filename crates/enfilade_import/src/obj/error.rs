@@ -1,106 +1,107 @@
-//! Why an OBJ file is not read.
+//! Errors of reading an OBJ file.
 
 use thiserror::Error;
 
-/// What is wrong in an OBJ file, and in which line. Lines are counted from 1; one that goes on in the next is named by
-/// its first.
+/// The rule that an OBJ file violates. Lines are counted from 1; a continued line is named by its first.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ObjError {
-    /// A byte 0, which no text has.
-    #[error("line {line} has a byte 0 in it, so this is no text; export it again, or name it for what it is")]
+    /// The file contains a NUL byte, so it is not text.
+    #[error(
+        "line {line} has a byte 0 in it, so this is not text; export it again, or give it its proper extension"
+    )]
     NotText {
-        /// Which line.
+        /// The line.
         line: usize,
     },
-    /// A word that should be a number.
-    #[error("line {line}: `{found}` is no number; export the file again")]
+    /// A word is not a number.
+    #[error("line {line}: `{found}` is not a number; export the file again")]
     NotANumber {
-        /// Which line.
+        /// The line.
         line: usize,
         /// The word.
         found: String,
     },
-    /// Too few numbers.
+    /// A statement has too few numbers.
     #[error("line {line}: `{keyword}` needs {wants} numbers, but has {has}; export the file again")]
     FewNumbers {
-        /// Which line.
+        /// The line.
         line: usize,
-        /// What the line begins with.
+        /// The keyword of the statement.
         keyword: &'static str,
-        /// How many there should be.
+        /// Required numbers.
         wants: usize,
-        /// How many there are.
+        /// Available numbers.
         has: usize,
     },
-    /// A face that names no corner.
+    /// A face has no corners.
     #[error("line {line} is a face without corners; export the file again")]
     NoCorners {
-        /// Which line.
+        /// The line.
         line: usize,
     },
-    /// A corner that is not of the form `1`, `1/2`, `1/2/3` or `1//3`.
+    /// A corner does not have the form `1`, `1/2`, `1/2/3` or `1//3`.
     #[error(
-        "line {line}: `{found}` is no corner of a face, which is POSITION, POSITION/TEXTURE, POSITION/TEXTURE/NORMAL or \
-         POSITION//NORMAL, each a whole number; export the file again"
+        "line {line}: `{found}` is not a face corner, which is POSITION, POSITION/TEXTURE, POSITION/TEXTURE/NORMAL or \
+         POSITION//NORMAL, each an integer; export the file again"
     )]
     BadCorner {
-        /// Which line.
+        /// The line.
         line: usize,
         /// The corner.
         found: String,
     },
-    /// A corner that names number 0.
+    /// A corner has index 0.
     #[error(
         "line {line}: `{found}` names {kind} 0, but they are counted from 1, or backwards from -1; export the file again"
     )]
     NumberZero {
-        /// Which line.
+        /// The line.
         line: usize,
         /// The corner.
         found: String,
-        /// What it names.
+        /// Kind of the element.
         kind: &'static str,
     },
-    /// A corner that names more than there is.
+    /// A corner has an index that is too large.
     #[error("line {line}: `{found}` names {kind} {number}, but the file has only {count}; export it again")]
     NoSuch {
-        /// Which line.
+        /// The line.
         line: usize,
         /// The corner.
         found: String,
-        /// What it names.
+        /// Kind of the element.
         kind: &'static str,
-        /// Which of them.
+        /// The index.
         number: i64,
-        /// How many there are.
+        /// Number of elements of that kind.
         count: usize,
     },
-    /// A corner that counts back beyond the first.
+    /// A corner has a relative index that reaches before the first element.
     #[error(
         "line {line}: `{found}` names {kind} {number}, but only {before} come before that line; export the file again"
     )]
     BeforeTheFirst {
-        /// Which line.
+        /// The line.
         line: usize,
         /// The corner.
         found: String,
-        /// What it names.
+        /// Kind of the element.
         kind: &'static str,
-        /// How far back.
+        /// The relative index.
         number: i64,
-        /// How many there are so far.
+        /// Number of elements before that line.
         before: usize,
     },
-    /// A position that a face uses is NaN or infinite.
+    /// A vertex position that a face uses is NaN or infinite.
     #[error(
         "line {line} is a face with a corner at position {position}, which is not finite; repair the mesh and export it \
          again"
     )]
     PositionNotFinite {
-        /// Which line.
+        /// The line.
         line: usize,
-        /// Which position, counted from 1.
+        /// Index of the position, from 1.
         position: usize,
     },
 }

@@ -1,11 +1,11 @@
-//! OBJ and MTL: text to items, in two readings.
+//! Reads OBJ and MTL files, in two passes.
 //!
-//! The first counts, so that memory is set aside before anything is stored; the second reads numbers, piece by piece, side
-//! by side. Then marks between faces are followed in order, materials and images are read, and the meshes of groups are
-//! built side by side. OBJ has no transforms: all items are where their positions are.
-//! Source: Wavefront Technologies. Advanced Visualizer Manual, Appendix B1 (object files) and B2 (material files), 1995,
-//! as far as it is of polygons; and where it is silent, what Blender does.
-//! Cost: O(bytes + corners · log), but for polygons that are hard to cut.
+//! The first pass counts, so that memory is reserved before anything is stored; the second parses numbers, in parallel
+//! chunks. Then the state statements between faces are applied in order, materials and images are read, and the meshes
+//! of the groups are built in parallel. OBJ has no transforms: all items have the identity transform.
+//! Source: Wavefront Technologies. Advanced Visualizer Manual, Appendix B1 (object files) and B2 (material files),
+//! 1995, the parts about polygons; where it leaves a case open, the behaviour of Blender.
+//! Cost: O(bytes + corners · log corners), except for polygons that are hard to triangulate.
 
 mod corner;
 mod error;
@@ -43,7 +43,8 @@ impl From<ObjError> for BrokenRule {
     }
 }
 
-/// Does a text begin as OBJ files do: after comments and names, numbers of a position or the name of a file of materials?
+/// Returns `true` if a text begins like an OBJ file: after comments and names, with a position, texture coordinate or
+/// normal, or with the name of a material file.
 pub(crate) fn begins_like_obj(bytes: &[u8]) -> bool {
     const ENOUGH: usize = 1 << 16;
     let begin = with_line_ends(without_mark(&bytes[..bytes.len().min(ENOUGH)]));
@@ -56,8 +57,8 @@ pub(crate) fn begins_like_obj(bytes: &[u8]) -> bool {
     })
 }
 
-/// Reads the bytes of an OBJ file called `name`; `folder` is where its materials and images lie. `None` where there is not
-/// one line of OBJ in it.
+/// Reads the bytes of an OBJ file called `name`; its material files and images are looked for in `folder`. `None` if no
+/// line is a known OBJ statement.
 pub(crate) fn import(
     bytes: &[u8],
     folder: Option<&Path>,
@@ -65,7 +66,7 @@ pub(crate) fn import(
     options: &ReadOptions,
     mut budget: Budget,
 ) -> Result<Option<Import>, BrokenRule> {
-    // Lines that go on, and line ends of old, are copied.
+    // Text with continued lines or carriage-return line ends is copied.
     if bytes.contains(&b'\\') || has_old_line_ends(bytes) {
         budget.take(bytes.len() as u64, || "the text".to_owned())?;
     }
@@ -87,7 +88,7 @@ fn read(
 ) -> Result<Import, BrokenRule> {
     let mut warnings = Warnings::default();
     budget.take(bytes_of_tables(all), || "the text".to_owned())?;
-    // Places are held in 32 bits, and a polygon has up to three corners of triangles for each of its own.
+    // Indices are 32-bit, and triangulation makes up to three triangle corners per polygon corner.
     if all.corners.max(all.positions) >= u32::MAX as usize / 3 {
         return Err(BrokenRule::TooManyCorners {
             place: "the file".to_owned(),
@@ -116,7 +117,7 @@ fn read(
     budget.take(kept + at_work, || "the triangles".to_owned())?;
     for (crowd, _) in crowds {
         let built: Vec<_> = crowd.par_iter().map(|group| source.build(group)).collect();
-        // In order, so that of several broken groups the first is named, whichever thread was done first.
+        // In order, so that of several broken groups the first is named, whichever thread finishes first.
         for (group, built) in crowd.iter().zip(built) {
             let Built { mesh, rough } = built?;
             for (piece, face) in rough {
@@ -151,18 +152,18 @@ fn read(
     })
 }
 
-/// What is stored of the text, at most: each position may have a color.
+/// Returns the maximum size of the parsed tables; any position may have a color.
 fn bytes_of_tables(all: &Counts) -> u64 {
     let bytes = all.positions * 24 + all.texture * 8 + all.normals * 12;
     (bytes + all.corners * 12 + all.faces * 4 + all.marks * 64) as u64
 }
 
-/// What a triangle takes in a mesh, but for its corners, no two of which may be one.
+/// Bytes per triangle of a mesh, without its vertices, of which no two may be shared.
 const BYTES_KEPT: u64 = 16;
-/// What it takes besides, while its mesh is built.
+/// Additional bytes per triangle while a mesh is built.
 const BYTES_AT_WORK: u64 = 120;
 
-/// What a corner carries, at most.
+/// Returns the maximum size of the attributes of a vertex, in bytes.
 fn bytes_carried(tables: &Tables, any_smooth: bool) -> u64 {
     let bytes = |is_there: bool, bytes| if is_there { bytes } else { 0 };
     bytes(!tables.normals.is_empty(), 12)
@@ -171,11 +172,11 @@ fn bytes_carried(tables: &Tables, any_smooth: bool) -> u64 {
         + bytes(!tables.colors.is_empty(), 16)
 }
 
-/// Triangles of groups that are built at once, if it is not one group that has more. So memory does not grow with the
-/// number of threads, and there is still enough for each.
+/// Maximum number of triangles of groups that are built at the same time, unless a single group has more. So memory use
+/// does not grow with the number of threads.
 const CROWD: u64 = 1_000_000;
 
-/// Runs of groups that are built at once, and how large each is.
+/// Splits the groups into batches that are built in parallel; returns the size of each.
 fn crowds<'g>(groups: &'g [Group], source: &Source) -> Vec<(&'g [Group], Size)> {
     let mut crowds = Vec::new();
     let mut start = 0;

@@ -10,7 +10,7 @@ use super::prt::PortalFile;
 use super::scene::{Image, Kind, Outlines, behind, faces, front, images, placings, plane_side_placing};
 use enfilade_bake::VisiblePairs;
 
-/// Which classes of faces sound.
+/// The texture classes that emit ambient sounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct AmbientSounds {
@@ -53,7 +53,8 @@ pub struct AmbientLeafs {
 /// each; `None` for a Quake 3 map, which has no such levels.
 ///
 /// # Errors
-/// Where the map is of no known kind, damaged, or not the one that the portals and pairs are of.
+/// Returns a [`BspError`] if the format of the map is unknown, if the map is damaged, or if the portals or pairs belong
+/// to another map.
 pub fn with_ambient_sounds(
     map: &[u8],
     portals: &PortalFile,
@@ -102,15 +103,16 @@ pub fn with_ambient_sounds(
     Ok(Some((map.bytes, leafs)))
 }
 
-/// A leaf ends with a level for water, sky, slime and lava. Bits of a class are numbered alike.
+/// Each leaf record ends with one level each for water, sky, slime and lava. The bits of a class use the same order.
 const CHANNELS: usize = 4;
 const WATER: u8 = 1 << 0;
 const SKY: u8 = 1 << 1;
 const LAVA: u8 = 1 << 3;
 
-/// The lump of the numbers of faces that leafs have.
+/// Index of the lump with the face indices of the leafs.
 const LEAF_FACES: usize = 11;
 
+/// Returns the union of the classes of a leaf's faces.
 fn class_of_leaf(map: &Map, tree: &Tree, leaf: usize, classes: &[u8]) -> Result<u8, BspError> {
     let is_short = map.format.is_short;
     let numbers = map.things(LEAF_FACES, if is_short { 2 } else { 4 })?;
@@ -134,6 +136,7 @@ fn class_of_leaf(map: &Map, tree: &Tree, leaf: usize, classes: &[u8]) -> Result<
     })
 }
 
+/// Returns the class of each face: by its texture name, or by the leaf behind it if the map has no names.
 fn classes_of_faces(
     map: &Map,
     tree: &Tree,
@@ -164,7 +167,8 @@ fn classes_of_faces(
     faces(map)?.enumerate().map(class).collect()
 }
 
-/// The class of a texture by its name, in lower case. Other liquids (`*teleport`, `*blood1`, `*04mwat1`) are silent.
+/// Returns the class of a texture by its lower-case name. Other liquids (`*teleport`, `*blood1`, `*04mwat1`) are
+/// silent.
 fn class_of_name(name: &str, sounds: AmbientSounds) -> u8 {
     let begins = |with: &str| name.starts_with(with);
     let water = sounds.water && (begins("*water") || begins("*04water"));

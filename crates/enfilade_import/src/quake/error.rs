@@ -1,70 +1,70 @@
-//! Why a file of portals is not read.
+//! Errors of reading a portal file.
 
 use enfilade_bake::CellsError;
 use thiserror::Error;
 
-/// What is wrong in a `.prt` file, and in which line, counted from 1.
+/// The rule that a `.prt` file violates. Lines are counted from 1.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PrtError {
-    /// Another kind of file.
+    /// The file is not a `.prt`.
     #[error("is not a .prt file: it {begins}, but a .prt begins with PRT1 or PRT2; compile the map again")]
     NotPrt {
-        /// What it begins with: "begins with `…`", or "is empty".
+        /// How the file begins: "begins with `…`", or "is empty".
         begins: String,
     },
-    /// The file ends early.
-    #[error("ends before {wanted}; it is cut short, so compile the map again")]
+    /// The file is truncated.
+    #[error("ends before {wanted}; it is truncated, so compile the map again")]
     Ends {
-        /// What should follow.
+        /// The element that should follow.
         wanted: String,
     },
-    /// A word that should be a number.
+    /// A word is not the expected number or parenthesis.
     #[error("line {line}: {found} is not {wanted}; compile the map again")]
     NotANumber {
-        /// Which line.
+        /// The line.
         line: usize,
-        /// The word in backticks, or what is there instead.
+        /// The word in backticks, or "the end of the line".
         found: String,
-        /// What should be there.
+        /// The element that is expected.
         wanted: &'static str,
     },
-    /// Not as many corners as the line says.
+    /// The corner count of a line does not match its corners.
     #[error("line {line} promises {promised} corners, but has {has}; compile the map again")]
     Corners {
-        /// Which line.
+        /// The line.
         line: usize,
-        /// The number it begins with.
+        /// The count at the start of the line.
         promised: u32,
-        /// How many there are.
+        /// The number of corners in the line.
         has: usize,
     },
-    /// A portal that makes no sense.
+    /// A portal is invalid.
     #[error("line {line}: {why} (both are counted from 0); correct the map there, and compile it again")]
     Portal {
-        /// Which line.
+        /// The line.
         line: usize,
-        /// The rule.
+        /// The violated rule.
         why: CellsError,
     },
-    /// More than the header says.
-    #[error("line {line}: this is more than the {promised} that the header promises; compile the map again")]
+    /// The file has more lines than its header says.
+    #[error("line {line}: the header promises only {promised}; compile the map again")]
     More {
-        /// Which line.
+        /// The first surplus line.
         line: usize,
-        /// What, and how many.
+        /// The counts in the header.
         promised: String,
     },
-    /// A leaf that is not there, or in two clusters, or in none.
+    /// A leaf does not exist, or is in two clusters, or in none.
     #[error("line {line}: leaf {leaf} {why}, and there are {leafs}, counted from 0; compile the map again")]
     Leaf {
-        /// Which line.
+        /// The line.
         line: usize,
-        /// Which leaf.
+        /// The leaf.
         leaf: u32,
-        /// What is wrong with it.
+        /// The violated rule.
         why: &'static str,
-        /// How many there are.
+        /// Number of leafs.
         leafs: u32,
     },
 }

@@ -1,4 +1,4 @@
-//! Maps of Quake and Quake 3: what compilers leave beside them, and what engines read.
+//! Compiled maps and portal files of Quake and Quake 3.
 
 mod ambient;
 mod bsp;
@@ -31,13 +31,13 @@ impl From<BspError> for BrokenRule {
     }
 }
 
-/// Reads a `.prt` file: the portals of a map, as its compiler leaves them for the one that computes what is visible.
+/// Reads a `.prt` file: the portals of a map, which a map compiler writes for its `vis` stage.
 ///
 /// # Errors
-/// An [`ImportError`] that names the file, the line and the rule; the same one every time.
+/// Returns an [`ImportError`] that names the file, the line and the rule, deterministically.
 pub fn read_portals(path: &Path, options: &ReadOptions) -> Result<PortalFile, ImportError> {
     read_file(path, options, |bytes, _, mut budget| {
-        // Corners take three times as much as the shortest text of them, `(0 0 0)`, and each portal a list of them.
+        // A corner takes three times the size of its shortest text, `(0 0 0)`, and each portal one list of corners.
         budget.take(bytes.len() as u64 * 8, || "its portals".to_owned())?;
         Ok(PortalFile::parse(bytes)?)
     })

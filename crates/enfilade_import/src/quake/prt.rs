@@ -1,29 +1,30 @@
-//! Files of portals: PRT1, PRT2, and the flavour of PRT1 that compilers for Quake 3 write.
+//! Reads portal files: PRT1, PRT2, and the variant of PRT1 that Quake 3 compilers write.
 //!
-//! Text: a word that says which, a number a line for leafs (PRT2), clusters, portals and solid faces (Quake 3), then a
-//! portal a line: corners, two clusters, a mark for hints (Quake 3), and `(x y z)` as often as promised. The corners turn
-//! counter-clockwise seen from the second cluster. PRT2 ends with a line for each cluster: its leafs, then −1.
-//! Source: the files themselves; id Software's tools defined PRT1, and others the rest.
+//! The format is text: a magic word; one number per line for leafs (PRT2), clusters, portals and solid faces (Quake 3);
+//! then one portal per line with its corner count, two clusters, a hint flag (Quake 3) and the corners `(x y z)`. The
+//! corners are counter-clockwise when seen from the second cluster. PRT2 ends with one line per cluster: its leafs,
+//! then −1.
+//! Source: the files themselves; id Software's tools defined PRT1, later tools the rest.
 //! Cost: O(bytes).
-//! Hostile: nothing is set aside before the text that fills it has been read.
+//! Hostile input: nothing is allocated before the text that fills it has been read.
 
 use super::PrtError;
 use crate::gltf;
 use enfilade_bake::{Cells, Portal};
 
-/// Which of the formats a file has.
+/// Format of a portal file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PrtKind {
-    /// Quake and others; clusters are leafs.
+    /// Quake and other engines; each leaf is a cluster.
     Prt1,
-    /// Quake with clusters of leafs.
+    /// Quake, with leafs grouped into clusters.
     Prt2,
-    /// PRT1 as compilers for Quake 3 write it.
+    /// The PRT1 variant of Quake 3 compilers.
     Quake3,
 }
 
 impl PrtKind {
-    /// `PRT1`, `PRT2` or `PRT1 of Quake 3`.
+    /// Returns `PRT1`, `PRT2` or `PRT1 of Quake 3`.
     pub fn name(self) -> &'static str {
         match self {
             PrtKind::Prt1 => "PRT1",
@@ -36,20 +37,20 @@ impl PrtKind {
 /// The portals of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PortalFile {
-    /// Which of the formats it has.
+    /// Format of the file.
     pub kind: PrtKind,
-    /// The clusters, and the portals between them, in the order of the file.
+    /// The clusters and the portals between them, in file order.
     pub cells: Cells,
-    /// Of PRT2, for each leaf of the map that is not solid the cluster it belongs to; leafs are counted from 0, which is
-    /// the map's leaf 1. `None` where clusters are leafs, or where the map itself says which are.
+    /// PRT2 only: the cluster of each non-solid leaf. Index 0 is leaf 1 of the map, because leaf 0 is solid. `None` for
+    /// PRT1, where each leaf is a cluster, and for Quake 3, where the map stores the clusters.
     pub cluster_of_leaf: Option<Vec<u32>>,
 }
 
 impl PortalFile {
-    /// Reads the text of a file.
+    /// Parses the text of a portal file.
     ///
     /// # Errors
-    /// The first broken rule.
+    /// Returns a [`PrtError`] for the first violated rule.
     pub fn parse(text: &[u8]) -> Result<PortalFile, PrtError> {
         let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
         let mut lines = Lines {
@@ -73,7 +74,7 @@ impl PortalFile {
         };
         let clusters = lines.number("the number of clusters")?;
         let portals = lines.number("the number of portals")?;
-        // Portals begin with more than one word, so a third number that stands alone is that of solid faces.
+        // Portal lines have more than one word, so a third line with a single number is the count of solid faces.
         let alone = lines
             .clone()
             .next()
@@ -119,7 +120,7 @@ impl PortalFile {
     }
 }
 
-/// The portals, and the lines they stand in.
+/// Returns the portals and their line numbers.
 fn read_portals(
     lines: &mut Lines,
     count: u32,
@@ -139,7 +140,7 @@ fn read_portals(
     Ok((portals, numbers))
 }
 
-/// Of a line with `after` whole numbers after that of its corners: those, and the corners.
+/// Parses a line of a corner count, `after` more integers, and the corners; returns those integers and the corners.
 fn corners(line: &Line, after: usize) -> Result<(Vec<u32>, Vec<[f64; 3]>), PrtError> {
     let mut words = words(line.text);
     let promised = line.number_in(words.next(), "the number of corners")?;
@@ -164,7 +165,7 @@ fn corners(line: &Line, after: usize) -> Result<(Vec<u32>, Vec<[f64; 3]>), PrtEr
     Ok((head, corners))
 }
 
-/// For each leaf the cluster that names it.
+/// Returns the cluster of each leaf.
 fn read_clusters(lines: &mut Lines, clusters: u32, leafs: u32) -> Result<Vec<u32>, PrtError> {
     let mut named = Vec::new();
     for cluster in 0..clusters {
@@ -182,7 +183,7 @@ fn read_clusters(lines: &mut Lines, clusters: u32, leafs: u32) -> Result<Vec<u32
     named.sort_unstable();
     for (wanted, &(leaf, _, line)) in (0u32..).zip(&named) {
         let why = if leaf >= leafs {
-            "is not there"
+            "does not exist"
         } else if leaf < wanted {
             "is in two clusters"
         } else if leaf > wanted {
@@ -199,7 +200,7 @@ fn read_clusters(lines: &mut Lines, clusters: u32, leafs: u32) -> Result<Vec<u32
     }
     if named.len() < leafs as usize {
         return Err(PrtError::Ends {
-            wanted: format!("leaf {} of {leafs} is in a cluster", named.len()),
+            wanted: format!("the cluster of leaf {} of {leafs}", named.len()),
         });
     }
     Ok(named.into_iter().map(|(_, cluster, _)| cluster).collect())
@@ -207,12 +208,13 @@ fn read_clusters(lines: &mut Lines, clusters: u32, leafs: u32) -> Result<Vec<u32
 
 #[derive(Clone, Copy, Debug)]
 struct Line<'a> {
-    /// Counted from 1.
+    /// Line number, from 1.
     number: usize,
     text: &'a [u8],
 }
 
 impl Line<'_> {
+    /// Parses a word of this line as a number.
     fn number_in<T: std::str::FromStr>(
         &self,
         word: Option<&[u8]>,
@@ -239,11 +241,11 @@ impl Line<'_> {
     }
 }
 
-/// The lines that are not empty.
+/// Iterates over the non-empty lines.
 #[derive(Clone, Debug)]
 struct Lines<'a> {
     rest: &'a [u8],
-    /// Of the last line, from 1.
+    /// Number of the last line, from 1.
     number: usize,
 }
 
@@ -252,7 +254,7 @@ impl<'a> Lines<'a> {
         self.next().ok_or_else(|| PrtError::Ends { wanted: wanted() })
     }
 
-    /// A line with one number in it.
+    /// Parses the next line as a single number.
     fn number(&mut self, wanted: &'static str) -> Result<u32, PrtError> {
         let line = self.wanted(|| wanted.to_owned())?;
         line.number_in(Some(line.text), wanted)
@@ -280,7 +282,7 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// What spaces part, and each parenthesis by itself.
+/// Splits at white space; each parenthesis is a separate word.
 fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let mut rest = text;
     std::iter::from_fn(move || {
@@ -299,7 +301,7 @@ fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     })
 }
 
-/// The first few bytes of a word, to be shown.
+/// Quotes the first few bytes of a word for a message.
 fn shown(word: &[u8]) -> String {
     const ENOUGH: usize = 16;
     let beginning = String::from_utf8_lossy(&word[..word.len().min(ENOUGH)]);

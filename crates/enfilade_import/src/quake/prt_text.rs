@@ -1,14 +1,14 @@
-//! The text of a file of portals, as compilers write it.
+//! Writes the text of a portal file, in the layout of the map compilers.
 
 use super::{PortalFile, PrtKind};
 use std::fmt::Write;
 
 impl PortalFile {
-    /// The text of a file of its kind, which [`PortalFile::parse`] reads as the same portals, to the last digit. No portal
-    /// of Quake 3 is marked as a hint, and no solid face is in it.
+    /// Returns the text of a file of this kind. [`PortalFile::parse`] reads the same portals back, bit-exact. A Quake 3
+    /// file has no hint flags and no solid faces.
     pub fn to_text(&self) -> String {
         let mut text = String::new();
-        // Writing to a String cannot fail.
+        // Writing to a `String` cannot fail.
         let _ = self.write(&mut text);
         text
     }

@@ -1,7 +1,7 @@
-//! What encloses a room: its plan, its walls with holes, its ceiling, closed without a crack.
+//! Room envelopes: plan, walls with holes, floor and ceiling, closed without cracks.
 //!
-//! Surfaces that meet are made of the same corners, bit for bit: a wall's upper edge is the vault's lower one, a
-//! floor has a corner wherever a doorway begins. So no ray gets out but through an opening.
+//! Adjacent surfaces share their corners bit for bit: a wall's upper edge is the vault's lower one, and a floor has a
+//! corner at each end of a doorway. So rays leave a room through openings only.
 
 mod roof;
 
@@ -15,42 +15,42 @@ use std::f64::consts::PI;
 /// Outline of a room seen from above.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Plan {
-    /// A rectangle: least and greatest x, least and greatest z.
+    /// A rectangle: minimum and maximum x, minimum and maximum z.
     Rectangle([f32; 2], [f32; 2]),
-    /// A regular polygon: its center, the distance of its walls from it, and their number, a multiple of 4.
+    /// A regular polygon: center, distance of the walls from it, and number of walls, a multiple of 4.
     Round([f32; 2], f32, usize),
-    /// A rectangle and, beyond the named end, half a circle over its whole width.
+    /// A rectangle extended beyond the named end by a half circle over its whole width.
     Apse([f32; 2], [f32; 2], Side),
 }
 
-/// A direction on the plan, and the wall that one sees looking there.
+/// A direction on the plan, and the wall in that direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
-    /// To −x.
+    /// Towards −x.
     West,
-    /// To −z.
+    /// Towards −z.
     North,
-    /// To +x.
+    /// Towards +x.
     East,
-    /// To +z.
+    /// Towards +z.
     South,
 }
 
-/// What closes a room above its walls.
+/// The ceiling of a room.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Ceiling {
     Flat,
-    /// Flat in the middle, curved down to the walls: how far it reaches inwards, how far up.
+    /// Flat in the middle, curved down to the walls: horizontal and vertical extent of the curve.
     Cove(f32, f32),
-    /// A vault whose crown, so far above the walls, runs from west to east or from north to south.
+    /// A vault: direction of its crown, and the crown's height above the walls.
     Vault(Axis, f32),
-    /// A dome over a round room: its height above the walls, and the radius of the lantern in its middle.
+    /// A dome over a round room: height above the walls, and radius of the lantern in its middle.
     Dome(f32, f32),
-    /// None.
+    /// Open to the sky.
     Sky,
 }
 
-/// The direction in which a vault runs.
+/// Direction of a vault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Axis {
     WestEast,
@@ -60,20 +60,20 @@ pub(crate) enum Axis {
 /// A hole in a wall: a doorway, a window, a niche.
 #[derive(Clone, Debug)]
 pub(crate) struct Hole {
-    /// The wall, by its place on the plan.
+    /// Index of the wall on the plan.
     pub(crate) wall: usize,
-    /// Outline at the far end, counter-clockwise seen from the room; convex.
+    /// Outline at the far end, counter-clockwise as seen from the room; convex.
     pub(crate) far: Vec<Vec3>,
-    /// What the far end is closed with; `None` where an opening closes it.
+    /// Material that closes the far end; `None` where an opening closes it.
     pub(crate) back: Option<MaterialId>,
-    /// What the sides of the hole are made of.
+    /// Material of the hole's sides.
     pub(crate) reveal: MaterialId,
 }
 
-/// Sides of a vault's arc; even, so that a corner stands at the crown.
+/// Segments of a vault's arc; even, so that the crown is a corner.
 pub(crate) const ARC: usize = 24;
 
-/// The closed inner surface of a room, piece by piece.
+/// The closed inner surface of a room, in pieces.
 pub(crate) struct Envelope {
     pub(crate) floor: Shape,
     /// One for each wall, with the sides of its holes.
@@ -81,7 +81,7 @@ pub(crate) struct Envelope {
     pub(crate) ceiling: Shape,
 }
 
-/// Materials of the three.
+/// Materials of floor, walls and ceiling.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Finish {
     pub(crate) floor: MaterialId,
@@ -96,7 +96,7 @@ impl Side {
         Side::ALL[(self as usize + 2) % 4]
     }
 
-    /// Unit vector on the plan, as (x, z).
+    /// Returns the unit vector on the plan, as (x, z).
     pub(crate) fn direction(self) -> Vec2 {
         match self {
             Side::West => vec2(-1.0, 0.0),
@@ -108,7 +108,8 @@ impl Side {
 }
 
 impl Plan {
-    /// Corners in clockwise order from above, as (x, z): so walls read from left to right for who stands inside.
+    /// Returns the corners in clockwise order as seen from above, as (x, z): walls run from left to right as seen from
+    /// inside.
     pub(crate) fn corners(self) -> Vec<Vec2> {
         match self {
             Plan::Rectangle(x, z) => rectangle(x, z).to_vec(),
@@ -116,7 +117,7 @@ impl Plan {
                 let step = 2.0 * PI / sides as f64;
                 let radius = f64::from(reach) / (0.5 * step).cos();
                 let snapped = |value: f64| {
-                    // The walls that doors stand in must lie on their planes exactly.
+                    // Walls with doors must be exactly on their planes.
                     let value = value as f32;
                     if (value.abs() - reach).abs() < 1e-4 {
                         reach.copysign(value)
@@ -142,7 +143,7 @@ impl Plan {
         }
     }
 
-    /// The wall that stands on a side.
+    /// Returns the index of the wall on a side.
     pub(crate) fn wall(self, side: Side) -> usize {
         let bay = side as usize;
         match self {
@@ -153,7 +154,7 @@ impl Plan {
         }
     }
 
-    /// The middle of the floor, as (x, z); of an apse, the middle of its circle.
+    /// Returns the middle of the floor, as (x, z); of an apse, the middle of its circle.
     pub(crate) fn center(self) -> Vec2 {
         match self {
             Plan::Rectangle(x, z) => 0.5 * vec2(x[0] + x[1], z[0] + z[1]),
@@ -175,7 +176,7 @@ fn rectangle(x: [f32; 2], z: [f32; 2]) -> [Vec2; 4] {
     ]
 }
 
-/// The corners between `left` and `right` of half a circle that bulges `outwards`.
+/// Returns the corners between `left` and `right` of a half circle that bulges `outwards`.
 fn half_circle(left: Vec2, right: Vec2, outwards: Vec2) -> Vec<Vec2> {
     let middle = 0.5 * (left + right);
     let reach = 0.5 * left.distance(right);
@@ -187,7 +188,7 @@ fn half_circle(left: Vec2, right: Vec2, outwards: Vec2) -> Vec<Vec2> {
         .collect()
 }
 
-/// The closed surface of a room.
+/// Builds the closed surface of a room.
 pub(crate) fn envelope(
     plan: Plan,
     height: f32,
@@ -204,10 +205,10 @@ pub(crate) fn envelope(
     for wall in 0..count {
         let [left, right] = [corners[wall], corners[(wall + 1) % count]];
         let mut shape = Shape::new();
-        let mut holes: Vec<Bored> = holes
+        let mut holes: Vec<HoleSides> = holes
             .iter()
             .filter(|hole| hole.wall == wall)
-            .map(|hole| Bored::new(hole, left, right))
+            .map(|hole| HoleSides::new(hole, left, right))
             .collect();
         holes.sort_by(|a, b| {
             a.near[0]
@@ -248,16 +249,16 @@ pub(crate) fn envelope(
     }
 }
 
-/// A hole as it goes through its wall; both outlines begin with the lower edge.
-struct Bored {
+/// A hole through its wall; both outlines begin with the lower edge.
+struct HoleSides {
     near: Vec<Vec3>,
     far: Vec<Vec3>,
     back: Option<MaterialId>,
     reveal: MaterialId,
 }
 
-impl Bored {
-    fn new(hole: &Hole, left: Vec2, right: Vec2) -> Bored {
+impl HoleSides {
+    fn new(hole: &Hole, left: Vec2, right: Vec2) -> HoleSides {
         let lowest = hole
             .far
             .iter()
@@ -265,7 +266,7 @@ impl Bored {
         let count = hole.far.len();
         let first = (0..count)
             .find(|&i| hole.far[i].y == lowest && hole.far[(i + 1) % count].y == lowest)
-            .expect("a hole has a level lower edge");
+            .expect("a hole with a horizontal lower edge");
         let far: Vec<Vec3> = (0..count).map(|i| hole.far[(first + i) % count]).collect();
         let along = (right - left).normalize();
         let into_room = vec2(-along.y, along.x);
@@ -279,7 +280,7 @@ impl Bored {
                 vec3(at.x, corner.y, at.y)
             }
         };
-        Bored {
+        HoleSides {
             near: far.iter().map(onto_wall).collect(),
             far,
             back: hole.back,
@@ -287,7 +288,8 @@ impl Bored {
         }
     }
 
-    /// The sides from the wall to the far end, and what closes it there. The sill is part of the floor if given.
+    /// Adds the sides from the wall to the far end, and the surface that closes it. The sill is added to the floor if
+    /// given.
     fn line(&self, wall: &mut Shape, floor: Option<&mut Shape>) {
         let count = self.near.len();
         let side = |i: usize| {
@@ -307,7 +309,7 @@ impl Bored {
     }
 }
 
-/// The plan with all walls moved inwards.
+/// Returns the plan with all walls moved inwards.
 pub(crate) fn inwards(corners: &[Vec2], inset: f32) -> Vec<Vec2> {
     let count = corners.len();
     let into_room = |i: usize| {
@@ -322,7 +324,7 @@ pub(crate) fn inwards(corners: &[Vec2], inset: f32) -> Vec<Vec2> {
         .collect()
 }
 
-/// The plan coordinates of a corner.
+/// Conversion of a corner to plan coordinates.
 trait OnPlan {
     fn xz(&self) -> Vec2;
 }

@@ -1,4 +1,4 @@
-//! What closes a room above its walls: flat or coved ceilings, vaults, domes.
+//! Ceilings: flat or coved ceilings, vaults, domes.
 
 use super::{ARC, Axis, Ceiling, Plan, Side, inwards, rectangle};
 use crate::shape::Shape;
@@ -6,7 +6,7 @@ use enfilade::MaterialId;
 use glam::{Vec2, Vec3, vec3};
 use std::f64::consts::PI;
 
-/// For each wall the corners of its upper edge between its ends, from right to left; and the ceiling.
+/// Returns for each wall the corners of its upper edge between its ends, from right to left; and the ceiling.
 pub(super) fn roof(
     plan: Plan,
     height: f32,
@@ -44,7 +44,7 @@ pub(super) fn roof(
         Ceiling::Dome(rise, lantern) => {
             const STEPS: usize = 10;
             let Plan::Round(center, reach, _) = plan else {
-                panic!("only round rooms have domes")
+                panic!("a dome needs a round room")
             };
             let center = Vec2::from(center);
             let ring = |scale: f32, up: f32| -> Vec<Vec3> {
@@ -73,7 +73,7 @@ pub(super) fn roof(
     (tops, shape)
 }
 
-/// Bands between rings that run clockwise from above, seen from inside.
+/// Adds bands between rings that are clockwise as seen from above, facing inwards.
 fn rings_inside(shape: &mut Shape, material: MaterialId, rings: &[Vec<Vec3>]) {
     for pair in rings.windows(2) {
         let count = pair[0].len();
@@ -84,13 +84,13 @@ fn rings_inside(shape: &mut Shape, material: MaterialId, rings: &[Vec<Vec3>]) {
     }
 }
 
-/// Corners of a vault's arc from `left` to `right`, both included, as seen by who looks along the vault.
+/// Returns the corners of a vault's arc from `left` to `right`, both included, as seen along the vault.
 pub(crate) fn arc(left: Vec2, right: Vec2, height: f32, rise: f32) -> Vec<Vec3> {
     let middle = 0.5 * (left + right);
     (0..=ARC)
         .map(|i| {
             let (sin, cos) = (PI * i as f64 / ARC as f64).sin_cos();
-            // The ends are the walls' corners, to the last bit.
+            // The ends equal the walls' corners bit for bit.
             match i {
                 0 => vec3(left.x, height, left.y),
                 ARC => vec3(right.x, height, right.y),
@@ -115,10 +115,10 @@ fn vault(
     let (x, z, apse) = match plan {
         Plan::Rectangle(x, z) => (x, z, None),
         Plan::Apse(x, z, side) => (x, z, Some(side)),
-        Plan::Round(..) => panic!("a round room has a dome"),
+        Plan::Round(..) => panic!("a vault needs a rectangular room or an apse"),
     };
     let corners = rectangle(x, z);
-    // The two ends of the vault, each with its arc seen from inside.
+    // The two ends of the vault, each with its arc as seen from inside.
     let ends = match axis {
         Axis::NorthSouth => [Side::North, Side::South],
         Axis::WestEast => [Side::East, Side::West],
@@ -128,7 +128,7 @@ fn vault(
         arc(left, right, height, rise)
     });
     for i in 0..ARC {
-        // Seen from inside at the far end, the near arc runs the other way.
+        // As seen from inside at the far end, the near arc runs the other way.
         shape.face(material, &[far[i], far[i + 1], near[ARC - i - 1], near[ARC - i]]);
     }
     for (side, arc) in ends.into_iter().zip([&far, &near]) {
@@ -140,14 +140,14 @@ fn vault(
     }
 }
 
-/// Half a dome over an apse, whose edge is the arc of the vault before it.
+/// Adds a half dome over an apse, bounded by the arc of the vault before it.
 fn half_dome(plan: Plan, arc: &[Vec3], height: f32, rise: f32, material: MaterialId, shape: &mut Shape) {
     const HALF: usize = ARC / 2;
     let Plan::Apse(_, _, side) = plan else { return };
     let corners = plan.corners();
     let first = side as usize;
     let center = plan.center();
-    // From the left end of the arc round the apse to the right end.
+    // From the left end of the arc around the apse to the right end.
     let point = |around: usize, up: usize| -> Vec3 {
         let foot = corners[(first + around) % corners.len()];
         match (around, up) {

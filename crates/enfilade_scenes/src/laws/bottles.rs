@@ -1,4 +1,4 @@
-//! Glass upon glass: what is painted over what must be right at every sample.
+//! Stacked glass layers: everything behind and between them must be right at every sample.
 
 use super::stage::{
     BLUE, BLUE_GLASS, BROWN, Doorway, GREEN, LEAF, RED, RED_GLASS, Stage, YELLOW, finished, sheet,
@@ -23,11 +23,11 @@ const DOOR: Doorway = Doorway {
     ..MIRROR
 };
 
-/// A room with a mirror, and a door to another.
+/// A room with a mirror, and a door to another room.
 ///
-/// Two panes cross each other like a turnstile's; a third goes right through a statue; three bottles stand in one another
-/// with a yellow ball in the innermost, and all of it is seen once more in the mirror. A pane leans in the doorway, so
-/// that half of it is in either room; what stands there has leaves before and behind it.
+/// Two panes intersect like a turnstile's; a third passes through a statue; three nested bottles contain a yellow ball;
+/// the mirror shows all of it again. A pane leans in the doorway, half of it in either room, with leaves before and
+/// behind it.
 pub(crate) fn bottles() -> BuiltIn {
     let [mut room, mut back] = [Stage::new(), Stage::new()];
     let openings = room.room([-3.0, 3.0], [-3.0, 3.0], 3.0, &[MIRROR, DOOR]);
@@ -106,7 +106,7 @@ pub(crate) fn bottles() -> BuiltIn {
     )
 }
 
-/// As tall as a person's arm is long, if its size is 1: open above, and closed below.
+/// A bottle 1.35 × `size` metres high, 5 cm above the floor, open above and closed below.
 fn bottle(glass: MaterialId, size: f32) -> Shape {
     let profile = [
         [0.0, 0.0],

@@ -1,4 +1,4 @@
-//! Rooms that no builder could join.
+//! Impossible spaces: rooms that could not be built.
 
 use super::openings::shell;
 use super::stage::{
@@ -10,12 +10,12 @@ use crate::{BuiltIn, Camera};
 use enfilade::{MaterialId, Method, OpeningId, SceneBuilder, SectorId, Transform};
 use glam::{Vec3, vec3};
 
-/// A yard with things in it that cannot be.
+/// A yard with impossible rooms.
 ///
-/// A hut of two metres holds a hall of ten. Three windows in a row show one chamber from three sides at once. A door of
-/// the hall leads into a corridor whose two ends are one: who looks along it sees its ball again and again. The hall's
-/// other door leads to a pillar in the corner of a room; each door beside that pillar leads by a right angle into the
-/// next such room, and after four of them one stands in a fifth room, not in the first.
+/// A hut of two metres contains a hall of ten. Three windows in a row show one chamber from three sides. A door of the
+/// hall leads into a corridor whose two ends are joined: its ball is visible again and again along it. The hall's other
+/// door leads to a pillar in the corner of a room; each door beside that pillar leads by a right angle into the next
+/// such room, and after four of them comes a fifth room, not the first.
 pub(crate) fn impossible() -> BuiltIn {
     let mut scene = SceneBuilder::new();
     let (yard, hut, windows) = yard(&mut scene);
@@ -81,7 +81,7 @@ fn add(
     (scene.add(name, stage.build(), Method::HierarchicalZ), openings)
 }
 
-/// A hole in the wall that lies in a plane, from the floor to a height.
+/// Returns a hole in the wall in a plane, from the floor to a height.
 fn hole(name: &'static str, side: Side, plane: f32, along: [f32; 2], height: f32) -> Doorway {
     Doorway {
         name,
@@ -100,7 +100,7 @@ fn window_at(number: usize) -> Doorway {
     }
 }
 
-/// The yard, its hut's opening, and its windows.
+/// Builds the yard; returns its sector, the hut's opening, and the windows.
 fn yard(scene: &mut SceneBuilder) -> (SectorId, OpeningId, Vec<OpeningId>) {
     let mut yard = Stage::new();
     let windows = yard.room([-6.0, 6.0], [-6.0, 6.0], 4.0, &[0, 1, 2].map(window_at));
@@ -118,7 +118,7 @@ fn yard(scene: &mut SceneBuilder) -> (SectorId, OpeningId, Vec<OpeningId>) {
     (yard, hut, windows)
 }
 
-/// The inside of the hut.
+/// Builds the inside of the hut.
 fn hall() -> (Stage, Vec<OpeningId>) {
     let entrance = Doorway {
         up: [0.1, 1.9],
@@ -140,7 +140,7 @@ fn hall() -> (Stage, Vec<OpeningId>) {
     (hall, openings)
 }
 
-/// Four different walls, so that one sees which way one looks.
+/// A chamber with four different walls, which show the view direction.
 fn chamber() -> Stage {
     let mut chamber = Stage::new();
     chamber.room([87.0, 93.0], [-3.0, 3.0], 3.0, &[]);
@@ -157,7 +157,7 @@ fn chamber() -> Stage {
     chamber
 }
 
-/// Its northern end leads to its southern one.
+/// A corridor whose northern end leads to its southern one.
 fn corridor() -> (Stage, Vec<OpeningId>) {
     let doors = [
         hole("north", Side::North, -2.1, [59.1, 60.9], 2.4),
@@ -172,7 +172,7 @@ fn corridor() -> (Stage, Vec<OpeningId>) {
     (corridor, openings)
 }
 
-/// Five rooms, joined in a ring about an axis, each by a right angle.
+/// Five rooms in a ring about an axis, each joined to the next by a right angle.
 fn around_the_pillar(scene: &mut SceneBuilder, hall: (SectorId, OpeningId)) {
     const ROOMS: usize = 5;
     let corner = |room: usize| 120.0 + 20.0 * room as f32;

@@ -1,4 +1,5 @@
-//! Small worlds that the laws hold every method against. Each tells a story that a picture of it can be checked by.
+//! Small scenes on which the conformance suite tests every method. Each has known visible items, by which its pictures
+//! can be checked.
 
 mod bottles;
 mod house;

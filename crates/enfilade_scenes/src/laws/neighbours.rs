@@ -1,15 +1,15 @@
-//! Faces that share an edge, and a third: what is known of one of them need not hold for the other.
+//! Two faces that share an edge, and a third: a result for one of the two need not hold for the other.
 
 use super::stage::{BLUE_SHEET, GREEN_SHEET, RED_SHEET, Stage, YELLOW_SHEET, alone, sheet};
 use crate::shape::Shape;
 use crate::{BuiltIn, Camera};
 use glam::vec3;
 
-/// Two wings that share a short edge, and a beam above it: one wing passes behind the beam, the other before.
+/// Two wings that share a short edge, and a beam above it: one wing passes behind the beam, the other before it.
 ///
-/// The beam does not meet the edge, so from how it lies to one wing nothing follows for the other; it leans, so that its
-/// plane has all of the first wing behind it. Source: the
-/// counter-example to statement 3 of Boreskov, Hierarchical s-buffer for scenes of high complexity.
+/// The beam does not meet the edge, so its position relative to one wing implies nothing for the other. It leans, so
+/// that all of the first wing is behind its plane. Source: the counter-example to statement 3 of Boreskov, Hierarchical
+/// s-buffer for scenes of high complexity.
 pub(crate) fn wings() -> BuiltIn {
     let mut stage = Stage::new();
     let at = |x: f32, y: f32| vec3(x, y, 1.5 - 0.25 * y);
@@ -31,7 +31,7 @@ pub(crate) fn wings() -> BuiltIn {
     )
 }
 
-/// A floor of strips, and a board that goes through it just along a seam; beside it a fin that stands on a seam.
+/// A floor of strips, and a board that passes through it along a seam; beside it a fin on another seam.
 ///
 /// The board touches both strips of its seam, is behind one of them and before the other.
 pub(crate) fn seams() -> BuiltIn {

@@ -1,4 +1,4 @@
-//! Openings that lead elsewhere than through a wall: mirrors, nested scenes, a doorway that stands free.
+//! Openings that are not doors in a wall: mirrors, nested scenes, a free-standing doorway.
 
 use super::stage::{
     BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, both_ways, finished, lamp, sheet,
@@ -19,9 +19,9 @@ const GLASS: Doorway = Doorway {
 
 /// A room with a mirror on its northern wall.
 ///
-/// A red ball stands before it, and a box behind its glass, outside the room: that one must not be seen in it. A
-/// poster turns its front to the mirror and its back, which is nothing, to the eye: it is seen in the mirror only. A
-/// bar goes through the glass; its front end is seen twice, its back end never.
+/// A red ball is before the mirror, and a box behind its glass, outside the room, which must not be visible in it. A
+/// one-sided poster faces the mirror and turns its back to the eye: it is visible in the mirror only. A bar passes
+/// through the glass: its front end is visible twice, its back end never.
 pub(crate) fn mirror() -> BuiltIn {
     let mut stage = Stage::new();
     let opening = stage.room([-3.0, 3.0], [-3.0, 3.0], 3.0, &[GLASS])[0];
@@ -61,8 +61,8 @@ pub(crate) fn mirror() -> BuiltIn {
     )
 }
 
-/// Two mirrors face to face, with a torus knot and a stick between them: each sees itself in the other, and so on
-/// until less than a pixel is left.
+/// Two parallel mirrors with a torus knot and a stick between them. Each reflects the other, until less than a pixel
+/// remains.
 pub(crate) fn mirrors() -> BuiltIn {
     let mut stage = Stage::new();
     let other = Doorway {
@@ -94,12 +94,12 @@ pub(crate) fn mirrors() -> BuiltIn {
     )
 }
 
-/// A cabinet in a room: a scene of its own, twice as large as it looks and turned by a right angle; in it stands a
-/// casket, which is a scene again.
+/// A cabinet in a room: a nested scene, twice as large as it looks and rotated by a right angle; it contains a casket,
+/// which is a nested scene again.
 ///
-/// Its shell is an item of the room with a hole in its front. From the side the shell hides what is in it; from
-/// straight ahead the ball in the casket is seen through both fronts. A hatch in the cabinet's wall leads out of it
-/// elsewhere: it is a window in the room's eastern wall, from where the cabinet is seen from outside again.
+/// Its shell is an item of the room with a hole in its front. From the side the shell hides its contents; from straight
+/// ahead the ball in the casket is visible through both fronts. A hatch in the cabinet's wall leads to a window in the
+/// room's eastern wall, from where the outside of the cabinet is visible again.
 pub(crate) fn nested() -> BuiltIn {
     let [left, right, low, high, front] = [-0.5, 0.5, 0.6, 1.6, -1.98];
     let outline: Vec<Vec3> = [(left, low), (right, low), (right, high), (left, high)]
@@ -147,7 +147,7 @@ pub(crate) fn nested() -> BuiltIn {
     )
 }
 
-/// The cabinet's hatch, as it is seen from the room: half as large as in the cabinet.
+/// The cabinet's hatch on the room's side: half as large as in the cabinet.
 const WINDOW: Doorway = Doorway {
     name: "window",
     side: Side::East,
@@ -156,7 +156,7 @@ const WINDOW: Doorway = Doorway {
     up: [1.0, 1.8],
 };
 
-/// The cabinet's own scene. Its front is the plane x = 100, its width runs along z.
+/// The nested scene of the cabinet. Its front is the plane x = 100, its width runs along z.
 fn inside_the_cabinet() -> Scene {
     let front = Doorway {
         name: "front",
@@ -213,7 +213,7 @@ fn inside_the_casket() -> Scene {
     scene.build().expect("the casket is sound")
 }
 
-/// A box, seen from outside, with a hole of the opening's outline in its southern side.
+/// Creates a box facing outwards, with a hole of the opening's outline in its southern side.
 pub(super) fn shell(
     material: enfilade::MaterialId,
     opening: &[Vec3],
@@ -246,16 +246,16 @@ pub(super) fn shell(
     shape
 }
 
-/// The casket's shell: it looks to −x.
+/// The casket's shell, facing −x.
 fn casket(opening: &[Vec3]) -> Shape {
     let turned: Vec<Vec3> = opening.iter().map(|at| vec3(at.z, at.y, -at.x)).collect();
     shell(BROWN, &turned, [-0.5, 0.5], [0.4, 1.4], [-102.9, -102.0]).bent(|at| vec3(-at.z, at.y, at.x))
 }
 
-/// A doorway that stands free in a room and leads into a garden.
+/// A free-standing doorway in a room that leads into a garden.
 ///
-/// It is a hole from one side only: who walks round it sees through its frame to the boxes beyond, and past it on
-/// either side. One way: nothing in the garden leads back.
+/// It is an opening from one side only: from the other side, its frame shows the boxes behind it. One way: no portal
+/// leads back from the garden.
 pub(crate) fn free_doorway() -> BuiltIn {
     let outline: Vec<Vec3> = [(-0.6, 0.0), (0.6, 0.0), (0.6, 2.0), (-0.6, 2.0)]
         .map(|(x, y)| vec3(x, y, 0.0))

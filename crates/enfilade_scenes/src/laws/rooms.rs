@@ -1,4 +1,4 @@
-//! Rooms, doors between them, and eyes in awkward places.
+//! Rooms joined by doors, and cameras in difficult positions.
 
 use super::stage::{BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, YELLOW, joined};
 use crate::envelope::Side;
@@ -7,7 +7,7 @@ use crate::{BuiltIn, Camera};
 use enfilade::Transform;
 use glam::{Vec3, vec3};
 
-/// A door in the plane x = 0, seen from the room to its west.
+/// A door in the plane x = 0, as seen from the room to its west.
 const DOOR: Doorway = Doorway {
     name: "door",
     side: Side::East,
@@ -16,7 +16,7 @@ const DOOR: Doorway = Doorway {
     up: [0.0, 2.0],
 };
 
-/// The western room, x from -5 to the door, and its eastern neighbour, up to x = 5.
+/// Returns the western room, x from −5 to the door, and its eastern neighbour, up to x = 5.
 fn pair() -> [(Stage, enfilade::OpeningId); 2] {
     let [mut west, mut east] = [Stage::new(), Stage::new()];
     let out = west.room([-5.0, -0.1], [-2.5, 2.5], 3.0, &[DOOR])[0];
@@ -24,10 +24,10 @@ fn pair() -> [(Stage, enfilade::OpeningId); 2] {
     [(west, out), (east, back)]
 }
 
-/// Two rooms and a door between them.
+/// Two rooms with a door between them.
 ///
-/// In the eastern room a red ball stands in line with the door, a green box to its left, a blue one to its right:
-/// the door shows only what is in line with it. A yellow box stands in the western room beside the door.
+/// In the eastern room a red ball is in line with the door, a green box to its left and a blue one to its right: the
+/// door shows only items in line with it. A yellow box is in the western room beside the door.
 pub(crate) fn two_rooms() -> BuiltIn {
     let [(mut west, out), (mut east, back)] = pair();
     east.placed(
@@ -53,8 +53,8 @@ pub(crate) fn two_rooms() -> BuiltIn {
 
 /// A pillar before a door.
 ///
-/// From the middle of the western room the pillar covers the door almost whole; the boxes in the eastern room are
-/// seen to its left and right only, and the one right behind it not at all.
+/// From the middle of the western room the pillar covers the door almost entirely. The boxes in the eastern room are
+/// visible to its left and right only, and the one behind it not at all.
 pub(crate) fn pillar() -> BuiltIn {
     let [(mut west, out), (mut east, back)] = pair();
     let pillar = [
@@ -88,8 +88,8 @@ pub(crate) fn pillar() -> BuiltIn {
 
 /// Narrow gaps.
 ///
-/// A wall with a slit 2 cm wide, three needle holes and a row of cracks stands in the western room, with colored
-/// boxes behind it; the door to the eastern room stands ajar: its leaf leaves a gap of a few centimetres.
+/// In the western room there is a wall with a slit 2 cm wide, three needle holes and a row of cracks, and coloured
+/// boxes behind it. The door to the eastern room is ajar: its leaf leaves a gap of a few centimetres.
 pub(crate) fn slits() -> BuiltIn {
     let [(mut west, out), (mut east, back)] = pair();
     let hole = |z: f32, y: f32, wide: f32, high: f32| -> Vec<Vec3> {
@@ -138,11 +138,10 @@ pub(crate) fn slits() -> BuiltIn {
     )
 }
 
-/// Eyes where eyes seldom are.
+/// Cameras in unusual positions.
 ///
-/// Two rooms and a door again; the eye stands in the doorway a millimetre, then a hundredth of one from its plane,
-/// on either side; inside a box; on a wall; so low that the near plane cuts the floor; and looks straight up and
-/// down.
+/// Two rooms with a door. The eye is in the doorway, a millimetre and a hundredth of a millimetre from its plane, on
+/// either side; inside a box; on a wall; so low that the near plane cuts the floor; and looks straight up and down.
 pub(crate) fn eye_in_things() -> BuiltIn {
     let [(mut west, out), (mut east, back)] = pair();
     west.thing(

@@ -1,4 +1,4 @@
-//! Worlds of unusual size: very large, very small, of very many things, of one very large thing.
+//! Scenes of extreme size: very large, very small, with very many items, and with one very large mesh.
 
 use super::stage::{
     BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, alone, finished, sheet,
@@ -10,7 +10,7 @@ use crate::{BuiltIn, Camera};
 use enfilade::{Method, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
 
-/// A world of ordinary size, made large or small and moved away: every corner is `offset` + `scale` times its place.
+/// A scene scaled and translated: every corner is `offset` + `scale` × its original position.
 #[derive(Clone, Copy)]
 struct Resized {
     scale: f32,
@@ -26,7 +26,7 @@ impl Resized {
         shape.bent(|corner| self.at(corner))
     }
 
-    /// Two rooms with a door, boxes in both and a tower seen through the door.
+    /// Builds two rooms with a door, boxes in both, and a tower visible through the door.
     fn world(self) -> BuiltIn {
         let door = Doorway {
             name: "door",
@@ -99,8 +99,8 @@ pub(crate) fn huge() -> BuiltIn {
     .world()
 }
 
-/// Two rooms of some fifty units, a million from the origin, where neighbouring floats lie an eighth of a unit apart:
-/// a wall is ten of them thick.
+/// Two rooms of some fifty units, a million units from the origin, where adjacent f32 values differ by an eighth of a
+/// unit: a wall is ten such steps thick.
 pub(crate) fn far_away() -> BuiltIn {
     Resized {
         scale: 10.0,
@@ -109,7 +109,7 @@ pub(crate) fn far_away() -> BuiltIn {
     .world()
 }
 
-/// The same two rooms, ten thousand times smaller than rooms are.
+/// The same two rooms, ten thousand times smaller than usual.
 pub(crate) fn tiny() -> BuiltIn {
     Resized {
         scale: 1.0e-4,
@@ -118,10 +118,10 @@ pub(crate) fn tiny() -> BuiltIn {
     .world()
 }
 
-/// Some three thousand copies of four meshes.
+/// About three thousand copies of four meshes.
 ///
-/// Most stand in a field behind three walls with gaps, in which some are seen; some stand in the open; far away lie
-/// heaps of pebbles, each about a pixel large.
+/// Most are in a field behind three walls with gaps, through which some are visible; some are in the open; far away
+/// there are heaps of pebbles, each about a pixel large.
 pub(crate) fn crowd() -> BuiltIn {
     let mut random = Random::new(11);
     let mut stage = Stage::new();
@@ -179,7 +179,7 @@ pub(crate) fn crowd() -> BuiltIn {
     )
 }
 
-/// One mesh of twenty thousand triangles: hills that hide each other and the boxes between them.
+/// One mesh of twenty thousand triangles: hills that occlude each other and the boxes between them.
 pub(crate) fn big_mesh() -> BuiltIn {
     const CELLS: usize = 100;
     let height = |x: f32, z: f32| {

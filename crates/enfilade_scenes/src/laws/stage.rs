@@ -1,4 +1,4 @@
-//! A sector of a small world while it is built.
+//! Builds a sector of a small scene.
 
 use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
 use crate::shape::Shape;
@@ -17,17 +17,17 @@ pub(crate) const GREEN: MaterialId = MaterialId(3);
 pub(crate) const BLUE: MaterialId = MaterialId(4);
 pub(crate) const YELLOW: MaterialId = MaterialId(5);
 pub(crate) const BROWN: MaterialId = MaterialId(6);
-/// Seen from both sides, as the three after it.
+/// Two-sided, as the three after it.
 pub(crate) const RED_SHEET: MaterialId = MaterialId(7);
 pub(crate) const GREEN_SHEET: MaterialId = MaterialId(8);
 pub(crate) const BLUE_SHEET: MaterialId = MaterialId(9);
 pub(crate) const YELLOW_SHEET: MaterialId = MaterialId(10);
-/// A cut-out.
+/// Alpha-tested.
 pub(crate) const LEAF: MaterialId = MaterialId(11);
 pub(crate) const BLUE_GLASS: MaterialId = MaterialId(12);
 pub(crate) const RED_GLASS: MaterialId = MaterialId(13);
 
-/// The materials of all small worlds.
+/// Returns the materials of all small scenes.
 fn materials() -> [Material; 14] {
     let sheet = |color| Material {
         double_sided: true,
@@ -61,7 +61,7 @@ fn materials() -> [Material; 14] {
     ]
 }
 
-/// A sector being built.
+/// A sector under construction.
 pub(crate) struct Stage {
     geometry: GeometryBuilder,
 }
@@ -73,17 +73,17 @@ impl Stage {
         }
     }
 
-    /// Adds a thing where its shape stands.
+    /// Adds an item with an identity transform.
     pub(crate) fn thing(&mut self, name: &str, shape: &Shape) {
         self.copies(name, &shape.mesh(), [Transform::IDENTITY]);
     }
 
-    /// Adds a thing, placed.
+    /// Adds an item with a transform.
     pub(crate) fn placed(&mut self, name: &str, shape: &Shape, at: Transform) {
         self.copies(name, &shape.mesh(), [at]);
     }
 
-    /// Adds copies of one mesh, all of one name.
+    /// Adds several items with one mesh and one name.
     pub(crate) fn copies(
         &mut self,
         name: &str,
@@ -96,7 +96,7 @@ impl Stage {
         }
     }
 
-    /// Adds an opening; counter-clockwise from the side on which one stands before going in.
+    /// Adds an opening; counter-clockwise as seen from its front, from which one enters.
     pub(crate) fn opening(&mut self, name: &str, outline: &[Vec3]) -> OpeningId {
         let corners: Vec<[f32; 3]> = outline.iter().map(|corner| corner.to_array()).collect();
         self.geometry.opening(
@@ -105,7 +105,7 @@ impl Stage {
         )
     }
 
-    /// Adds the inside of a box-shaped room, floor at y = 0, with doorways; answers their openings.
+    /// Adds the inside of a box-shaped room with its floor at y = 0, with doorways; returns their openings.
     pub(crate) fn room(
         &mut self,
         x: [f32; 2],
@@ -140,7 +140,7 @@ impl Stage {
             .collect()
     }
 
-    /// Gives it cells that were computed ahead.
+    /// Attaches baked cells to the sector.
     pub(crate) fn cells(&mut self, cells: BakedCells) {
         self.geometry.cells(cells);
     }
@@ -152,8 +152,8 @@ impl Stage {
     }
 }
 
-/// A rectangular hole in a wall of a room: which wall, the coordinate of the opening's plane, the stretch along the
-/// wall (in x or z, from less to more) and the heights of its lower and upper edge.
+/// A rectangular hole in a wall of a room: the wall, the coordinate of the opening's plane, the extent along the wall
+/// (in x or z, ascending), and the heights of its lower and upper edge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Doorway {
     pub(crate) name: &'static str,
@@ -164,7 +164,7 @@ pub(crate) struct Doorway {
 }
 
 impl Doorway {
-    /// Counter-clockwise seen from the room.
+    /// Returns the outline, counter-clockwise as seen from the room.
     pub(crate) fn outline(&self) -> Vec<Vec3> {
         let ahead = self.side.direction();
         let right = vec2(-ahead.y, ahead.x);
@@ -189,7 +189,7 @@ impl Doorway {
         ]
     }
 
-    /// The same hole seen from the room on the other side.
+    /// Returns the same hole as seen from the room on the other side.
     pub(crate) fn other_side(&self) -> Doorway {
         Doorway {
             side: self.side.opposite(),
@@ -198,7 +198,7 @@ impl Doorway {
     }
 }
 
-/// A rectangle from its lower left corner, seen from its front.
+/// Creates a rectangle from its lower left corner, as seen from its front.
 pub(crate) fn sheet(material: MaterialId, corner: Vec3, along: Vec3, up: Vec3) -> Shape {
     let mut shape = Shape::new();
     shape.face(
@@ -208,21 +208,21 @@ pub(crate) fn sheet(material: MaterialId, corner: Vec3, along: Vec3, up: Vec3) -
     shape
 }
 
-/// A world of one sector.
+/// Creates a scene of one sector.
 pub(crate) fn alone(stage: Stage, cameras: Vec<Camera>) -> BuiltIn {
     let mut scene = SceneBuilder::new();
     scene.add("world", stage.build(), Method::HierarchicalZ);
     finished(scene, cameras)
 }
 
-/// Hangs a white lamp up in a sector: it lights all within a few metres of it.
+/// Adds a white lamp to a sector; `range` in metres.
 pub(crate) fn lamp(scene: &mut SceneBuilder, sector: SectorId, position: [f32; 3], range: f32) {
     let strength = 0.05 * range * range;
     let color = [strength, 0.92 * strength, 0.78 * strength];
     scene.light(Light::point(sector, position, color, range));
 }
 
-/// Two sectors in one space, with a door between an opening of each.
+/// Adds two sectors in one space, joined by a door between an opening of each.
 pub(crate) fn joined(
     (here, out): (Stage, OpeningId),
     (there, back): (Stage, OpeningId),
@@ -235,7 +235,7 @@ pub(crate) fn joined(
     finished(scene, cameras)
 }
 
-/// A portal and the way back through it.
+/// Adds a portal and its reverse.
 pub(crate) fn both_ways(
     scene: &mut SceneBuilder,
     here: impl Into<PortalEnd>,

@@ -1,4 +1,4 @@
-//! Faces in awkward company: through each other, upon each other, seen from behind, without area.
+//! Difficult faces: intersecting, coplanar, seen from behind, without area.
 
 use super::stage::{
     BLUE, BLUE_GLASS, BLUE_SHEET, BROWN, Doorway, GREEN, GREEN_SHEET, GREY, LEAF, RED, RED_GLASS, RED_SHEET,
@@ -12,7 +12,7 @@ use enfilade::{MaterialId, Mesh, Transform};
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::sync::Arc;
 
-/// A floor, 12 by 12 units, under the things of a story.
+/// Adds a floor of 12 by 12 units.
 fn floor(stage: &mut Stage) {
     stage.thing(
         "floor",
@@ -25,10 +25,10 @@ fn floor(stage: &mut Stage) {
     );
 }
 
-/// Things that no order from far to near can paint.
+/// Items that no back-to-front order draws correctly.
 ///
-/// On the left two sheets go through each other; in the middle three long boxes overlap in a cycle, each before the
-/// next; on the right two boxes and a ball share their insides.
+/// On the left two sheets intersect; in the middle three long boxes overlap cyclically; on the right two boxes and a
+/// ball overlap in volume.
 pub(crate) fn crossing() -> BuiltIn {
     let mut stage = Stage::new();
     floor(&mut stage);
@@ -56,7 +56,7 @@ pub(crate) fn crossing() -> BuiltIn {
         .enumerate()
     {
         let turn = i as f64 * 2.0 * std::f64::consts::PI / 3.0;
-        // A side of a triangle, tilted so that one end lies before its neighbour and the other behind.
+        // A side of a triangle, tilted so that one end is before its neighbour and the other behind it.
         let place = Transform::translation([0.0, 1.4, 0.0])
             * Transform::rotation([0.0, 0.0, 1.0], turn)
             * Transform::translation([0.0, -0.45, 0.0])
@@ -82,10 +82,10 @@ pub(crate) fn crossing() -> BuiltIn {
     )
 }
 
-/// Faces of different things in one plane.
+/// Coplanar faces of different items.
 ///
-/// Pictures are pasted on a wall at no distance, one over a corner of another; a flat box without height lies on the
-/// floor; two equal boxes stand at the same place; a rug lies a hair above the floor.
+/// Pictures coincide with a wall, one over a corner of another; a box of height zero is on the floor; two equal boxes
+/// have the same position; a rug is slightly above the floor.
 pub(crate) fn coplanar() -> BuiltIn {
     let mut stage = Stage::new();
     floor(&mut stage);
@@ -97,7 +97,7 @@ pub(crate) fn coplanar() -> BuiltIn {
             vec3(0.0, high, 0.0),
         )
     };
-    // Where faces are equally near, the one added first is seen: one picture comes before the wall.
+    // At equal depth the item added first wins: one picture comes before the wall.
     stage.thing("red picture", &on_wall(-3.0, 1.0, 1.6, 1.2, RED));
     stage.thing("wall", &on_wall(-4.0, 0.0, 8.0, 4.0, WHITE));
     stage.thing("blue picture", &on_wall(-1.8, 1.6, 1.6, 1.2, BLUE));
@@ -128,10 +128,10 @@ pub(crate) fn coplanar() -> BuiltIn {
     )
 }
 
-/// Glass and leaves, which never hide.
+/// Alpha-blended panes and alpha-tested leaves, which are never occluders.
 ///
-/// Panes stand before a ball, behind it, and cross each other; a pane behind the wall is not seen; leaves are cut
-/// out before a box; a pane stands before the door to a second room, and another just behind it.
+/// Panes are before a ball and behind it, and intersect each other; a pane behind the wall is hidden; leaves are before
+/// a box; a pane is before the door to a second room, and another just behind it.
 pub(crate) fn glass() -> BuiltIn {
     let door = Doorway {
         name: "door",
@@ -199,8 +199,8 @@ pub(crate) fn glass() -> BuiltIn {
 
 /// Faces seen from behind.
 ///
-/// Behind the backs of one-sided sheets stand boxes, which are seen; a box wound inside out shows its far walls; a
-/// box and its mirror image, made by a negative scale, both look outwards; half a box is open to the eye.
+/// Boxes are behind the backs of one-sided sheets, and visible; a box with inverted winding shows its far walls; a box
+/// and its mirror image, made by a negative scale, both face outwards; half a box is open to the eye.
 pub(crate) fn one_sided() -> BuiltIn {
     let mut stage = Stage::new();
     floor(&mut stage);
@@ -276,11 +276,11 @@ pub(crate) fn one_sided() -> BuiltIn {
     )
 }
 
-/// Faces that hardly are any.
+/// Degenerate faces.
 ///
-/// Triangles with all corners on a line or in a point, faces given twice, slivers a millionth wide, needles a
-/// thousand times longer than wide; things scaled flat, or to a point; a thing without faces. Boxes behind and
-/// beside them are seen as if they were not there.
+/// Triangles with collinear or equal corners, duplicate faces, slivers a millionth wide, needles a thousand times
+/// longer than wide; items scaled flat, or to a point; an item without faces. Boxes behind and beside them are visible
+/// as if they did not exist.
 pub(crate) fn degenerate() -> BuiltIn {
     let mut stage = Stage::new();
     floor(&mut stage);
@@ -349,8 +349,8 @@ pub(crate) fn degenerate() -> BuiltIn {
 
 /// Faces with four to eleven corners.
 ///
-/// Prisms of every number of sides stand in a row, some on their heads; behind them a wall of one face whose corners
-/// also lie on its straight edges, and a fan of tall tapered boxes.
+/// Prisms of every number of sides in a row, some upside down; behind them a wall of one face with extra corners on its
+/// straight edges, and a fan of tall tapered boxes.
 pub(crate) fn polygons() -> BuiltIn {
     let mut stage = Stage::new();
     floor(&mut stage);

@@ -1,4 +1,4 @@
-//! Openings that lead to places that are turned, and larger or smaller than what one comes from.
+//! Portals that rotate and scale.
 
 use super::stage::{
     BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, YELLOW_SHEET, both_ways,
@@ -10,12 +10,12 @@ use crate::{BuiltIn, Camera};
 use enfilade::{Method, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
 
-/// A hall with four openings, none of which leads to what is behind it.
+/// A hall with four openings, none of which leads to the space behind it.
 ///
-/// A gate stands free in the middle and leads one way into a yard, turned about a slanted axis: the yard has no
-/// opening at all. The door in the east is one of a pair: it leads into a cell and back, and leans there. The window in
-/// the west shows a garden three times larger than it looks, the one in the north a model forty times smaller; from
-/// neither does anything lead back.
+/// A free-standing gate in the middle leads one way into a yard, rotated about an oblique axis; the yard has no
+/// opening. The door in the east is one of a pair: it leads into a cell and back, and leans there. The window in the
+/// west shows a garden three times larger than it looks, the one in the north a model forty times smaller; neither has
+/// a way back.
 pub(crate) fn teleport() -> BuiltIn {
     let mut hall = Stage::new();
     let openings = hall.room([-4.0, 4.0], [-4.0, 4.0], 3.2, &[DOOR, TO_GARDEN, TO_MODEL]);
@@ -101,7 +101,7 @@ const TO_MODEL: Doorway = Doorway {
     up: [0.7, 2.1],
 };
 
-/// Turns about `axis` and scales; the middle of a doorway comes to lie at `there`.
+/// Rotates about `axis` and scales, so that the middle of a doorway moves to `there`.
 fn about(door: Doorway, axis: [f32; 3], radians: f64, factor: f32, there: [f32; 3]) -> Transform {
     let outline = door.outline();
     let middle = 0.5 * (outline[0] + outline[2]);
@@ -111,7 +111,7 @@ fn about(door: Doorway, axis: [f32; 3], radians: f64, factor: f32, there: [f32; 
         * Transform::translation((-middle).to_array())
 }
 
-/// What stands round the gate, open below.
+/// The frame of the gate, open below.
 fn frame() -> Shape {
     let mut frame = block(BROWN, [-0.75, 0.0, -0.08], [-0.6, 2.15, 0.08]);
     frame.join(block(BROWN, [0.6, 0.0, -0.08], [0.75, 2.15, 0.08]));
@@ -119,7 +119,7 @@ fn frame() -> Shape {
     frame
 }
 
-/// Things all round, for the gate shows it from where it stands in its middle.
+/// Items on all sides, because the gate shows the yard from its middle.
 fn yard() -> Stage {
     let mut yard = Stage::new();
     yard.room([44.0, 56.0], [-6.0, 6.0], 4.5, &[]);
@@ -138,7 +138,7 @@ fn yard() -> Stage {
     yard
 }
 
-/// A room in which the door stands free, and leans.
+/// A room with a free-standing, leaning door.
 fn cell(arrival: &[Vec3]) -> Stage {
     let mut cell = Stage::new();
     cell.room([96.0, 104.0], [-4.0, 4.0], 5.0, &[]);
@@ -163,7 +163,7 @@ fn cell(arrival: &[Vec3]) -> Stage {
     cell
 }
 
-/// Thirty units wide.
+/// A garden thirty units wide.
 fn garden() -> Stage {
     let mut garden = Stage::new();
     garden.room([135.0, 165.0], [-15.0, 15.0], 12.0, &[]);
@@ -177,7 +177,7 @@ fn garden() -> Stage {
     garden
 }
 
-/// A fifth of a unit from wall to wall.
+/// A model a fifth of a unit wide.
 fn model() -> Stage {
     let mut model = Stage::new();
     model.room([9.8, 10.2], [-0.2, 0.2], 0.16, &[]);

@@ -1,8 +1,8 @@
-//! Where one stands to look at the palace.
+//! Cameras of the palace.
 
 use crate::Camera;
 
-/// The cameras, the default first.
+/// Returns the cameras, the default first.
 pub(crate) fn cameras() -> Vec<Camera> {
     [
         ("enfilade", [0.0, 1.65, -0.6], [0.0, 2.35, -12.0], 58.0),

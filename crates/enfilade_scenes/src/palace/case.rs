@@ -1,4 +1,4 @@
-//! Things that hold things: chests, bookcases, glass cases, clocks. Backs stand at a wall, fronts look to +z.
+//! Chests, bookcases, glass cases and clocks. Backs are against a wall, fronts face +z.
 
 use super::palette::*;
 use super::room::shift;
@@ -153,7 +153,7 @@ fn books(shape: &mut Shape, random: &mut Random, [from, to]: [f32; 2], foot: f32
     }
 }
 
-/// A glass case on legs: its wooden frame and its panes are two things. Width, height and depth of the glass.
+/// A glass case on legs: its wooden frame and its panes are two meshes. Width, height and depth of the glass.
 pub(crate) fn glass_case(
     shop: &mut Workshop,
     size: [f32; 3],

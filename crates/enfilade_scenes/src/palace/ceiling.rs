@@ -1,4 +1,4 @@
-//! What ceilings wear: coffers with rosettes, ribs, beams, stucco fields.
+//! Ceiling decoration: coffers with rosettes, ribs, beams, stucco fields.
 
 use super::room::{Room, arched};
 use super::workshop::Workshop;
@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3, vec2, vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-/// Materials of a coffer: its ribs, its gilded steps, its rosette.
+/// Materials of a coffer: ribs, gilded steps, rosette.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coffering {
     pub(crate) rib: MaterialId,
@@ -37,7 +37,7 @@ pub(crate) fn coffer_flat(room: &mut Room, size: f32, coffering: Coffering) {
     }
 }
 
-/// Coffers over a vault: one for every `every` sides of its arc, of about that length.
+/// Adds coffers to a vault: one for every `every` segments of its arc, about as long as wide.
 pub(crate) fn coffer_vault(room: &mut Room, every: usize, coffering: Coffering) {
     let (Plan::Rectangle(x, z) | Plan::Apse(x, z, _), Ceiling::Vault(axis, rise)) =
         (room.design.plan, room.design.ceiling)
@@ -46,7 +46,7 @@ pub(crate) fn coffer_vault(room: &mut Room, every: usize, coffering: Coffering) 
     };
     let height = room.design.height;
     let [west, east, north, south] = [x[0], x[1], z[0], z[1]];
-    // The arc at the vault's beginning, and the way along it.
+    // The arc at the vault's beginning, and the direction along it.
     let (start, length, along) = match axis {
         Axis::NorthSouth => (
             arc(vec2(west, south), vec2(east, south), height, rise),
@@ -68,12 +68,12 @@ pub(crate) fn coffer_vault(room: &mut Room, every: usize, coffering: Coffering) 
         let count = (length / wide).round().max(1.0);
         let deep = length / count;
         let coffer = flat_coffer(room.shop, vec2(wide, deep), 0.12 * wide.min(deep), coffering);
-        // Its own axes: across the arc, out of the ceiling's upper side, back along the vault.
+        // Coffer axes: across the arc, out of the ceiling's upper side, back along the vault.
         let across = (right - left) / wide;
         let upwards = across.cross(along);
         let upwards = if upwards.y < 0.0 { -upwards } else { upwards };
         let back = across.cross(upwards);
-        // Where an arc bulges over the chord, the coffer hangs from the chord's middle.
+        // Coffers hang from the middle of their arc's chord.
         let middle = 0.5 * (left + right);
         for step in 0..count as usize {
             let at = middle + along * deep * (step as f32 + 0.5);
@@ -83,7 +83,7 @@ pub(crate) fn coffer_vault(room: &mut Room, every: usize, coffering: Coffering) 
     }
 }
 
-/// Coffers over a dome, in rings; each is a field of one of the dome's sides.
+/// Adds rings of coffers to a dome, one field for each of the dome's sides.
 pub(crate) fn coffer_dome(room: &mut Room, coffering: Coffering) {
     let (Plan::Round(center, reach, sides), Ceiling::Dome(rise, lantern)) =
         (room.design.plan, room.design.ceiling)
@@ -117,7 +117,7 @@ pub(crate) fn coffer_dome(room: &mut Room, coffering: Coffering) {
     }
 }
 
-/// A coffer that hangs from the plane y = 0, its middle at the origin.
+/// A coffer below the plane y = 0, its middle at the origin.
 fn flat_coffer(shop: &mut Workshop, size: Vec2, depth: f32, coffering: Coffering) -> Arc<Mesh> {
     shop.piece(format!("coffer {size} {depth} {coffering:?}"), || {
         let half = 0.5 * size;
@@ -135,7 +135,7 @@ fn flat_coffer(shop: &mut Workshop, size: Vec2, depth: f32, coffering: Coffering
     })
 }
 
-/// Ribs and steps round a field, and a rosette in it. The outline is counter-clockwise seen from the room.
+/// Ribs and steps around a field, with a rosette in it. The outline is counter-clockwise as seen from the room.
 fn coffer(outline: &[Vec3; 4], depth: f32, Coffering { rib, step, rosette }: Coffering) -> Shape {
     let middle = outline.iter().sum::<Vec3>() / 4.0;
     let normal = (outline[1] - outline[0])
@@ -174,7 +174,7 @@ fn coffer(outline: &[Vec3; 4], depth: f32, Coffering { rib, step, rosette }: Cof
     shape
 }
 
-/// A flower of eight petals that looks up from the origin.
+/// A flower of eight petals at the origin, facing up.
 pub(crate) fn rosette(material: MaterialId, reach: f32, height: f32) -> Shape {
     let petals = [[0.98, 0.0], [1.0, 0.25], [0.7, 0.5], [0.3, 0.28], [0.0, 0.28]];
     let mut shape = fluted(
@@ -230,7 +230,7 @@ pub(crate) fn beams(room: &mut Room, heavy: MaterialId, light: MaterialId, spaci
     }
 }
 
-/// Arches under a vault, `places` along it from its southern or western end.
+/// Arches under a vault, at positions `places` along it from its southern or western end.
 pub(crate) fn ribs(room: &mut Room, material: MaterialId, wide: f32, deep: f32, places: &[f32]) {
     let (Plan::Rectangle(x, z) | Plan::Apse(x, z, _), Ceiling::Vault(axis, rise)) =
         (room.design.plan, room.design.ceiling)
@@ -272,7 +272,7 @@ pub(crate) fn ribs(room: &mut Room, material: MaterialId, wide: f32, deep: f32, 
     }
 }
 
-/// Gilded stars strewn over the half dome of an apse.
+/// Gilded stars on the half dome of an apse.
 pub(crate) fn stars(room: &mut Room, count: usize, material: MaterialId) {
     let (Plan::Apse(x, z, side), Ceiling::Vault(_, rise)) = (room.design.plan, room.design.ceiling) else {
         return;
@@ -290,7 +290,7 @@ pub(crate) fn stars(room: &mut Room, count: usize, material: MaterialId) {
         fluted(material, &[[1.0, 0.0], [0.0, 0.3]], 5, 2, 0.6)
     });
     for i in 0..count {
-        // Points of a spiral on half a ball are as far apart as so many can be.
+        // A spiral distributes the points evenly over the half ball.
         let up = (i as f32 + 0.5) / count as f32;
         let turn = (i as f32 * 0.618_034).fract() * 0.5 * TAU;
         let out = (1.0 - up * up).sqrt();
@@ -364,7 +364,7 @@ pub(crate) fn lunette(room: &mut Room, side: Side, foot: f32, field: MaterialId,
     room.hang("lunette", &lunette, side, half, room.design.height + foot);
 }
 
-/// A stucco rose in the middle of a ceiling, round what a chandelier hangs from.
+/// A stucco rose in the middle of a ceiling, around a chandelier's hook.
 pub(crate) fn rose(room: &mut Room, at: Vec2, radius: f32, plaster: MaterialId, gilt: MaterialId) {
     let height = room.design.crown();
     let rose = room

@@ -65,7 +65,8 @@ pub(crate) fn plain_column(
     })
 }
 
-/// How wide a shaft is at a fraction of its height: straight for a third, then narrowing ever faster.
+/// Returns the relative radius of a shaft at a fraction of its height: constant for a third, then tapering
+/// increasingly.
 fn swelling(up: f32) -> f32 {
     let above = ((up - 0.25) / 0.75).max(0.0);
     1.0 - 0.15 * above * (0.35 + 0.65 * above)
@@ -97,7 +98,7 @@ fn attic_base(foot: MaterialId, rolls: MaterialId, radius: f32) -> Shape {
     shape
 }
 
-/// A bell with two rows of leaves, curls at its corners and a slab on top; it stands at the origin.
+/// A bell with two rows of leaves, volutes at its corners and a slab on top, based at the origin.
 fn corinthian(gilt: MaterialId, stone: MaterialId, radius: f32, height: f32) -> Shape {
     let bell: [[f32; 2]; 7] = [
         [1.0, 0.0],
@@ -129,7 +130,7 @@ fn corinthian(gilt: MaterialId, stone: MaterialId, radius: f32, height: f32) -> 
     shape
 }
 
-/// An acanthus leaf that leans on a bell of `radius` and curls over at its tip, looking to +z.
+/// An acanthus leaf against a bell of `radius` that curls over at its tip, facing +z.
 fn leaf(material: MaterialId, radius: f32, foot: f32, top: f32) -> Shape {
     const STEPS: usize = 6;
     let row = |side: f32| -> Vec<Vec3> {
@@ -151,7 +152,7 @@ fn leaf(material: MaterialId, radius: f32, foot: f32, top: f32) -> Shape {
     shape
 }
 
-/// A flat column on a wall, in the wall's frame: foot at the origin.
+/// A pilaster on a wall, in the wall's frame: foot at the origin.
 pub(crate) fn pilaster(shop: &mut Workshop, height: f32, shaft: MaterialId, gilt: MaterialId) -> Arc<Mesh> {
     shop.piece(format!("pilaster {height} {} {}", shaft.0, gilt.0), || {
         let half = 0.045 * height;
@@ -207,7 +208,7 @@ pub(crate) fn pilaster(shop: &mut Workshop, height: f32, shaft: MaterialId, gilt
     })
 }
 
-/// A block with a foot and a head to set things on: width and height.
+/// A pedestal with a foot and a head: width and height.
 pub(crate) fn pedestal(
     shop: &mut Workshop,
     width: f32,

@@ -1,5 +1,4 @@
-//! The doll's house in the study: a scene of its own, eight times larger than it looks, and deeper than the wall
-//! behind it.
+//! The doll's house in the study: a nested scene, eight times larger than it looks, and deeper than the wall behind it.
 
 use super::doors::Gate;
 use super::floor::Floor;
@@ -16,10 +15,10 @@ use crate::shape::{Shape, block, fill, lathe, prism};
 use enfilade::{NestedId, OpeningId, PortalEnd, Scene, SceneBuilder, SectorId, Transform};
 use glam::{Vec3, vec3};
 
-/// So many times larger the house is inside.
+/// Scale from the study to the house.
 const SCALE: f32 = 8.0;
 
-/// The middle of the foot of its front, in the study and in the house's own space, where nothing else stands.
+/// The middle of the foot of its front, in the study and in the house's space, which overlaps nothing else.
 const HERE: Vec3 = vec3(14.04, 0.75, -87.5);
 const THERE: Vec3 = vec3(64.0, 0.0, -87.5);
 
@@ -65,7 +64,7 @@ const CHAMBER: Design = Design {
     },
 };
 
-/// From the study into the house.
+/// Returns the transform from the study into the house.
 fn there_from_here() -> Transform {
     shift(THERE.x, THERE.y, THERE.z) * scaled(SCALE) * shift(-HERE.x, -HERE.y, -HERE.z)
 }
@@ -74,7 +73,7 @@ fn here_from_there() -> Transform {
     shift(HERE.x, HERE.y, HERE.z) * scaled(1.0 / SCALE) * shift(-THERE.x, -THERE.y, -THERE.z)
 }
 
-/// The scene inside; it is left through the exit `front`.
+/// Builds the nested scene; its exit is `front`.
 pub(super) fn doll_house(shop: &mut Workshop, seed: u64) -> Scene {
     let mut random = Random::new(seed);
     let mut scene = SceneBuilder::new();
@@ -160,14 +159,14 @@ fn furnish_chamber(room: &mut Room) {
     dim(room);
 }
 
-/// Takes light away: who looks in is used to that of the study.
+/// Dims the room's lights to the level of the study.
 fn dim(room: &mut Room) {
     for lamp in room.lamps.iter_mut().chain(&mut room.candles) {
         *lamp = lamp.times(0.4);
     }
 }
 
-/// Puts the house's shell into the study; returns the opening at its front.
+/// Adds the house's shell to the study; returns the opening in its front.
 pub(super) fn stand(room: &mut Room) -> OpeningId {
     let inside: Vec<Vec3> = arched(FRONT.width, FRONT.sill, FRONT.spring, FRONT.rise)
         .into_iter()
@@ -194,7 +193,7 @@ fn shell(opening: &[Vec3]) -> Shape {
     let mut shape = Shape::new();
     let corner = |x: f32, y: f32, z: f32| vec3(x, y, z);
     let hole: Vec<Vec3> = opening.iter().map(|at| vec3(front, at.y, at.z)).collect();
-    // Seen from the room, the north is on the left.
+    // As seen from the room, north is on the left.
     let face = [
         corner(front, foot, north),
         corner(front, foot, south),
@@ -263,7 +262,7 @@ fn shell(opening: &[Vec3]) -> Shape {
     shape
 }
 
-/// Joins the study's opening and the house's exit, both ways.
+/// Joins the study's opening and the house's exit, in both directions.
 pub(super) fn join(scene: &mut SceneBuilder, here: (SectorId, OpeningId), house: &Scene) {
     let house: NestedId = scene.nest(house);
     let there = PortalEnd::from((house, "front"));

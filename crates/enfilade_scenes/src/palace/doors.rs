@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3, vec2, vec3};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Door {
     pub(crate) name: &'static str,
-    /// The room from which one looks the way that the gate says, and the room beyond.
+    /// The near room, from which one looks in the gate's direction, and the far room.
     pub(crate) from: Name,
     pub(crate) to: Name,
     pub(crate) gate: Gate,
@@ -18,20 +18,20 @@ pub(crate) struct Door {
 /// A hole between two rooms, on the plan.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gate {
-    /// Where one looks who goes through.
+    /// Direction from the near room to the far room.
     pub(crate) looks: Side,
-    /// The middle of its foot: x and z; its plane goes through it.
+    /// The middle of its foot, x and z, in the plane of the gate.
     pub(crate) at: [f32; 2],
     pub(crate) width: f32,
-    /// Height of its lower edge; 0 where one walks through.
+    /// Height of the lower edge; 0 for doors.
     pub(crate) sill: f32,
-    /// Height where its arch begins, and the arch's own.
+    /// Height where the arch begins, and height of the arch.
     pub(crate) spring: f32,
     pub(crate) rise: f32,
 }
 
 impl Gate {
-    /// Its outline, counter-clockwise for who looks through it as it says, from the lower left corner.
+    /// Returns the outline, counter-clockwise as seen in the gate's direction, from the lower left corner.
     pub(crate) fn outline(&self) -> Vec<Vec3> {
         let ahead = self.looks.direction();
         let right = vec2(-ahead.y, ahead.x);
@@ -83,7 +83,7 @@ const fn aside(name: &'static str, from: Name, to: Name, looks: Side, z: f32) ->
     }
 }
 
-/// Where the windows between gallery and court stand.
+/// Positions of the windows between gallery and court, as z.
 pub(crate) const WINDOWS_AT: [f32; 8] = [-31.5, -36.5, -41.5, -46.5, -56.5, -61.5, -66.5, -71.5];
 
 const fn to_court(name: &'static str, z: f32, width: f32, sill: f32) -> Door {
@@ -315,7 +315,7 @@ pub(crate) const DOORS: [Door; 58] = [
     over_the_garden("painted lobby window", Name::PaintedLobby, -12.5),
     over_the_garden("morning bay window 1", Name::MorningBay, -17.0),
     over_the_garden("morning bay window 2", Name::MorningBay, -21.0),
-    // One steps over its sill into the garden.
+    // A French window to the garden, with a sill.
     Door {
         name: "garden window",
         from: Name::Tribune,

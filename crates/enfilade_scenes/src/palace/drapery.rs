@@ -9,8 +9,8 @@ use glam::{Vec2, Vec3, vec2, vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-/// Where a cloth is in its texture, so many metres across it and over its hem: lace is lace all over, curtains have a hem,
-/// 4 m below the upper edge of theirs, and repeat every half metre.
+/// Texture coordinates of cloth, for positions in metres across it and above its hem. Lace is uniform; curtains have a
+/// hem 4 m below their upper edge and repeat every half metre.
 fn woven(cloth: MaterialId, across: f32, up: f32) -> Vec2 {
     if cloth == LACE {
         vec2(across, -up)
@@ -19,8 +19,8 @@ fn woven(cloth: MaterialId, across: f32, up: f32) -> Vec2 {
     }
 }
 
-/// A curtain gathered to one side by a cord: it hangs from `wide` metres of rod, its held edge at x = 0, the free
-/// one at x = `wide`. In the frame of a wall.
+/// A curtain gathered to one side by a cord: it hangs from `wide` metres of rod, its tied edge at x = 0, the free one
+/// at x = `wide`. In wall coordinates.
 pub(crate) fn curtain(
     shop: &mut Workshop,
     wide: f32,
@@ -36,14 +36,14 @@ pub(crate) fn curtain(
         let point = |across: usize, down: usize| -> Vec3 {
             let [u, v] = [across as f32 / ACROSS as f32, down as f32 / DOWN as f32];
             let up = 1.0 - v;
-            // Full at the rod, a third of it at the cord, a little wider at the floor.
+            // Full width at the rod, a third at the cord, a little wider at the floor.
             let off = if up > tie {
                 ((up - tie) / (1.0 - tie)).powf(1.6)
             } else {
                 0.25 * ((tie - up) / tie).powf(0.7)
             };
             let breadth = wide * (0.22 + 0.78 * off);
-            // As deep as is soft for their width: deeper ones would show their dark sides.
+            // Fold depth limited for the width: deeper folds would show their dark sides.
             let deep = 0.012 + 0.24 * breadth / FOLDS;
             vec3(
                 u * breadth,
@@ -53,7 +53,7 @@ pub(crate) fn curtain(
         };
         let place = |across: usize, down: usize| {
             let [u, v] = [across as f32 / ACROSS as f32, down as f32 / DOWN as f32];
-            // Half as wide again as the rod, which makes the folds.
+            // 1.5 times as wide as the rod, which makes the folds.
             woven(cloth, 1.5 * wide * u, high * (1.0 - v))
         };
         let columns: Vec<Vec<_>> = (0..=ACROSS)
@@ -73,7 +73,7 @@ pub(crate) fn curtain(
     })
 }
 
-/// Swags over a window: `count` bows of cloth under a rod, the left end at the origin.
+/// Swags over a window: `count` arcs of cloth under a rod, the left end at the origin.
 pub(crate) fn swags(
     shop: &mut Workshop,
     wide: f32,
@@ -128,7 +128,7 @@ pub(crate) fn swags(
     })
 }
 
-/// The rugs that there are: red, blue, green, rose, yellow.
+/// The rug colors: red, blue, green, rose, yellow.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Rug {
     Red,
@@ -138,8 +138,8 @@ pub(crate) enum Rug {
     Yellow,
 }
 
-/// A carpet, `wide` along x, with fringes at the ends of its length along z: a border as broad as it is, and as many
-/// figures in the field as there is room for.
+/// A carpet, `wide` along x, with fringes at both ends of its length along z: a border of fixed width, and as many
+/// figures in the field as fit.
 pub(crate) fn carpet(shop: &mut Workshop, [wide, long]: [f32; 2], rug: Rug) -> Arc<Mesh> {
     let material = match rug {
         Rug::Red => RED_RUG,
@@ -163,11 +163,11 @@ pub(crate) fn carpet(shop: &mut Workshop, [wide, long]: [f32; 2], rug: Rug) -> A
     })
 }
 
-/// Where the parts of a rug meet along one side, off its middle, and where that is in the texture: the border in its first
-/// half, then there and back again through the second.
+/// Returns the section boundaries of a rug along one side, relative to its middle, with their texture coordinates: the
+/// border is in the texture's first half; the field repeats the second half, mirrored in turn.
 fn stops(length: f32) -> Vec<(f32, f32)> {
     const FIGURE: f32 = 2.0;
-    // The field keeps off the border in the texture, whose colors are blended into it beyond.
+    // Keeps off the texels where the border's colors blend into the field.
     const FIELD: f32 = 0.52;
     let half = 0.5 * length;
     let inner = half - BORDER;

@@ -1,4 +1,4 @@
-//! Paving: tiles and planks laid over a room's plan and cut at its walls.
+//! Paving: tiles and planks over a room's plan, clipped at its walls.
 
 use super::room::PAVING;
 use crate::envelope::{Plan, inwards};
@@ -8,26 +8,26 @@ use enfilade::MaterialId;
 use glam::{Vec2, vec2, vec3};
 use std::f64::consts::TAU;
 
-/// A pattern, its measure in metres, and its materials.
+/// A pattern with its size in metres and its materials.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Floor {
     /// Squares of two colors, set diagonally.
     Checker(f32, [MaterialId; 2]),
     /// Octagons of two colors, with small squares between them.
     Octagons(f32, [MaterialId; 3]),
-    /// Planks at right angles, each against the side of the next: the width of one, three kinds of wood.
+    /// Herringbone planks: width of one, three kinds of wood.
     Herringbone(f32, [MaterialId; 3]),
-    /// Square panels of planks that turn from panel to panel, framed.
+    /// Framed square panels of planks that alternate in direction.
     Parquet(f32, [MaterialId; 3]),
-    /// Cubes seen from a corner: rhombs of three colors.
+    /// Tumbling blocks: rhombs of three colors.
     Cubes(f32, [MaterialId; 3]),
-    /// Rings cut into petals round the middle of the room: their width.
+    /// Rings of petals around the middle of the room: width of a ring.
     Star(f32, [MaterialId; 3]),
-    /// None.
+    /// No pattern.
     Bare,
 }
 
-/// The paving of a room: the pattern, and round it a border of the given material and width.
+/// Paves a room: the pattern, and around it a border of the given material and width.
 pub(crate) fn paving(plan: Plan, floor: Floor, border: MaterialId, width: f32) -> Shape {
     let outline = plan.corners();
     let region = inwards(&outline, width);
@@ -38,7 +38,7 @@ pub(crate) fn paving(plan: Plan, floor: Floor, border: MaterialId, width: f32) -
     }
     for i in 0..outline.len() {
         let next = (i + 1) % outline.len();
-        // The plan runs clockwise from above, so the border's edge that lies inside comes first.
+        // The plan is clockwise as seen from above, so the inner edge of the border comes first.
         let face = [outline[next], outline[i], region[i], region[next]].map(corner);
         shape.face(border, &face);
     }
@@ -89,8 +89,8 @@ pub(crate) fn paving(plan: Plan, floor: Floor, border: MaterialId, width: f32) -
     shape
 }
 
-/// Where the corners of what is left of a tile are in its texture: the grain runs along the tile's longest side, and each
-/// tile is cut from a place of its own, told by where it lies.
+/// Returns the texture coordinates of a clipped tile's corners. The grain runs along the tile's longest side, and the
+/// tile's position selects its part of the texture.
 fn hewn(tile: &[Vec2], cut: &[Vec2]) -> Vec<Vec2> {
     let count = tile.len();
     let side = |i: usize| tile[(i + 1) % count] - tile[i];
@@ -106,14 +106,14 @@ fn hewn(tile: &[Vec2], cut: &[Vec2]) -> Vec<Vec2> {
     let [x, z] = middle
         .to_array()
         .map(|value| (value * 64.0).round() as i64 as u64);
-    let mut chance = Random::new(x.wrapping_mul(0x1_0000_0001).wrapping_add(z));
-    let [u, v] = [chance.unit(), chance.unit()].map(|part| 4.0 * part);
+    let mut random = Random::new(x.wrapping_mul(0x1_0000_0001).wrapping_add(z));
+    let [u, v] = [random.unit(), random.unit()].map(|part| 4.0 * part);
     cut.iter()
         .map(|&at| vec2(u + (at - middle).perp_dot(along), v + (at - middle).dot(along)))
         .collect()
 }
 
-/// A rectangle between two corners, counter-clockwise from above.
+/// Returns a rectangle between two corners, counter-clockwise as seen from above.
 fn rectangle(from: Vec2, to: Vec2) -> [Vec2; 4] {
     [vec2(from.x, to.y), to, vec2(to.x, from.y), from]
 }
@@ -143,8 +143,8 @@ type Lay<'a> = dyn FnMut(MaterialId, &[Vec2]) + 'a;
 
 fn herringbone(lay: &mut Lay, middle: Vec2, reach: f32, width: f32, woods: [MaterialId; 3]) {
     const LONG: i32 = 5;
-    // Planks of 1 by `LONG` widths, laid on a grid turned by half a right angle. A plank lies along x wherever
-    // (column - row) is 0 modulo twice its length, and one along z ends beside it.
+    // Planks of 1 by `LONG` widths on a grid rotated by 45°. A plank along x begins wherever (column - row) is 0 modulo
+    // twice its length, and one along z ends beside it.
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let turned = |at: Vec2| middle + width * vec2(half * (at.x - at.y), half * (at.x + at.y));
     let count = (reach / width) as i32 + LONG + 1;
@@ -157,7 +157,7 @@ fn herringbone(lay: &mut Lay, middle: Vec2, reach: f32, width: f32, woods: [Mate
                 LONG => vec2(1.0, LONG as f32),
                 _ => continue,
             };
-            // Planks along z hang down from their corner, so that they meet the end of the plank above.
+            // Planks along z extend down from their corner, so that they meet the end of the plank above.
             let at = if size.y > 1.0 {
                 at - vec2(0.0, size.y - 1.0)
             } else {

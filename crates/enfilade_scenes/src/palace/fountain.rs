@@ -1,4 +1,4 @@
-//! The grotto west of the court, and the fountain that moves in it: a geometry made anew for every moment.
+//! The grotto west of the court with its animated fountain, rebuilt for every moment.
 
 use super::doors::DOORS;
 use super::floor::{Floor, paving};
@@ -18,7 +18,7 @@ use glam::{Vec3, vec3};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
-/// After so many seconds the fountain of [`fountain`] is as it was.
+/// Period of the animation of [`fountain`], in seconds.
 pub const FOUNTAIN_SECONDS: f32 = 4.0;
 
 pub(crate) const GROTTO: Design = Design {
@@ -47,10 +47,9 @@ const JETS: u32 = 12;
 const DROPS: u32 = 7;
 const SPLASHES: u32 = 4;
 
-/// The sector "Fountain" of the palace as it is after so many seconds; the palace is built with that of 0.
+/// Builds the geometry of the sector "Fountain" of the palace at a time in seconds; the palace contains that of time 0.
 ///
-/// Always the same things by the same names, and the same openings; only the water moves. It comes back after
-/// [`FOUNTAIN_SECONDS`].
+/// Item names and openings are always the same; only the water moves. The animation repeats after [`FOUNTAIN_SECONDS`].
 pub fn fountain(seconds: f32) -> Geometry {
     let still = &still().geometry;
     let mut geometry = geometry();
@@ -73,12 +72,12 @@ pub fn fountain(seconds: f32) -> Geometry {
     geometry.build().expect("water is made of sound things")
 }
 
-/// The lamps in it.
+/// Returns the lamps of the grotto.
 pub(super) fn lamps() -> Vec<Lamp> {
     still().lamps.clone()
 }
 
-/// All of it but the water, made once: at another moment only that is different.
+/// Everything except the water, built once, because only the water changes.
 fn still() -> &'static Closed {
     static STILL: LazyLock<Closed> = LazyLock::new(grotto);
     &STILL
@@ -147,7 +146,7 @@ fn basin(room: &mut Room) {
     );
 }
 
-/// Rough stones: under the figure, and along the wall of the apse.
+/// Rocks under the figure and along the wall of the apse.
 fn rocks(room: &mut Room) {
     let mut random = Random::new(11);
     let kinds = [STONE, DARK_STONE, VERDIGRIS]
@@ -180,19 +179,19 @@ fn rocks(room: &mut Room) {
     }
 }
 
-/// Where a jet springs from.
+/// Returns the origin of a jet.
 fn rim(jet: u32) -> Vec3 {
     around(jet, 2.35, 0.74)
 }
 
-/// A place round the basin's middle, in the direction of a jet.
+/// Returns a point around the basin's middle, in the direction of a jet.
 fn around(jet: u32, out: f32, up: f32) -> Vec3 {
     let (sin, cos) = (TAU * (f64::from(jet) + 0.5) / f64::from(JETS)).sin_cos();
     vec3(MIDDLE[0] + out * cos as f32, up, MIDDLE[1] + out * sin as f32)
 }
 
-/// The water at a part of the loop, 0 to 1: its surface, the jets, drops along them, and drops that splash where they
-/// fall. All that turns does so a whole number of times.
+/// Builds the water at a phase of the loop, 0 to 1: its surface, the jets, drops along them, and splashes where they
+/// fall. All rotations complete a whole number of turns.
 fn water(geometry: &mut GeometryBuilder, part: f64) {
     let wave = |turns: f64| (TAU * turns).sin() as f32;
     let rings = (0..=14).map(|ring| {

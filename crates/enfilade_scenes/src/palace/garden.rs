@@ -1,4 +1,4 @@
-//! What grows and stands under the sky or under glass: trees, hedges, a fountain, balustrades.
+//! Garden furniture and plants: trees, hedges, a fountain, balustrades.
 
 use super::palette::*;
 use super::room::shift;
@@ -11,7 +11,7 @@ use glam::{Vec3, vec2, vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// A tree of four that differ, some 4 m tall: a forked trunk, leaves cut out of rough squares.
+/// One of four trees, about 4 m tall: a forked trunk, and alpha-tested leaves on square cards.
 pub(crate) fn tree(shop: &mut Workshop, which: u64) -> Arc<Mesh> {
     shop.piece(format!("tree {}", which % 4), || {
         let mut random = Random::new(which % 4 + 40);
@@ -282,7 +282,7 @@ pub(crate) fn baluster(shop: &mut Workshop, stone: MaterialId) -> Arc<Mesh> {
     shop.piece(format!("baluster {}", stone.0), || baluster_shape(stone))
 }
 
-/// The same, for rows that are one thing.
+/// The shape of [`baluster`], for rows that are one item.
 pub(crate) fn baluster_shape(stone: MaterialId) -> Shape {
     let profile = [
         [0.07, 0.0],

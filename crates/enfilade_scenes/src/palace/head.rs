@@ -1,11 +1,11 @@
-//! Heads for statues and busts: a ball pushed in and out until it has a face.
+//! Heads for statues and busts: a ball displaced by bumps.
 
 use crate::shape::{Shape, loft};
 use enfilade::MaterialId;
 use glam::{Vec3, vec3};
 use std::f64::consts::PI;
 
-/// How the hair lies.
+/// Hairstyle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Hair {
     /// Waves, and a knot at the back.
@@ -18,7 +18,7 @@ pub(crate) enum Hair {
     Beard,
 }
 
-/// A soft bump: where it stands on the ball (right, up, towards the viewer), how wide, how high.
+/// A soft bump: position on the ball (right, up, towards the viewer), width, height.
 struct Bump(Vec3, f32, f32);
 
 const FACE: [Bump; 13] = [
@@ -26,7 +26,7 @@ const FACE: [Bump; 13] = [
     Bump(vec3(0.0, -0.12, 0.98), 0.10, 0.20),
     Bump(vec3(0.0, 0.03, 1.0), 0.09, 0.12),
     Bump(vec3(0.0, 0.16, 0.98), 0.10, 0.05),
-    // Eyes lie deep, the balls come forward again.
+    // Eye sockets, with the eyeballs in them.
     Bump(vec3(-0.34, 0.10, 0.92), 0.17, -0.10),
     Bump(vec3(0.34, 0.10, 0.92), 0.17, -0.10),
     Bump(vec3(-0.32, 0.08, 0.93), 0.08, 0.06),
@@ -40,7 +40,7 @@ const FACE: [Bump; 13] = [
     Bump(vec3(0.0, -0.66, 0.72), 0.18, 0.12),
 ];
 
-/// A head that looks to +z, its middle at the origin, `size` from chin to crown.
+/// A head facing +z, its middle at the origin, `size` from chin to crown.
 pub(crate) fn head(material: MaterialId, size: f32, hair: Hair) -> Shape {
     const RINGS: usize = 30;
     const SIDES: usize = 36;
@@ -70,7 +70,7 @@ fn radius(toward: Vec3, hair: Hair) -> f32 {
 fn hair_height(toward: Vec3, hair: Hair) -> f32 {
     let turn = toward.x.atan2(toward.z);
     let step = |value: f32, width: f32| (0.5 + value / width).clamp(0.0, 1.0);
-    // How far behind the hairline, which runs over the brow and before the ears.
+    // Distance behind the hairline, which runs over the brow and before the ears.
     let scalp = step(toward.y - 0.45 + 1.3 * (0.25 - toward.z).max(-0.3), 0.16);
     let back = step(-0.05 - toward.z, 0.3) * step(toward.y + 0.75, 0.3);
     match hair {

@@ -67,7 +67,7 @@ fn mantel(marble: MaterialId, gilt: MaterialId) -> Shape {
     shape
 }
 
-/// Logs on two dogs, flames, embers: they lie in the hearth, behind the wall's plane.
+/// Logs on two firedogs, flames, embers, behind the wall's plane.
 fn fire() -> Shape {
     let mut shape = Shape::new();
     let log = lathe(

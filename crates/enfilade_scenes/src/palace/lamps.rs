@@ -1,18 +1,18 @@
-//! Where light comes from in the palace: flames, spots on what is worth looking at, and the sun.
+//! Lights of the palace: flames, spots on exhibits, and the sun.
 
 use enfilade::{Light, LightShape, SectorId, Transform};
 use glam::Vec3;
 
-/// So many lamps shine in a room, at most: each is asked at every place that is seen.
+/// Maximum number of lamps per room, because each is evaluated at every visible sample.
 pub(crate) const MAX_LAMPS: usize = 6;
 
-/// Where the sun's light goes: it is late in the afternoon, and the sun stands low in the south-west.
+/// Direction of sunlight: late afternoon, with the sun low in the south-west.
 pub(crate) const SUNLIGHT: [f32; 3] = [0.78, -0.46, -0.34];
 
-/// The color of candles, for one in the brightness of the light.
+/// Color of candlelight, for a brightness of one.
 const CANDLELIGHT: Vec3 = Vec3::new(1.0, 0.76, 0.48);
 
-/// A light in a room that is being built.
+/// A light of a room under construction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lamp {
     position: [f32; 3],
@@ -22,7 +22,7 @@ pub(crate) struct Lamp {
 }
 
 impl Lamp {
-    /// Candles at a place: `strength` is the light that a white wall one metre away sends back.
+    /// Candles at a position; `strength` is the light that a white wall one metre away reflects.
     pub(crate) fn candles(position: [f32; 3], strength: f32) -> Lamp {
         Lamp {
             position,
@@ -41,7 +41,7 @@ impl Lamp {
         }
     }
 
-    /// Daylight that comes in from all sides of a place.
+    /// Daylight from all sides of a position.
     pub(crate) fn daylight(position: [f32; 3], color: [f32; 3], range: f32) -> Lamp {
         Lamp {
             color: color.into(),
@@ -50,7 +50,7 @@ impl Lamp {
         }
     }
 
-    /// A lamp that is turned to what stands at `target`.
+    /// A spot aimed at `target`.
     pub(crate) fn spot(position: [f32; 3], target: [f32; 3], strength: f32) -> Lamp {
         let direction = Vec3::from(target) - Vec3::from(position);
         Lamp {
@@ -65,13 +65,13 @@ impl Lamp {
         }
     }
 
-    /// The sun over a sector that has no roof.
+    /// The sun over a sector without a roof.
     pub(crate) fn sun(strength: f32) -> Lamp {
         Lamp::from_afar(SUNLIGHT, Vec3::new(1.0, 0.84, 0.60) * strength)
     }
 
-    /// What the sky adds where the sun is not: it comes against the sun, so that it falls through no window that the sun
-    /// falls through.
+    /// Sky light, from the direction opposite to the sun, so that it does not enter through the same windows as
+    /// sunlight.
     pub(crate) fn sky(strength: f32) -> Lamp {
         let [x, y, z] = SUNLIGHT;
         Lamp::from_afar([-x, 1.5 * y, -z], Vec3::new(0.70, 0.86, 1.0) * strength)
@@ -86,7 +86,7 @@ impl Lamp {
         }
     }
 
-    /// The same, brighter or darker.
+    /// Returns the lamp with its brightness multiplied by a factor.
     pub(crate) fn times(self, factor: f32) -> Lamp {
         Lamp {
             color: self.color * factor,
@@ -105,12 +105,12 @@ impl Lamp {
     }
 }
 
-/// Where the middle of a thing is that stands at `place`, so high over its foot.
+/// Returns the point at height `up` over the origin of a transform.
 pub(crate) fn over(place: Transform, up: f32) -> [f32; 3] {
     place.point([0.0, up, 0.0])
 }
 
-/// All that must shine, and of the rest as many as there may be: each time the one that is farthest from all others.
+/// Returns all required lamps, and as many candles as the limit allows: each time the one farthest from all others.
 pub(super) fn chosen(lamps: Vec<Lamp>, candles: Vec<Lamp>) -> Vec<Lamp> {
     let mut chosen = lamps;
     let mut left = candles;

@@ -1,4 +1,4 @@
-//! Candles, and what carries them. Every candle is an item of its own.
+//! Candles and candle holders. Every candle is an item.
 
 use super::lamps::{Lamp, over};
 use super::palette::{CANDLE_FLAME, CRYSTAL, WAX};
@@ -36,7 +36,7 @@ fn candle(shop: &mut Workshop) -> Arc<Mesh> {
     })
 }
 
-/// A dish for a candle on the end of an arm, at the origin.
+/// A dish for a candle at the end of an arm, at the origin.
 fn dish(metal: MaterialId) -> Shape {
     let profile = [
         [0.0, -0.03],
@@ -51,7 +51,7 @@ fn dish(metal: MaterialId) -> Shape {
     lathe(metal, &profile, 12)
 }
 
-/// A chandelier of `arms` arms that hangs from the ceiling, its lowest point at a height over (x, z).
+/// Adds a chandelier of `arms` arms that hangs from the ceiling over (x, z), its lowest point at a given height.
 pub(crate) fn chandelier(
     room: &mut Room,
     [x, z]: [f32; 2],
@@ -129,7 +129,7 @@ pub(crate) fn chandelier(
         shape
     });
     let place = shift(x, height, z) * scaled(size);
-    // Below it, where it does not stand in its own light.
+    // Below it, where the chandelier does not block the light.
     room.lamps
         .push(Lamp::candles(over(place, -0.6), 0.45 * size * arms as f32));
     room.put("chandelier", &body, place);
@@ -149,7 +149,7 @@ pub(crate) fn chandelier(
     }
 }
 
-/// A candelabrum that stands at `place`: `tall` metres, five candles.
+/// Adds a candelabrum with five candles, `tall` metres high.
 pub(crate) fn candelabrum(room: &mut Room, place: Transform, tall: f32, metal: MaterialId) {
     let branch = tall.min(1.2) * 0.24;
     let stand = room.shop.piece(format!("candelabrum {tall} {}", metal.0), || {
@@ -209,7 +209,7 @@ pub(crate) fn candelabrum(room: &mut Room, place: Transform, tall: f32, metal: M
     }
 }
 
-/// A bracket on a wall with three candles; `place` is the wall's frame.
+/// Adds a bracket with three candles to a wall; `place` is the wall frame.
 pub(crate) fn sconce(room: &mut Room, place: Transform, metal: MaterialId) {
     let ends = [
         vec3(-0.16, 0.14, 0.17),
@@ -241,7 +241,7 @@ pub(crate) fn sconce(room: &mut Room, place: Transform, metal: MaterialId) {
         }
         shape
     });
-    // Off the wall, so that this is lit and not burnt.
+    // Off the wall, so that the wall is not overexposed.
     room.candles
         .push(Lamp::candles(place.point([0.0, 0.45, 0.6]), 1.3));
     room.put("sconce", &bracket, place);

@@ -1,4 +1,4 @@
-//! A painting in the picture room that is none: through its frame one looks into the court.
+//! A fake painting in the picture room: its frame is a portal into the court.
 
 use super::picture::gilded_frame;
 use super::room::{Room, shift};
@@ -6,13 +6,13 @@ use crate::envelope::Side;
 use enfilade::{OpeningId, Transform};
 use glam::vec2;
 
-/// Width and height, and how high it hangs.
+/// Width and height, and height above the floor.
 const SIZE: [f32; 2] = [3.4, 2.5];
 const FOOT: f32 = 1.35;
-/// So deep is the hole behind the frame.
+/// Depth of the hole behind the frame.
 const DEEP: f32 = 0.04;
 
-/// Hangs it in the middle of the eastern wall.
+/// Adds it to the middle of the eastern wall.
 pub(super) fn hang(room: &mut Room) -> OpeningId {
     let wall = room.design.plan.wall(Side::East);
     let along = 0.5 * room.walls()[wall].length();
@@ -32,8 +32,8 @@ pub(super) fn hang(room: &mut Room) -> OpeningId {
     room.opening("living picture", &far)
 }
 
-/// From the picture room into the court: over its northern end, looking down along the path in its middle, for who stands
-/// before a painting on a wall has the horizon low.
+/// Returns the transform from the picture room into the court: above its northern end, looking down along its middle
+/// path, because a viewer of a wall painting sees its horizon low.
 pub(super) fn court_from_here() -> Transform {
     let middle = [6.55 + DEEP, FOOT + 0.5 * SIZE[1], -98.0];
     shift(-28.0, 5.2, -73.4)

@@ -1,5 +1,5 @@
-//! The built-in palace: an enfilade of twelve rooms, with a gallery, a court and cabinets beside it, a garden before its
-//! last rooms, and a painted gallery of convex cells along the garden.
+//! The built-in palace: an enfilade of twelve rooms, with a gallery, a court and cabinets beside it, a garden before
+//! its last rooms, and a gallery of convex cells along the garden.
 
 mod cameras;
 mod case;
@@ -49,17 +49,17 @@ use room::{Doorway, Room};
 use std::collections::HashMap;
 use workshop::Workshop;
 
-/// The seed of the palace that everybody knows.
+/// Seed of the built-in palace.
 pub(crate) const SEED: u64 = 1_783;
 
-/// Builds the palace. Paintings and the lie of small things follow from the seed; rooms and doors do not.
+/// Builds the palace. Paintings and the positions of small items depend on the seed; rooms and doors do not.
 pub(crate) fn palace(seed: u64) -> BuiltIn {
     let mut scene = SceneBuilder::new();
     let mut shop = Workshop::default();
     let mut random = Random::new(seed);
     let mut door_ends: Vec<Vec<(SectorId, OpeningId)>> = vec![Vec::new(); DOORS.len()];
     let mut doll_house_front = None;
-    // Portals of one way, and the rooms they lead to.
+    // One-way portals, with the rooms they lead to.
     let mut one_way = Vec::new();
     let mut ids = HashMap::new();
     for (name, design) in Name::ALL.into_iter().zip(ROOMS) {
@@ -88,7 +88,7 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
         };
         rooms::furnish(&mut room, name);
         let id = if name == Name::Garden {
-            // Most of it is ground.
+            // Walls on two sides only; the ground closes the rest.
             let closed = room.close_beside(&park::WALLS);
             closed.seen_by(Method::FloatingHorizon, &mut scene, design.name)
         } else {
@@ -107,7 +107,7 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
             );
         }
     }
-    // It changes at every moment, so a method that builds nothing sees it.
+    // The fountain changes every frame, so it uses a method without precomputation.
     let id = scene.add(fountain::GROTTO.name, fountain(0.0), Method::ZBuffer);
     for lamp in fountain::lamps() {
         scene.light(lamp.in_sector(id));
@@ -136,7 +136,8 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
     }
 }
 
-/// Cuts a gate into a room, which is the `near` one of its two or the far one; the opening looks into the room.
+/// Cuts a gate into a room, which is the gate's near room if `near` is set, else the far one. The opening faces the
+/// room.
 fn open(room: &mut Room, name: &str, gate: &Gate, near: bool) -> OpeningId {
     let at = Vec2::from(gate.at);
     let mut outline = gate.outline();

@@ -1,6 +1,6 @@
-//! What the rooms of the palace are called among those who build it.
+//! Names of the palace's rooms, for the code that builds it.
 
-/// Names of rooms, as places in [`ROOMS`](super::plan::ROOMS).
+/// A room; the value is an index into [`ROOMS`](super::plan::ROOMS).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Name {
     Vestibule,
@@ -25,9 +25,10 @@ pub(crate) enum Name {
     SecretPassage,
     Terrace,
     Garden,
-    /// Not in the plan's list: it is made anew for every moment.
+    /// Not in [`ROOMS`](super::plan::ROOMS): rebuilt for every moment.
     Fountain,
-    /// The gallery of convex cells, from here on; not in that list either, but in [`CELLS`](super::cells::CELLS).
+    /// The first of the convex cells, which are in [`CELLS`](super::cells::CELLS), not in
+    /// [`ROOMS`](super::plan::ROOMS).
     PaintedLobby,
     FirstThreshold,
     MorningBay,

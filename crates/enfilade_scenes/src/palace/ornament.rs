@@ -1,4 +1,4 @@
-//! Things to set on pedestals, mantels and shelves: urns, vases, obelisks, spheres, knots.
+//! Ornaments for pedestals, mantels and shelves: urns, vases, obelisks, spheres, knots.
 
 use super::room::shift;
 use super::statue::bezier;
@@ -123,7 +123,7 @@ pub(crate) fn vase(shop: &mut Workshop, kind: usize, clay: MaterialId, band: Mat
     })
 }
 
-/// A needle of stone on four balls, 1.9 m tall.
+/// An obelisk on four balls, 1.9 m tall.
 pub(crate) fn obelisk(shop: &mut Workshop, stone: MaterialId, gilt: MaterialId) -> Arc<Mesh> {
     shop.piece(format!("obelisk {} {}", stone.0, gilt.0), || {
         let mut shape = cuboid(stone, [0.5, 0.12, 0.5]);
@@ -140,7 +140,7 @@ pub(crate) fn obelisk(shop: &mut Workshop, stone: MaterialId, gilt: MaterialId) 
     })
 }
 
-/// Rings of the sky round a small earth, 1.2 m tall.
+/// An armillary sphere around a small earth, 1.2 m tall.
 pub(crate) fn armillary(shop: &mut Workshop, brass: MaterialId, earth: MaterialId) -> Arc<Mesh> {
     shop.piece(format!("armillary {} {}", brass.0, earth.0), || {
         let foot = [
@@ -176,7 +176,7 @@ pub(crate) fn armillary(shop: &mut Workshop, brass: MaterialId, earth: MaterialI
     })
 }
 
-/// A torus knot on a small foot: sculpture of another age. 1.1 m tall.
+/// A modern sculpture: a torus knot on a small foot, 1.1 m tall.
 pub(crate) fn knot_sculpture(
     shop: &mut Workshop,
     coils: u32,
@@ -205,7 +205,7 @@ pub(crate) fn knot_sculpture(
     })
 }
 
-/// A globe of the earth or of the sky in its wooden stand, 1.2 m tall.
+/// A terrestrial or celestial globe in a wooden stand, 1.2 m tall.
 pub(crate) fn globe(
     shop: &mut Workshop,
     wood: MaterialId,

@@ -1,11 +1,11 @@
-//! What the palace is made of. Colors are linear; where there is a texture, they tint it.
+//! Materials of the palace. Colors are linear; textures tint them.
 
 use super::textures::*;
 use crate::shape::Dress;
 use enfilade::{Alpha, GeometryBuilder, Material, MaterialId, TextureId};
 use std::sync::{Arc, LazyLock};
 
-/// A geometry of the palace's materials and textures, the same for all of its sectors, and nothing in it.
+/// Creates an empty geometry with the palace's materials and textures, the same for all sectors.
 pub(crate) fn geometry() -> GeometryBuilder {
     static MADE: LazyLock<Arc<[Material]>> = LazyLock::new(materials);
     let mut geometry = GeometryBuilder::new(Arc::clone(&MADE));
@@ -16,7 +16,7 @@ pub(crate) fn geometry() -> GeometryBuilder {
 fn materials() -> Arc<[Material]> {
     let table = TABLE.iter().map(|&(_, material, finish)| Material {
         texture: finish.texture(),
-        // What glows through its colors does so by them alone.
+        // Stained glass glows in its texture's colors only.
         emission_texture: finish.texture().filter(|_| material.emission != [0.0; 3]),
         ..material
     });
@@ -27,36 +27,36 @@ fn materials() -> Arc<[Material]> {
     table.chain(paintings).collect()
 }
 
-/// A painting, by its number: broad ones come first, high ones after.
+/// Returns a painting by its index: wide ones first, then tall ones.
 pub(crate) fn painted(number: usize) -> MaterialId {
     MaterialId((TABLE.len() + number) as u32)
 }
 
-/// How the faces of a material are drawn.
+/// Returns how the faces of a material are rendered.
 pub(crate) fn dress(material: MaterialId) -> Dress {
     match TABLE.get(material.0 as usize) {
         Some(&(_, material, finish)) => finish.dress(material.double_sided),
-        // A painting, whose corners have places of their own.
+        // A painting, with explicit texture coordinates.
         None => PLACED.dress(false),
     }
 }
 
-/// What is on the faces of a material.
+/// Texture of a material: texture, repetitions per metre, and whether it has a grain.
 #[derive(Clone, Copy)]
 struct Finish(Option<TextureId>, f32, bool);
 
 /// One color.
 const EVEN: Finish = Finish(None, 1.0, false);
 
-/// Where corners are in the texture is told as parts of it, not in metres.
+/// Texture coordinates are fractions of the texture, not metres.
 const PLACED: Finish = Finish(Some(TextureId(FIRST_PAINTING)), 1.0, false);
 
-/// A texture, and how often it repeats along a metre.
+/// A texture with its repetitions per metre.
 const fn with(texture: TextureId, per_metre: f32) -> Finish {
     Finish(Some(texture), per_metre, false)
 }
 
-/// The same with a grain, which runs along what is longer.
+/// As [`with`], with a grain along the longer side.
 const fn grained(texture: TextureId, per_metre: f32) -> Finish {
     Finish(Some(texture), per_metre, true)
 }
@@ -82,7 +82,7 @@ const fn solid(r: f32, g: f32, b: f32) -> Material {
     Material::opaque([r, g, b])
 }
 
-/// Thin things that are seen from both sides.
+/// Thin two-sided surfaces.
 const fn sheet(r: f32, g: f32, b: f32) -> Material {
     Material {
         double_sided: true,
@@ -97,7 +97,7 @@ const fn cut_out(r: f32, g: f32, b: f32) -> Material {
     }
 }
 
-/// A cut-out whose two sides are faces of their own, so that both may be lit alike.
+/// An alpha-tested material whose two sides are separate faces, so that both can be lit equally.
 const fn one_sided(r: f32, g: f32, b: f32) -> Material {
     Material {
         double_sided: false,
@@ -113,12 +113,12 @@ const fn glass(r: f32, g: f32, b: f32, coverage: f32) -> Material {
     }
 }
 
-/// Something that sends out light of its own.
+/// An emissive material.
 const fn glowing(material: Material, emission: [f32; 3]) -> Material {
     Material { emission, ..material }
 }
 
-/// Colored glass before daylight, so dark without it.
+/// Stained glass against daylight: dark without it.
 const fn stained(own: f32) -> Material {
     glowing(solid(own, own, own), [1.1, 1.1, 1.1])
 }
@@ -192,7 +192,7 @@ pub(crate) const YELLOW_RUG: MaterialId = MaterialId(64);
 pub(crate) const PALE_BOUGHS: MaterialId = MaterialId(65);
 pub(crate) const DARK_BOUGHS: MaterialId = MaterialId(66);
 pub(crate) const LONG_GRASS: MaterialId = MaterialId(67);
-/// The ground of the garden: terrain has no places in textures.
+/// The ground of the garden, untextured, because terrain has no texture coordinates.
 pub(crate) const MEADOW: MaterialId = MaterialId(68);
 pub(crate) const SLATE: MaterialId = MaterialId(69);
 pub(crate) const GREEN_PANELS: MaterialId = MaterialId(70);

@@ -8,7 +8,7 @@ use enfilade::{MaterialId, Mesh};
 use glam::vec3;
 use std::sync::Arc;
 
-/// Panels over one free stretch, below the rail and above it.
+/// Adds panels to one free stretch of wall, below the rail and above it.
 pub(super) fn panels(room: &mut Room, wall: Wall, from: f32, to: f32, top: f32) {
     let Style {
         gilt, dado, field, ..

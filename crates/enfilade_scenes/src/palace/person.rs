@@ -1,4 +1,4 @@
-//! People who walk about in the palace.
+//! Figures of people, to be moved through the palace.
 
 use super::head::{Hair, head};
 use super::palette::{
@@ -19,8 +19,8 @@ const CLOTHS: [MaterialId; 7] = [
     YELLOW_SILK,
 ];
 
-/// Somebody in a long robe, 1.9 m tall, who stands at the origin and looks to +z; of materials that every sector of
-/// `@enfilade` has. Seven kinds of people, by `number`.
+/// Creates the mesh of a person in a long robe, 1.9 m tall, at the origin, facing +z. Its materials exist in every
+/// sector of `@enfilade`. `number` selects one of seven variants.
 pub fn person(number: usize) -> Arc<Mesh> {
     let cloth = CLOTHS[number % CLOTHS.len()];
     let (skin, hair) = if number.is_multiple_of(2) {

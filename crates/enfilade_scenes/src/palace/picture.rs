@@ -9,7 +9,7 @@ use enfilade::{MaterialId, Mesh, Transform};
 use glam::{Vec3, vec2, vec3};
 use std::sync::Arc;
 
-/// Hangs a painting of the given size; `place` is the wall's frame at its lower left corner.
+/// Adds a painting of the given size; `place` is the wall frame at its lower left corner.
 pub(crate) fn hang_painting(room: &mut Room, place: Transform, size: [f32; 2], gilt: MaterialId) {
     let border = gilded_frame(room, size, gilt);
     room.put("picture frame", &border, place);
@@ -17,7 +17,7 @@ pub(crate) fn hang_painting(room: &mut Room, place: Transform, size: [f32; 2], g
     room.put("painting", &canvas, place * shift(0.0, 0.0, 0.2 * breadth(size)));
 }
 
-/// How broad the frame of a painting is.
+/// Width of a painting's frame.
 fn breadth(size: [f32; 2]) -> f32 {
     0.10 + 0.04 * size[0].min(size[1])
 }
@@ -46,8 +46,8 @@ pub(crate) fn gilded_frame(room: &mut Room, size: [f32; 2], gilt: MaterialId) ->
     })
 }
 
-/// A painting in the plane z = 0, its lower left corner at the origin: one whose shape is like that of the frame, and of
-/// it as much as goes in.
+/// A painting in the plane z = 0, its lower left corner at the origin. Chooses a picture of similar aspect ratio,
+/// cropped to fit.
 fn painting(random: &mut Random, [wide, high]: [f32; 2]) -> Shape {
     let broad = wide >= high;
     let (number, aspect) = if broad {
@@ -60,7 +60,7 @@ fn painting(random: &mut Random, [wide, high]: [f32; 2]) -> Shape {
     } else {
         [wide / high / aspect, 1.0]
     };
-    // What is in a picture stands in its lower part.
+    // The subject is in the lower part of a picture.
     let [left, top] = [0.5 * (1.0 - u), 0.7 * (1.0 - v)];
     let [right, bottom] = [left + u, top + v];
     let mut shape = Shape::new();

@@ -1,9 +1,9 @@
-//! The palace on paper: every room's place, shape and colors, and the doors between rooms.
+//! Plan of the palace: position, shape and colors of every room, and the doors between rooms.
 //!
-//! The enfilade runs along −z at x = 0, through twelve rooms; a gallery and a court lie west of it, cabinets east. North
-//! of the court a wing of convex cells, the painted gallery, looks on the garden, as the last rooms of the enfilade do.
-//! Half of every wall belongs to the room on either side: rooms end at the planes of their doors, and nowhere
-//! reach over them.
+//! The enfilade runs along −z at x = 0, through twelve rooms; a gallery and a court are west of it, cabinets east.
+//! North of the court a wing of convex cells, the painted gallery, faces the garden, as the last rooms of the enfilade
+//! do. Half of every wall belongs to the room on either side: rooms end at the planes of their doors and never extend
+//! over them.
 
 use super::floor::Floor;
 pub(crate) use super::name::Name;
@@ -14,12 +14,12 @@ use crate::envelope::{Axis, Ceiling, Plan, Side};
 /// Half the thickness of a wall.
 pub(crate) const WALL: f32 = 0.45;
 
-/// Where the doors of the enfilade stand, from the first to the last.
+/// Positions of the enfilade's doors, as z, from the first to the last.
 pub(crate) const DOORS_AT: [f32; 11] = [
     -12.0, -21.0, -31.0, -40.0, -54.0, -63.0, -72.0, -82.0, -93.0, -103.0, -111.0,
 ];
 
-/// Half the width of the rooms of the enfilade, to the middle of the walls.
+/// Half the width of the enfilade's rooms, to the middle of the walls.
 pub(crate) const HALF: f32 = 7.0;
 
 const fn enfilade(first: f32, last: f32) -> Plan {

@@ -1,4 +1,4 @@
-//! A room while it is built: things are put in, holes are cut, and at the end it is closed round them.
+//! A room under construction: items are added, holes are cut, and at the end its envelope is built around them.
 
 use super::floor::Floor;
 use super::lamps::{Lamp, chosen};
@@ -15,10 +15,10 @@ use glam::{Vec2, Vec3, vec2};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The paving lies so high above the closed floor beneath it.
+/// Height of the paving above the closed floor beneath it, in metres.
 pub(crate) const PAVING: f32 = 0.02;
 
-/// What a room is before anything stands in it.
+/// Shape and style of a room, without items.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Design {
     pub(crate) name: &'static str,
@@ -40,64 +40,64 @@ pub(crate) struct Style {
     /// The wall below the rail, and above it.
     pub(crate) dado: MaterialId,
     pub(crate) wall: MaterialId,
-    /// Fields within the frames of the panels.
+    /// Panel fields within their frames.
     pub(crate) field: MaterialId,
     pub(crate) ceiling: MaterialId,
     /// Sides of doorways and windows.
     pub(crate) reveal: MaterialId,
 }
 
-/// A doorway or window, in the frame of its wall.
+/// A doorway or window, in wall coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Doorway {
-    /// The wall, by its place on the plan.
+    /// Index of the wall on the plan.
     pub(crate) wall: usize,
-    /// From the wall's left end to the middle of the doorway.
+    /// Distance from the wall's left end to the middle of the doorway.
     pub(crate) along: f32,
     pub(crate) width: f32,
-    /// Height of the lower edge; 0 where one walks through.
+    /// Height of the lower edge; 0 for doors.
     pub(crate) sill: f32,
-    /// Height where the arch begins, and the arch's own.
+    /// Height where the arch begins, and height of the arch.
     pub(crate) spring: f32,
     pub(crate) rise: f32,
-    /// From the wall to the plane of the opening.
+    /// Distance from the wall to the plane of the opening.
     pub(crate) depth: f32,
 }
 
 impl Doorway {
-    /// The stretch of the wall that it takes, with a margin on both sides.
+    /// Returns the extent along the wall that it occupies, with a margin on both sides.
     pub(crate) fn reach(&self, margin: f32) -> [f32; 2] {
         let half = 0.5 * self.width + margin;
         [self.along - half, self.along + half]
     }
 }
 
-/// A wall of a room, seen from inside.
+/// A wall of a room, as seen from inside.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wall {
     pub(crate) left: Vec2,
     pub(crate) right: Vec2,
 }
 
-/// A room when all is in it.
+/// A finished room.
 pub(crate) struct Closed {
     pub(crate) geometry: Geometry,
     mirrors: Vec<OpeningId>,
     pub(crate) lamps: Vec<Lamp>,
 }
 
-/// A room being built.
+/// A room under construction.
 pub(crate) struct Room<'a> {
     pub(crate) design: Design,
     pub(crate) shop: &'a mut Workshop,
     pub(crate) random: Random,
     pub(crate) holes: Vec<Hole>,
     pub(crate) doorways: Vec<Doorway>,
-    /// For each wall, the stretches along it that panels must leave free.
+    /// For each wall, the extents along it that panels must leave free.
     pub(crate) taken: Vec<Vec<[f32; 2]>>,
-    /// Mirrors hung so far.
+    /// Mirrors added so far.
     pub(crate) mirrors: Vec<OpeningId>,
-    /// What shines in it, and what may if there is not enough of that.
+    /// Lamps, and candles that become lamps if there are too few.
     pub(crate) lamps: Vec<Lamp>,
     pub(crate) candles: Vec<Lamp>,
     geometry: GeometryBuilder,
@@ -110,7 +110,7 @@ impl Wall {
         self.left.distance(self.right)
     }
 
-    /// The wall's own frame `along` metres from its left end and `up` from the floor: x right, y up, z out of the
+    /// Returns the frame `along` metres from the wall's left end and `up` from the floor: x right, y up, z out of the
     /// wall.
     pub(crate) fn at(&self, along: f32, up: f32) -> Transform {
         let right = (self.right - self.left).normalize();
@@ -123,24 +123,24 @@ impl Wall {
         ])
     }
 
-    /// How far along the wall the point of it is that is nearest to one of the plan.
+    /// Returns the distance along the wall of the point nearest to a plan position.
     pub(crate) fn along(&self, point: Vec2) -> f32 {
         (point - self.left).dot((self.right - self.left).normalize())
     }
 }
 
-/// A place to stand on the paving, turned counter-clockwise seen from above; fronts look to +z before.
+/// Returns a position on the paving, rotated counter-clockwise as seen from above; fronts face +z without rotation.
 pub(crate) fn spot(x: f32, z: f32, degrees: f32) -> Transform {
     Transform::translation([x, PAVING, z])
         * Transform::rotation([0.0, 1.0, 0.0], f64::from(degrees).to_radians())
 }
 
-/// A shift.
+/// Returns a translation.
 pub(crate) fn shift(x: f32, y: f32, z: f32) -> Transform {
     Transform::translation([x, y, z])
 }
 
-/// The same factor along all axes.
+/// Returns a uniform scaling.
 pub(crate) fn scaled(factor: f32) -> Transform {
     Transform::scaling([factor; 3])
 }
@@ -164,7 +164,7 @@ impl<'a> Room<'a> {
         }
     }
 
-    /// Puts a thing in. Things of one name are numbered.
+    /// Adds an item. Items of one name are numbered.
     pub(crate) fn put(&mut self, thing: &str, mesh: &Arc<Mesh>, at: Transform) {
         let count = self.counts.entry(thing.to_owned()).or_default();
         *count += 1;
@@ -174,12 +174,12 @@ impl<'a> Room<'a> {
         self.geometry.item(&name, id, at);
     }
 
-    /// Puts in a thing that there is only one of, made where it stands.
+    /// Adds a unique item, with an identity transform.
     pub(crate) fn make(&mut self, thing: &str, shape: &Shape) {
         self.put(thing, &shape.dressed(dress), Transform::IDENTITY);
     }
 
-    /// Adds an opening; its front looks into the room.
+    /// Adds an opening; its front faces the room.
     pub(crate) fn opening(&mut self, name: &str, outline: &[Vec3]) -> OpeningId {
         let corners: Vec<[f32; 3]> = outline.iter().map(|corner| corner.to_array()).collect();
         self.geometry.opening(
@@ -202,18 +202,18 @@ impl<'a> Room<'a> {
         self.walls()[self.design.plan.wall(side)]
     }
 
-    /// Keeps panels away from a stretch of a wall.
+    /// Keeps panels away from an extent of a wall.
     pub(crate) fn take(&mut self, wall: usize, from: f32, to: f32) {
         self.taken[wall].push([from, to]);
     }
 
-    /// Puts a thing on a wall: `along` it from its left end, `up` from the floor.
+    /// Adds an item on a wall: `along` it from its left end, `up` from the floor.
     pub(crate) fn hang(&mut self, thing: &str, mesh: &Arc<Mesh>, side: Side, along: f32, up: f32) {
         let at = self.wall(side).at(along, up);
         self.put(thing, mesh, at);
     }
 
-    /// Cuts a hole into a wall: an outline in the wall's frame at `along`, `depth` deep. Returns its far outline.
+    /// Cuts a hole into a wall: an outline in wall coordinates at `along`, `depth` deep. Returns its far outline.
     pub(crate) fn cut(
         &mut self,
         wall: usize,
@@ -252,7 +252,7 @@ impl<'a> Room<'a> {
         self.doorways.push(door);
     }
 
-    /// Adds ground by heights, whose first sample stands at `sector_from_field`'s origin.
+    /// Adds terrain, whose first sample is at `sector_from_field`'s origin.
     pub(crate) fn ground(&mut self, field: Arc<HeightField>, material: MaterialId, at: Transform) {
         let name = format!("{}: ground", self.design.name);
         self.geometry
@@ -260,7 +260,7 @@ impl<'a> Room<'a> {
             .expect("far fewer faces than are numbered");
     }
 
-    /// Closes the room round what was put in.
+    /// Closes the room around its items.
     pub(crate) fn close(mut self) -> Closed {
         let shell = self.shell();
         self.make("shell floor", &shell.floor);
@@ -273,7 +273,7 @@ impl<'a> Room<'a> {
         self.finished()
     }
 
-    /// Closes what has walls on some sides alone; the ground closes it below and rises beyond where the others would be.
+    /// Closes a room with walls on some sides only. Terrain closes it below and rises beyond the other sides.
     pub(crate) fn close_beside(mut self, sides: &[Side]) -> Closed {
         let shell = self.shell();
         for &side in sides {
@@ -308,7 +308,7 @@ impl<'a> Room<'a> {
 }
 
 impl Closed {
-    /// A geometry that was not made as a room is.
+    /// Wraps geometry that was not built as a room.
     pub(crate) fn of(geometry: Geometry, lamps: Vec<Lamp>) -> Closed {
         Closed {
             geometry,
@@ -317,12 +317,12 @@ impl Closed {
         }
     }
 
-    /// Makes it a sector, its mirrors mirrors, and lights its lamps.
+    /// Adds the sector with its mirrors and lights.
     pub(crate) fn add_to(self, scene: &mut SceneBuilder, name: &str) -> SectorId {
         self.seen_by(Method::HierarchicalZ, scene, name)
     }
 
-    /// The same, seen by a method of its own.
+    /// As [`Closed::add_to`], with an explicit method.
     pub(crate) fn seen_by(self, method: Method, scene: &mut SceneBuilder, name: &str) -> SectorId {
         let id = scene.add(name, self.geometry, method);
         for mirror in self.mirrors {
@@ -335,8 +335,8 @@ impl Closed {
     }
 }
 
-/// A rectangle with half an ellipse on top, counter-clockwise from its lower left corner; its foot's middle is at
-/// (0, `foot`). A `rise` of 0 leaves the top flat.
+/// Returns a rectangle topped by half an ellipse, counter-clockwise from its lower left corner; the middle of its foot
+/// is at (0, `foot`). A `rise` of 0 leaves the top flat.
 pub(crate) fn arched(width: f32, foot: f32, spring: f32, rise: f32) -> Vec<Vec2> {
     const STEPS: usize = 12;
     let half = 0.5 * width;
@@ -352,7 +352,7 @@ pub(crate) fn arched(width: f32, foot: f32, spring: f32, rise: f32) -> Vec<Vec2>
 }
 
 impl Design {
-    /// Height of the highest point of the ceiling.
+    /// Returns the height of the highest point of the ceiling.
     pub(crate) fn crown(&self) -> f32 {
         match self.ceiling {
             Ceiling::Flat | Ceiling::Sky => self.height,

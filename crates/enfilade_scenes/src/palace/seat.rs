@@ -10,7 +10,7 @@ use glam::{Vec3, vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-/// A leg bent like a goat's, from the floor up to `height`, that bows towards `out`.
+/// A cabriole leg from the floor up to `height`, curved towards `out`.
 pub(crate) fn cabriole(material: MaterialId, height: f32, out: Vec3, thick: f32) -> Shape {
     let foot = out * 0.06;
     let path = bezier(
@@ -30,7 +30,7 @@ pub(crate) fn cabriole(material: MaterialId, height: f32, out: Vec3, thick: f32)
     shape
 }
 
-/// Four bent legs under a seat of the given width, depth and height.
+/// Four cabriole legs under a seat of the given width, depth and height.
 fn legs(wood: MaterialId, [wide, deep]: [f32; 2], height: f32, thick: f32) -> Shape {
     let mut shape = Shape::new();
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {

@@ -1,5 +1,5 @@
-//! The secret passage from the gallery to the library: one comes out through a bookcase that from the library is a
-//! bookcase and nothing else.
+//! The secret passage from the gallery to the library: a one-way portal through a bookcase, which from the library is
+//! an ordinary bookcase.
 
 use super::doors::Gate;
 use super::floor::{Floor, paving};
@@ -28,7 +28,7 @@ pub(crate) const DESIGN: Design = Design {
     },
 };
 
-/// The way out, at the library's wall.
+/// The exit, at the library's wall.
 const OUT: Gate = Gate {
     looks: Side::East,
     at: [-7.0, -88.35],
@@ -38,17 +38,17 @@ const OUT: Gate = Gate {
     rise: 0.0,
 };
 
-/// From the passage into the library: past the bookcase that stands at its wall.
+/// Returns the transform from the passage into the library, in front of the bookcase at its wall.
 pub(super) fn library_from_here() -> Transform {
     shift(0.95, 0.0, 0.0)
 }
 
-/// Cuts the way out; nothing leads back through it.
+/// Cuts the exit; no portal leads back.
 pub(super) fn way_out(room: &mut Room) -> OpeningId {
     open(room, "behind the bookcase", &OUT, true)
 }
 
-/// Bare masonry, the bookcase's back, and what was left here.
+/// Bare masonry, the bookcase's back, and a few forgotten items.
 pub(super) fn furnish(room: &mut Room) {
     let frame = room.shop.piece("jib frame".to_owned(), || {
         let outline = arched(OUT.width, 0.0, OUT.spring, 0.0);

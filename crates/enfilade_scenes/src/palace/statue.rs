@@ -9,7 +9,7 @@ use glam::{Vec3, vec3};
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// How a figure stands, and what it carries.
+/// Pose and attributes of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pose {
     /// One arm raised with a torch.
@@ -45,7 +45,7 @@ const ROBE: [[f32; 4]; 13] = [
     [1.62, 0.055, 0.058, 0.0],
 ];
 
-/// A draped figure, 1.9 m tall, that stands at the origin and looks to +z.
+/// A draped figure, 1.9 m tall, at the origin, facing +z.
 pub(crate) fn figure(shop: &mut Workshop, pose: Pose, stone: MaterialId, gilt: MaterialId) -> Arc<Mesh> {
     shop.piece(format!("figure {pose:?} {} {}", stone.0, gilt.0), || {
         let mut shape = robe(stone, pose as u8 as f32);
@@ -73,14 +73,14 @@ pub(crate) fn figure(shop: &mut Workshop, pose: Pose, stone: MaterialId, gilt: M
     })
 }
 
-/// A robe with arms, one hand before the breast, and where its head belongs.
+/// A robe with arms, one hand before the breast; also returns the position of the head.
 pub(super) fn walking(cloth: MaterialId, skin: MaterialId) -> (Shape, Vec3) {
     let mut shape = robe(cloth, 0.0);
     arms(&mut shape, Pose::Jug, skin);
     (shape, vec3(sway(1.7), 1.715, 0.015))
 }
 
-/// The body leans over one leg: how far aside at a height.
+/// Contrapposto: sideways offset of the body at a height.
 fn sway(height: f32) -> f32 {
     0.045 * (PI * (height / 1.5).min(1.2)).sin() - 0.02 * height
 }
@@ -94,7 +94,7 @@ fn robe(stone: MaterialId, turn: f32) -> Shape {
             .enumerate()
             .map(|(i, at)| {
                 let angle = TAU * i as f32 / SIDES as f32;
-                // Folds fall straight from the hips, two sizes of them, and lose themselves towards the breast.
+                // Folds of two sizes fall straight from the hips and fade towards the breast.
                 let falls =
                     (9.0 * angle + turn).cos() + 0.6 * (14.0 * angle + 1.7 * turn + 2.0 * height).cos();
                 // The knee of the free leg presses through.

@@ -146,7 +146,7 @@ pub(crate) fn desk(
     })
 }
 
-/// A harpsichord with its lid raised; its keyboard looks to +z.
+/// A harpsichord with its lid raised; its keyboard faces +z.
 pub(crate) fn harpsichord(
     shop: &mut Workshop,
     body: MaterialId,
@@ -154,7 +154,7 @@ pub(crate) fn harpsichord(
     keys: [MaterialId; 2],
 ) -> Arc<Mesh> {
     shop.piece(format!("harpsichord {} {}", body.0, inside.0), || {
-        // The bent side is a chain of straight ones.
+        // The curved side as a chain of straight ones.
         let bent = [
             (0.46, 0.42),
             (0.46, -0.10),

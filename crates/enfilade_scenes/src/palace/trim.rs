@@ -1,4 +1,4 @@
-//! What joiners and plasterers add to bare walls: skirting, rail, panels, cornice, door frames.
+//! Wall trim: skirting, rail, panels, cornice, door frames.
 
 use super::palette::WHITE_MARBLE;
 use super::panel::panels;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Height of the rail that divides a wall.
 pub(crate) const RAIL: f32 = 1.02;
 
-/// Width of the frame round a doorway.
+/// Width of the frame around a doorway.
 const ARCHITRAVE: f32 = 0.26;
 
 const SKIRTING: [[f32; 2]; 7] = [
@@ -34,7 +34,7 @@ const RAIL_PROFILE: [[f32; 2]; 7] = [
     [0.0, 0.05],
 ];
 
-/// Dresses all walls up to `top` metres, leaving free what is taken.
+/// Decorates all walls up to `top` metres, except the taken extents.
 pub(crate) fn dress(room: &mut Room, top: f32, cornice_size: f32) {
     let style = room.design.style;
     let corners = room.design.plan.corners();
@@ -138,7 +138,7 @@ fn dentils(shop: &mut Workshop, material: MaterialId, length: f32, size: f32) ->
     })
 }
 
-/// Stretches in order; those that overlap become one.
+/// Sorts extents and merges those that overlap.
 fn merged(stretches: &[[f32; 2]]) -> Vec<[f32; 2]> {
     let mut sorted = stretches.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -152,7 +152,7 @@ fn merged(stretches: &[[f32; 2]]) -> Vec<[f32; 2]> {
     whole
 }
 
-/// The stretches of a wall between what is taken.
+/// Returns the extents of a wall between the taken ones.
 fn free_stretches(length: f32, taken: &[[f32; 2]]) -> Vec<[f32; 2]> {
     let mut free = Vec::new();
     let mut from = 0.12;
@@ -165,7 +165,7 @@ fn free_stretches(length: f32, taken: &[[f32; 2]]) -> Vec<[f32; 2]> {
     free
 }
 
-/// The frame round a doorway, its threshold, and what crowns it.
+/// Adds the frame around a doorway, its threshold, and its crown.
 fn door_case(room: &mut Room, door: &Doorway) {
     let style = room.design.style;
     let wall = room.walls()[door.wall];
@@ -279,7 +279,7 @@ fn pediment(shape: &mut Shape, trim: MaterialId, gilt: MaterialId, reach: f32, f
     }
 }
 
-/// Stretches of the plan's outline between gaps, which are lengths along each wall; the second says whether the
+/// Returns the stretches of the plan's outline between gaps (extents along each wall); the second value is whether the
 /// stretch is the whole outline.
 pub(crate) fn runs(corners: &[Vec2], gaps: &[Vec<[f32; 2]>]) -> Vec<(Vec<Vec2>, bool)> {
     if gaps.iter().all(Vec::is_empty) {
@@ -288,7 +288,7 @@ pub(crate) fn runs(corners: &[Vec2], gaps: &[Vec<[f32; 2]>]) -> Vec<(Vec<Vec2>, 
     let count = corners.len();
     let mut runs: Vec<(Vec<Vec2>, bool)> = Vec::new();
     let mut path: Vec<Vec2> = Vec::new();
-    // Once round to find where the first gap ends, and once more from there.
+    // One turn to find the end of the first gap, and one more from there.
     let mut started = false;
     for wall in (0..count).chain(0..count) {
         let [left, right] = [corners[wall], corners[(wall + 1) % count]];

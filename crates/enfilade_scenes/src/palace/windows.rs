@@ -1,4 +1,4 @@
-//! Windows: panes, bars and curtains in the openings that one does not walk through.
+//! Windows: panes, bars and curtains in openings that are not doors.
 
 use super::drapery;
 use super::lamps::Lamp;
@@ -8,11 +8,11 @@ use crate::shape::{Shape, block, surround};
 use enfilade::{MaterialId, Transform};
 use glam::{Vec3, vec3};
 
-/// Panes and bars stand so deep in the wall.
+/// Depth of panes and bars in the wall.
 const DEEP: f32 = -0.3;
 
-/// Glazes all windows of a room, hangs curtains beside them, and lets the sky's light in: as if all of it came through
-/// the middle one.
+/// Glazes all windows of a room, adds curtains beside them, and one light for the sky, as if all of it came through the
+/// middle window.
 pub(crate) fn glaze(room: &mut Room, glass: MaterialId, cloth: MaterialId) {
     let windows: Vec<Doorway> = (room.doorways.iter())
         .filter(|door| door.sill > 0.0)

@@ -1,11 +1,11 @@
-//! What of a convex polygon lies in another.
+//! Clips a convex polygon to another, edge by edge.
 //!
-//! Cut by the region's edges, one after the other. Source: Sutherland, Hodgman. Reentrant polygon clipping. 1974.
+//! Source: Sutherland, Hodgman. Reentrant polygon clipping. 1974.
 
 use glam::Vec2;
 
-/// The part of `polygon` inside the convex `region`, running round as it does; fewer than three corners where there
-/// is none.
+/// Returns the part of `polygon` inside the convex `region`, with the same winding; fewer than three corners if the
+/// intersection is empty.
 pub(crate) fn clip(polygon: &[Vec2], region: &[Vec2]) -> Vec<Vec2> {
     let turn: f32 = (1..region.len() - 1)
         .map(|i| (region[i] - region[0]).perp_dot(region[i + 1] - region[0]))

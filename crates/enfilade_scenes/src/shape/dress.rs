@@ -1,7 +1,7 @@
-//! What a mesh is drawn by: places in textures, and normals that make round things round.
+//! Vertex attributes of meshes: texture coordinates and smooth normals.
 //!
-//! Corners that lie at one place but differ in these become several positions of the mesh. They have the same bits, by
-//! which neighbours are found, so that what hides is the same as without.
+//! Vertices at the same position with different attributes become several vertices of the mesh. Their positions have
+//! the same bits, by which adjacent faces are found, so the attributes do not affect the occluders.
 
 use super::Sheet;
 use enfilade::{Attributes, MaterialId, Mesh, Part};
@@ -10,34 +10,34 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
-/// How the faces of a material are drawn.
+/// Vertex attributes that the faces of a material get.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Dress {
-    /// In one color, flat.
+    /// One color, flat.
     Bare,
-    /// In one color; what bends a little is smooth.
+    /// One color, with smooth normals at edges below the crease angle.
     Smooth,
-    /// The same with a texture.
+    /// As [`Dress::Smooth`], with a texture.
     Textured {
-        /// How often it repeats along a metre.
+        /// Repetitions per metre.
         per_metre: f32,
-        /// Does it have a grain, which runs along whatever is longer?
+        /// Whether the texture has a grain, which follows the longer side of a face.
         grain: bool,
-        /// Is it cloth, which is round however sharply it is folded?
+        /// Whether it is cloth, which stays smooth even at sharp folds.
         cloth: bool,
     },
 }
 
-/// Faces that meet at less than this angle are parts of one round surface: cos 48°, and of cloth cos 84°.
+/// Cosine of the crease angle, below which adjacent faces are smoothed: 48°, and 84° for cloth.
 const CREASE: f32 = 0.67;
 const FOLD: f32 = 0.1;
 
-/// Where the corners of a face are in a texture, in metres: as they are seen along the axis that it faces most, upright
-/// where it is a wall.
+/// Returns texture coordinates in metres by box projection: along the axis that the face looks at most, upright on
+/// walls.
 pub(super) fn boxed(corners: &[Vec3]) -> Vec<Vec2> {
     let normal = newell(corners);
     let away = normal.abs();
-    // Slopes of just half a right angle must not be torn by rounding.
+    // Biased, so that rounding does not split slopes of exactly 45°.
     let place: fn(Vec3) -> Vec2 = if away.y >= 1.01 * away.x.max(away.z) {
         |at| vec2(at.x, at.z)
     } else if away.x >= 0.99 * away.z {
@@ -48,14 +48,14 @@ pub(super) fn boxed(corners: &[Vec3]) -> Vec<Vec2> {
     corners.iter().map(|&corner| place(corner)).collect()
 }
 
-/// The normal of a face, twice as long as its area is large.
+/// Returns the vector area times two (Newell's method).
 fn newell(corners: &[Vec3]) -> Vec3 {
     (1..corners.len() - 1)
         .map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]))
         .sum()
 }
 
-/// Hashes bits of numbers: millions of them while a palace is built, none of which anybody chose to do harm.
+/// A fast hasher for coordinate bits. The palace hashes millions of them, and no input is adversarial.
 #[derive(Default)]
 struct Mixed(u64);
 
@@ -75,7 +75,7 @@ impl Hasher for Mixed {
     }
 
     fn write_usize(&mut self, _length: usize) {
-        // Arrays of one length.
+        // All arrays have one length, so the length need not be hashed.
     }
 
     fn finish(&self) -> u64 {
@@ -83,7 +83,7 @@ impl Hasher for Mixed {
     }
 }
 
-/// What a part of a mesh is made of.
+/// Vertices and faces of one material.
 #[derive(Default)]
 struct Welded {
     positions: Vec<[f32; 3]>,
@@ -92,7 +92,7 @@ struct Welded {
     corners: Vec<u32>,
 }
 
-/// The mesh of all faces; corners that are equal become one.
+/// Builds the mesh of all faces; equal vertices are merged.
 pub(super) fn mesh(sheets: &[Sheet], dress: impl Fn(MaterialId) -> Dress) -> Arc<Mesh> {
     let welded: Vec<Welded> = sheets
         .iter()
@@ -115,7 +115,7 @@ pub(super) fn mesh(sheets: &[Sheet], dress: impl Fn(MaterialId) -> Dress) -> Arc
             },
         })
         .collect();
-    Arc::new(Mesh::new(&parts).expect("faces are checked as they are added"))
+    Arc::new(Mesh::new(&parts).expect("faces are validated when they are added"))
 }
 
 fn weld(sheet: &Sheet, dress: Dress) -> Welded {
@@ -151,14 +151,14 @@ fn weld(sheet: &Sheet, dress: Dress) -> Welded {
         });
         welded.corners.push(number);
     }
-    // Where all is flat, nothing needs to be said.
+    // Omit the normals if all faces are flat.
     if welded.normals.iter().all(|normal| *normal == [0.0; 3]) {
         welded.normals.clear();
     }
     welded
 }
 
-/// For each corner the normal of the round surface that it is part of; zero where it is part of none.
+/// Returns for each corner the normal of the smooth surface it belongs to, or zero.
 fn smooth(sheet: &Sheet, crease: f32) -> Vec<Vec3> {
     let mut faces = Vec::with_capacity(sheet.sides.len());
     let mut face_of = Vec::with_capacity(sheet.corners.len());
@@ -170,7 +170,7 @@ fn smooth(sheet: &Sheet, crease: f32) -> Vec<Vec3> {
         faces.push((normal, normal.normalize_or_zero()));
         start = end;
     }
-    // The corners at one place, as a list through all of them.
+    // Linked lists of the corners at one position.
     const END: usize = usize::MAX;
     let mut last: HashMap<[u32; 3], usize, Quick> =
         HashMap::with_capacity_and_hasher(sheet.corners.len() / 2, Quick::default());
@@ -211,11 +211,11 @@ fn texture(sheet: &Sheet, per_metre: f32, grain: bool) -> Vec<Vec2> {
         let least = face.iter().copied().reduce(Vec2::min).unwrap_or_default();
         let most = face.iter().copied().reduce(Vec2::max).unwrap_or_default();
         let [across, down] = (most - least).to_array();
-        // Triangles are parts of something larger, whose grain is not told by them.
-        let lies = grain && sides > 3 && across > 1.2 * down;
+        // Triangles are parts of larger surfaces, so their extent does not show the grain direction.
+        let is_rotated = grain && sides > 3 && across > 1.2 * down;
         places.extend(face.iter().map(|&place| {
             let place = place * per_metre;
-            if lies { vec2(place.y, place.x) } else { place }
+            if is_rotated { vec2(place.y, place.x) } else { place }
         }));
         start = end;
     }

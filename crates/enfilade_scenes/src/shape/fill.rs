@@ -1,15 +1,15 @@
-//! A flat outline with holes, cut into few convex faces.
+//! Splits a flat outline with holes into few convex faces.
 //!
-//! Holes are joined to the outline by bridges, ears are cut off one by one, then faces are joined across every cut
-//! that is not needed. No corner is added: faces that share an edge with another surface share its ends exactly.
+//! Bridges connect the holes to the outline, ears are clipped one by one, and faces are merged across every cut that is
+//! not needed. No vertex is added, so faces that share an edge with another surface share its ends exactly.
 //! Source: Meisters. Polygons have ears. 1975; Hertel, Mehlhorn. Fast triangulation of simple polygons. 1983.
-//! Cost: O(n³) at worst; walls have tens of corners.
+//! Cost: O(n³) in the worst case; walls have tens of corners.
 
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// The faces of a flat surface. The outline runs counter-clockwise from the front; holes run either way round and
-/// touch neither it nor each other. Corners on a straight edge stay corners of the faces beside it.
+/// Returns the faces of a flat surface. The outline is counter-clockwise as seen from the front. Holes have either
+/// winding and touch neither the outline nor each other. Corners on a straight edge stay corners of the adjacent faces.
 pub(crate) fn fill(outline: &[Vec3], holes: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
     let mut surface = Surface {
         points: outline.to_vec(),
@@ -37,12 +37,13 @@ pub(crate) fn fill(outline: &[Vec3], holes: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
 
 struct Surface {
     points: Vec<Vec3>,
-    /// The points on the plane, seen from the front, in f64: turns of f32 points are then nearly exact.
+    /// Points projected to the plane, as seen from the front, in f64, where orientation tests of f32 points are nearly
+    /// exact.
     flat: Vec<[f64; 2]>,
 }
 
 impl Surface {
-    /// Drops the axis that the surface faces most; the two others stay exact.
+    /// Projects along the dominant axis; the two other coordinates stay exact.
     fn flatten(&mut self, outline: &[Vec3]) {
         let normal: Vec3 = (1..outline.len() - 1)
             .map(|i| (outline[i] - outline[0]).cross(outline[i + 1] - outline[0]))
@@ -59,7 +60,7 @@ impl Surface {
             .collect();
     }
 
-    /// Twice the area of the triangle of three points; positive where they turn left.
+    /// Returns twice the signed area of a triangle; positive if counter-clockwise.
     fn turn(&self, [a, b, c]: [usize; 3]) -> f64 {
         let [a, b, c] = [a, b, c].map(|i| self.flat[i]);
         (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -71,7 +72,7 @@ impl Surface {
             .sum()
     }
 
-    /// One path round the outline and, over bridges, round all holes.
+    /// Returns one path around the outline and, over bridges, around all holes.
     fn bridged(&self, mut loops: Vec<Vec<usize>>) -> Vec<usize> {
         let mut path = loops.remove(0);
         while !loops.is_empty() {
@@ -84,7 +85,7 @@ impl Surface {
         path
     }
 
-    /// A hole, its corner and the path's corner that see each other over the least distance.
+    /// Returns the shortest bridge that crosses no edge: a hole, its corner, and the path's corner.
     fn shortest_bridge(&self, path: &[usize], holes: &[Vec<usize>]) -> (usize, usize, usize) {
         let mut bridges = Vec::new();
         for (hole, ring) in holes.iter().enumerate() {
@@ -109,12 +110,12 @@ impl Surface {
                         (0..ring.len()).all(|i| !self.crosses(bridge, [ring[i], ring[(i + 1) % ring.len()]]))
                     })
         });
-        let &(_, hole, inner, outer) = free.expect("every hole is seen from somewhere");
+        let &(_, hole, inner, outer) = free.expect("every hole has a free bridge");
         (hole, inner, outer)
     }
 
-    /// Does `point` lie in the angle that the path leaves open at its corner? A corner that the path passes twice
-    /// has one angle for each.
+    /// Returns `true` if `point` is inside the interior angle at a corner of the path. A corner that the path visits
+    /// twice has two such angles.
     fn opens(&self, path: &[usize], corner: usize, point: usize) -> bool {
         let count = path.len();
         let [before, at, after] = [
@@ -133,7 +134,7 @@ impl Surface {
         }
     }
 
-    /// Do two edges share a point that is not an end of both?
+    /// Returns `true` if two edges share a point that is not an end of both.
     fn crosses(&self, [a, b]: [usize; 2], [c, d]: [usize; 2]) -> bool {
         let shares = |point: usize| point == a || point == b;
         let between = |point: usize| {
@@ -151,7 +152,7 @@ impl Surface {
         between(c) || between(d) || (sides([a, b], c, d) && sides([c, d], a, b))
     }
 
-    /// Cuts off one corner after the other that holds no other corner.
+    /// Clips ears: corners whose triangle contains no other corner.
     fn ears(&self, mut path: Vec<usize>) -> Vec<[usize; 3]> {
         let mut triangles = Vec::with_capacity(path.len());
         while path.len() > 3 {
@@ -174,8 +175,8 @@ impl Surface {
             .all(|&p| self.turn([a, b, p]) < 0.0 || self.turn([b, c, p]) < 0.0 || self.turn([c, a, p]) < 0.0)
     }
 
-    /// Joins faces across each cut in turn, where the whole stays convex. One pass is enough: what is not convex
-    /// at a cut's end does not become so by joining others.
+    /// Merges faces across each cut whose union stays convex. One pass suffices: a corner that is not convex at a cut's
+    /// end does not become convex by other merges.
     fn joined(&self, triangles: Vec<[usize; 3]>) -> Vec<Vec<usize>> {
         let mut faces: Vec<Vec<usize>> = triangles.iter().map(|triangle| triangle.to_vec()).collect();
         let mut face_of = HashMap::new();
@@ -215,7 +216,7 @@ impl Surface {
     }
 }
 
-/// The outline of two faces that share an edge, `a` to `b` in one and `b` to `a` in the other.
+/// Returns the outline of two faces that share an edge, `a` to `b` in one and `b` to `a` in the other.
 fn join(one: &[usize], other: &[usize], a: usize, b: usize) -> Vec<usize> {
     let from = |face: &[usize], corner: usize| face.iter().position(|&p| p == corner).unwrap_or(0);
     let [start, other_start] = [from(one, b), from(other, a)];

@@ -1,11 +1,11 @@
-//! Surfaces through rings of corners: lathe work, tubes, balls, knots.
+//! Surfaces through rings of vertices: lathed shapes, tubes, balls, knots.
 
 use super::Shape;
 use enfilade::MaterialId;
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::f64::consts::TAU;
 
-/// Points of the unit circle, as (x, z), counter-clockwise seen from above, the first at x = 1.
+/// Returns points of the unit circle as (x, z), counter-clockwise as seen from above, starting at x = 1.
 pub(crate) fn around(sides: usize) -> impl Iterator<Item = Vec2> {
     (0..sides).map(move |side| {
         let (sin, cos) = (TAU * side as f64 / sides as f64).sin_cos();
@@ -13,8 +13,8 @@ pub(crate) fn around(sides: usize) -> impl Iterator<Item = Vec2> {
     })
 }
 
-/// The surface through closed rings of equally many corners. Each ring runs counter-clockwise seen from the last;
-/// a ring of equal corners is a tip.
+/// Creates the surface through closed rings with equal numbers of corners. Each ring is counter-clockwise as seen from
+/// the last; a ring of equal corners is a tip.
 pub(crate) fn loft(material: MaterialId, rings: &[Vec<Vec3>]) -> Shape {
     let mut shape = Shape::new();
     for pair in rings.windows(2) {
@@ -28,7 +28,8 @@ pub(crate) fn loft(material: MaterialId, rings: &[Vec<Vec3>]) -> Shape {
     shape
 }
 
-/// An open ribbon between two rows of equally many corners; from its front, `left` runs up on the left.
+/// Creates an open ribbon between two rows with equal numbers of corners; seen from its front, `left` runs up on the
+/// left.
 pub(crate) fn band(material: MaterialId, left: &[Vec3], right: &[Vec3]) -> Shape {
     let mut shape = Shape::new();
     for i in 0..left.len() - 1 {
@@ -38,8 +39,8 @@ pub(crate) fn band(material: MaterialId, left: &[Vec3], right: &[Vec3]) -> Shape
     shape
 }
 
-/// A cloth through columns of equally many corners, each with its place in the texture; from its front, columns follow
-/// each other from left to right, each from its lower end up.
+/// Creates a cloth through columns with equal numbers of vertices (position and texture coordinates). Seen from its
+/// front, columns run from left to right, and each from its lower end up.
 pub(crate) fn cloth(material: MaterialId, columns: &[Vec<(Vec3, Vec2)>]) -> Shape {
     let mut shape = Shape::new();
     for pair in columns.windows(2) {
@@ -60,13 +61,13 @@ pub(crate) fn cloth(material: MaterialId, columns: &[Vec<(Vec3, Vec2)>]) -> Shap
     shape
 }
 
-/// What a lathe makes of a profile of (radius, height), from the foot up. Closed where it begins and ends at
-/// radius 0, or where it ends as it began.
+/// Creates the surface of revolution of a profile of (radius, height), from the foot up. It is closed if both ends have
+/// radius 0, or if the profile ends where it starts.
 pub(crate) fn lathe(material: MaterialId, profile: &[[f32; 2]], sides: usize) -> Shape {
     fluted(material, profile, sides, 1, 0.0)
 }
 
-/// A lathe's work with flutes cut in, `depth` of the radius deep; `steps` sides to each.
+/// Creates a fluted surface of revolution: flutes `depth` of the radius deep, with `steps` sides each.
 pub(crate) fn fluted(
     material: MaterialId,
     profile: &[[f32; 2]],
@@ -74,7 +75,7 @@ pub(crate) fn fluted(
     steps: usize,
     depth: f32,
 ) -> Shape {
-    // Cut like an arc; the step that all flutes begin with is the ridge between them.
+    // Flutes have the profile of an arc; the first step of each is the ridge between two.
     let cut = |step: usize| {
         let along = step as f32 / steps as f32;
         1.0 - depth * (4.0 * along * (1.0 - along)).sqrt()
@@ -93,8 +94,8 @@ pub(crate) fn fluted(
     turned(material, profile, &rings)
 }
 
-/// The surface through a lathe's rings, its texture wound about it: along the rings from one side to the other, and back
-/// mirrored, so that it meets itself without a seam; across them as long as the profile is.
+/// Creates the surface through the rings of a lathe. Its texture runs along the rings from one side to the other and
+/// back mirrored, so that it has no seam; across the rings it is as long as the profile.
 fn turned(material: MaterialId, profile: &[[f32; 2]], rings: &[Vec<Vec3>]) -> Shape {
     let sides = rings[0].len();
     let widest = profile.iter().fold(0.0, |most: f32, at| most.max(at[0]));
@@ -131,7 +132,7 @@ fn turned(material: MaterialId, profile: &[[f32; 2]], rings: &[Vec<Vec3>]) -> Sh
     shape
 }
 
-/// A ball round the origin.
+/// Creates a ball around the origin.
 pub(crate) fn ball(material: MaterialId, radius: f32, rings: usize, sides: usize) -> Shape {
     let profile: Vec<[f32; 2]> = (0..=rings)
         .map(|ring| {
@@ -147,7 +148,7 @@ pub(crate) fn ball(material: MaterialId, radius: f32, rings: usize, sides: usize
     lathe(material, &profile, sides)
 }
 
-/// A round tube along a path, closed at both ends; `radius` is asked at fractions of the path's corners.
+/// Creates a round tube along a path, closed at both ends. `radius` is evaluated at fractions of the path's corners.
 pub(crate) fn tube(material: MaterialId, path: &[Vec3], radius: impl Fn(f32) -> f32, sides: usize) -> Shape {
     let last = path.len() - 1;
     let along = |i: usize| (path[(i + 1).min(last)] - path[i.saturating_sub(1)]).normalize();
@@ -155,7 +156,7 @@ pub(crate) fn tube(material: MaterialId, path: &[Vec3], radius: impl Fn(f32) -> 
     let mut rings = vec![vec![path[0]; sides]];
     for (i, &center) in path.iter().enumerate() {
         let forward = along(i);
-        // Carried from corner to corner, so that the tube does not twist.
+        // Parallel transport from corner to corner, so that the tube does not twist.
         across = (across - forward * across.dot(forward)).normalize();
         rings.push(ring(
             center,
@@ -169,7 +170,7 @@ pub(crate) fn tube(material: MaterialId, path: &[Vec3], radius: impl Fn(f32) -> 
     loft(material, &rings)
 }
 
-/// A tube along a torus knot about the y axis: `turns` times round the axis, `coils` times round the ring.
+/// Creates a tube along a torus knot about the y axis: `turns` times around the axis, `coils` times around the ring.
 #[expect(
     clippy::too_many_arguments,
     reason = "the numbers of a knot, each with its own meaning"
@@ -203,7 +204,7 @@ pub(crate) fn knot(
     loft(material, &rings)
 }
 
-/// A round ring about the y axis, like a tyre.
+/// Creates a torus about the y axis.
 pub(crate) fn round_tube(
     material: MaterialId,
     ring_radius: f32,
@@ -220,7 +221,7 @@ pub(crate) fn round_tube(
     lathe(material, &profile, sides)
 }
 
-/// A circle in the plane of `across` and `up`, counter-clockwise seen from where `across` × `up` points to.
+/// Returns a circle in the plane of `across` and `up`, counter-clockwise as seen from `across` × `up`.
 fn ring(center: Vec3, across: Vec3, up: Vec3, radius: f32, sides: usize) -> Vec<Vec3> {
     around(sides)
         .map(|at| center + radius * (at.x * across - at.y * up))

@@ -1,4 +1,4 @@
-//! Faces on their way to becoming a mesh.
+//! Face lists, from which meshes are built.
 
 mod clip;
 mod dress;
@@ -18,21 +18,21 @@ use enfilade::{ConvexPolygon, MaterialId, Mesh, Transform};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// Faces gathered by material. What cannot be a flat convex face becomes triangles.
+/// Faces grouped by material. Polygons that are not flat and convex are split into triangles.
 ///
-/// Every corner has a place in a texture, in metres; as faces are given one by their own shape, it stays theirs however
-/// they are moved later: see [`boxed`](dress::boxed).
+/// Every corner has texture coordinates in metres. Faces get them from their own shape and keep them when they are
+/// moved later: see [`boxed`](dress::boxed).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Shape {
     sheets: Vec<Sheet>,
 }
 
-/// The faces of one material, each with corners of its own until a mesh is made.
+/// The faces of one material; corners are merged when the mesh is built.
 #[derive(Clone, Debug)]
 struct Sheet {
     material: MaterialId,
     corners: Vec<Vec3>,
-    /// For each corner, where it is in the texture, in metres.
+    /// Texture coordinates of each corner, in metres.
     places: Vec<Vec2>,
     sides: Vec<u32>,
 }
@@ -42,12 +42,13 @@ impl Shape {
         Shape::default()
     }
 
-    /// Adds a face, counter-clockwise from its front. One that bends beyond what a face may is cut into triangles.
+    /// Adds a face, counter-clockwise as seen from its front. Faces beyond the flatness tolerance are split into
+    /// triangles.
     pub(crate) fn face(&mut self, material: MaterialId, corners: &[Vec3]) {
         self.placed(material, corners, &dress::boxed(corners));
     }
 
-    /// The same, where each corner has a place of its own in the texture.
+    /// As [`Shape::face`], with explicit texture coordinates for each corner.
     pub(crate) fn placed(&mut self, material: MaterialId, corners: &[Vec3], places: &[Vec2]) {
         let count = corners.len();
         let corners: Vec<(Vec3, Vec2)> = (0..count)
@@ -70,7 +71,7 @@ impl Shape {
         }
     }
 
-    /// Adds a triangle, unless two of its corners are one.
+    /// Adds a triangle, unless two of its corners are equal.
     pub(crate) fn triangle(&mut self, material: MaterialId, corners: [Vec3; 3]) {
         let places = dress::boxed(&corners);
         self.sharp(material, [0, 1, 2].map(|i| (corners[i], places[i])));
@@ -83,7 +84,7 @@ impl Shape {
         }
     }
 
-    /// Adds a copy of all faces of `other`, as `placed` places them.
+    /// Adds a copy of all faces of `other`, transformed by `placed`.
     pub(crate) fn add(&mut self, other: &Shape, placed: Transform) -> &mut Shape {
         let mirrors = placed.mirrors();
         for sheet in &other.sheets {
@@ -104,7 +105,7 @@ impl Shape {
         self
     }
 
-    /// Adds all faces of `other` where they are.
+    /// Adds all faces of `other` untransformed.
     pub(crate) fn join(&mut self, other: Shape) -> &mut Shape {
         for sheet in other.sheets {
             let own = self.sheet(sheet.material);
@@ -115,7 +116,7 @@ impl Shape {
         self
     }
 
-    /// The same faces, each moved corner by corner; those that no longer are flat become triangles.
+    /// Returns the faces with each corner moved by `bend`; those that are no longer flat become triangles.
     pub(crate) fn bent(self, bend: impl Fn(Vec3) -> Vec3) -> Shape {
         let mut shape = Shape::new();
         for sheet in self.sheets {
@@ -133,7 +134,7 @@ impl Shape {
         shape
     }
 
-    /// The same faces, seen from the other side.
+    /// Returns the faces with reversed winding.
     pub(crate) fn flipped(mut self) -> Shape {
         for sheet in &mut self.sheets {
             let mut start = 0;
@@ -147,12 +148,12 @@ impl Shape {
         self
     }
 
-    /// The mesh of all faces, with nothing but their corners; those at the same place become one.
+    /// Builds the mesh of all faces without attributes; corners at the same position are merged.
     pub(crate) fn mesh(&self) -> Arc<Mesh> {
         dress::mesh(&self.sheets, |_| Dress::Bare)
     }
 
-    /// The mesh of all faces as they are drawn: the palette says how.
+    /// Builds the mesh of all faces with the attributes that `dress` chooses for each material.
     pub(crate) fn dressed(&self, dress: impl Fn(MaterialId) -> Dress) -> Arc<Mesh> {
         dress::mesh(&self.sheets, dress)
     }
@@ -177,7 +178,7 @@ impl Shape {
     fn push(&mut self, material: MaterialId, corners: impl Iterator<Item = (Vec3, Vec2)>, sides: usize) {
         let sheet = self.sheet(material);
         for (corner, place) in corners {
-            // Minus zero becomes zero, so that corners at the same place have the same bits.
+            // Adding zero turns −0 into 0, so that corners at the same position have the same bits.
             sheet.corners.push(corner + Vec3::ZERO);
             sheet.places.push(place + Vec2::ZERO);
         }
@@ -186,7 +187,7 @@ impl Shape {
 }
 
 impl Sheet {
-    /// The corners of the face that begins at `start`, each with its place in the texture.
+    /// Returns the corners of the face that begins at `start`, with their texture coordinates.
     fn face(
         &self,
         start: usize,
@@ -203,7 +204,7 @@ mod tests {
 
     const STONE: MaterialId = MaterialId(0);
 
-    /// The volume inside, summed over faces; negative where faces look inwards.
+    /// Returns the enclosed volume; negative if the faces look inwards.
     fn volume(shape: &Shape) -> f32 {
         let mut sum = 0.0;
         for sheet in &shape.sheets {
@@ -219,7 +220,7 @@ mod tests {
         sum / 6.0
     }
 
-    /// Every edge has a neighbour that runs the other way.
+    /// Returns `true` if every edge has an opposite edge.
     fn is_closed(shape: &Shape) -> bool {
         let mut edges: HashMap<[[u32; 3]; 2], i32> = HashMap::new();
         for sheet in &shape.sheets {

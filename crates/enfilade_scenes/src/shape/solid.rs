@@ -5,7 +5,7 @@ use enfilade::MaterialId;
 use glam::{Vec3, vec3};
 use std::f64::consts::PI;
 
-/// A box between two corners.
+/// Creates a box between two corners.
 pub(crate) fn block(material: MaterialId, min: [f32; 3], max: [f32; 3]) -> Shape {
     let corner = |bits: usize| {
         Vec3::from_array(std::array::from_fn(|axis| {
@@ -23,7 +23,7 @@ pub(crate) fn block(material: MaterialId, min: [f32; 3], max: [f32; 3]) -> Shape
     shape
 }
 
-/// The faces of a box, by corners whose bits choose between least and greatest x, y, z.
+/// The faces of a box, as corner indices whose bits select minimum or maximum x, y, z.
 const BOX_FACES: [[usize; 4]; 6] = [
     [0, 4, 6, 2],
     [1, 3, 7, 5],
@@ -33,13 +33,13 @@ const BOX_FACES: [[usize; 4]; 6] = [
     [4, 5, 7, 6],
 ];
 
-/// A box of width, height and depth that stands on the floor over the origin.
+/// Creates a box of width, height and depth that stands on the floor over the origin.
 pub(crate) fn cuboid(material: MaterialId, [width, height, depth]: [f32; 3]) -> Shape {
     let [x, z] = [0.5 * width, 0.5 * depth];
     block(material, [-x, 0.0, -z], [x, height, z])
 }
 
-/// A box whose foot and head differ: width and depth of each. It stands on the floor over the origin.
+/// Creates a tapered box: width and depth of foot and head. It stands on the floor over the origin.
 pub(crate) fn taper(material: MaterialId, foot: [f32; 2], height: f32, head: [f32; 2]) -> Shape {
     let corner = |bits: usize| {
         let [width, depth] = if bits & 2 == 0 { foot } else { head };
@@ -57,7 +57,7 @@ pub(crate) fn taper(material: MaterialId, foot: [f32; 2], height: f32, head: [f3
     shape
 }
 
-/// A convex outline raised by `up`; the outline is counter-clockwise seen from where `up` points to.
+/// Extrudes a convex outline by `up`; the outline is counter-clockwise as seen from the tip of `up`.
 pub(crate) fn prism(material: MaterialId, outline: &[Vec3], up: Vec3) -> Shape {
     let mut shape = Shape::new();
     let raised: Vec<Vec3> = outline.iter().map(|&corner| corner + up).collect();
@@ -71,7 +71,7 @@ pub(crate) fn prism(material: MaterialId, outline: &[Vec3], up: Vec3) -> Shape {
     shape
 }
 
-/// A ball whose roundness is chosen: exponents of 1 make an ellipsoid, 0 a box, 2 an octahedron.
+/// Creates a superquadric: exponents of 1 make an ellipsoid, 0 a box, 2 an octahedron.
 ///
 /// `upright` shapes the outline from the side, `around` the outline from above. Source: Barr. Superquadrics and
 /// angle-preserving transformations. 1981.

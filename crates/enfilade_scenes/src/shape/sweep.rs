@@ -1,13 +1,13 @@
-//! Profiles drawn along a path: cornices, skirtings, frames.
+//! Profiles swept along a path: cornices, skirtings, frames.
 
 use super::{Shape, fill};
 use enfilade::MaterialId;
 use glam::{Vec2, Vec3, vec2, vec3};
 
-/// A profile of (out, up) drawn along a path on the plan, mitred at its corners.
+/// Sweeps a profile of (out, up) along a path on the floor plan, mitred at its corners.
 ///
-/// The path is of (x, z) and has the room on its right; `out` is measured into the room from the path, `up` from
-/// `height`. The profile runs from the lower end to the upper. An open path is closed at both ends.
+/// The path consists of (x, z) with the room on its right. `out` is measured from the path into the room, `up` from
+/// `height`. The profile runs from its lower end to its upper end. An open path is closed at both ends.
 pub(crate) fn moulding(
     material: MaterialId,
     path: &[Vec2],
@@ -63,8 +63,8 @@ pub(crate) fn moulding(
     shape
 }
 
-/// A profile of (inwards, out of the wall) drawn round a rectangle that hangs on a wall: x right, y up, z out of
-/// the wall, the rectangle's lower left corner at the origin. The profile runs inwards.
+/// Sweeps a profile of (inwards, out of the wall) around a rectangle on a wall: x right, y up, z out of the wall, the
+/// rectangle's lower left corner at the origin. The profile runs inwards.
 pub(crate) fn frame(material: MaterialId, [width, height]: [f32; 2], profile: &[[f32; 2]]) -> Shape {
     let path = [
         vec2(0.0, 0.0),
@@ -76,15 +76,15 @@ pub(crate) fn frame(material: MaterialId, [width, height]: [f32; 2], profile: &[
     moulding(material, &path, true, 0.0, &outwards).bent(on_wall)
 }
 
-/// A profile of (away from the outline, out of the wall) drawn round an outline on a wall, given counter-clockwise.
-/// An open outline is closed at both ends. The profile runs away from the outline.
+/// Sweeps a profile of (away from the outline, out of the wall) around a counter-clockwise outline on a wall. An open
+/// outline is closed at both ends. The profile runs away from the outline.
 pub(crate) fn surround(material: MaterialId, outline: &[Vec2], closed: bool, profile: &[[f32; 2]]) -> Shape {
     let path: Vec<Vec2> = outline.iter().map(|at| vec2(at.x, -at.y)).collect();
     let towards: Vec<[f32; 2]> = profile.iter().rev().copied().collect();
     moulding(material, &path, closed, 0.0, &towards).bent(on_wall)
 }
 
-/// Tips the floor up onto the wall: what was up comes out of it.
+/// Rotates floor coordinates onto the wall: up becomes out of the wall.
 fn on_wall(at: Vec3) -> Vec3 {
     vec3(at.x, -at.z, at.y)
 }

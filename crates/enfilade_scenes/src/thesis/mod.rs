@@ -1,13 +1,13 @@
-//! The figures by which a thesis compares the painter's algorithm with BSP trees, by picture and by time.
+//! The figures of a thesis that compares the painter's algorithm with BSP trees, in pictures and timings.
 //!
-//! A painter sorts polygons by one number, a key, and paints them from far to near. Two keys are compared: the
-//! minimal z (W of the polygon's nearest corner) and the mean z (mean of W over its corners), W being the distance
-//! along the line of sight. Every polygon is an item of its own (but for those of the four cylinders), so that a
-//! picture of the items shows what an order did wrong. All are seen from both sides: with back-face culling the
-//! tetrahedron could not go wrong.
+//! The painter's algorithm sorts polygons by one number, a key, and paints them back to front. The thesis compares two
+//! keys: minimal z (W of the polygon's nearest corner) and mean z (mean of W over its corners), where W is the distance
+//! along the view direction. Every polygon is an item (except in the four cylinders), so that a picture of item ids
+//! shows where an order is wrong. All polygons are two-sided: with back-face culling the tetrahedron could not go
+//! wrong.
 //!
 //! Source: the thesis "Painter's algorithm and binary space partitioning" (in Russian), sections 2.2, 2.3 and 3. It
-//! gives no coordinates: these are chosen so that what it says of each figure holds whichever of two equal keys comes
+//! gives no coordinates. The coordinates here are chosen so that its statements hold whichever of two equal keys comes
 //! first.
 
 mod round;
@@ -33,7 +33,7 @@ const VIOLET: MaterialId = MaterialId(6);
 const ROSE: MaterialId = MaterialId(7);
 const IVORY: MaterialId = MaterialId(8);
 
-/// Round the wheel of hues, then [`IVORY`]; linear.
+/// Around the wheel of hues, then [`IVORY`]; linear.
 const COLORS: [[f32; 3]; 9] = [
     [0.70, 0.05, 0.05],
     [0.82, 0.27, 0.03],
@@ -46,7 +46,7 @@ const COLORS: [[f32; 3]; 9] = [
     [0.80, 0.77, 0.68],
 ];
 
-/// A figure being drawn.
+/// A figure under construction.
 struct Figure {
     geometry: GeometryBuilder,
     place: Transform,
@@ -57,7 +57,7 @@ impl Figure {
         Figure::tilted(0.0)
     }
 
-    /// A figure whose top leans towards the eye: seen from above, before a sky that is not.
+    /// Creates a figure whose top leans towards the eye: seen from above, with an upright sky.
     fn tilted(degrees: f64) -> Figure {
         let materials = COLORS.map(|color| Material {
             double_sided: true,
@@ -69,7 +69,7 @@ impl Figure {
         }
     }
 
-    /// Adds a flat convex polygon as an item of its own.
+    /// Adds a flat convex polygon as an item.
     fn polygon(&mut self, name: &str, color: MaterialId, corners: &[Vec3]) {
         let mut shape = Shape::new();
         shape.face(color, corners);
@@ -84,10 +84,10 @@ impl Figure {
 
     fn seen_from(self, cameras: Vec<Camera>) -> BuiltIn {
         let mut scene = SceneBuilder::new();
-        let geometry = self.geometry.build().expect("figures are drawn soundly");
+        let geometry = self.geometry.build().expect("valid geometry");
         scene.add("figure", geometry, Method::HierarchicalZ);
         BuiltIn {
-            scene: scene.build().expect("one sector needs no joining"),
+            scene: scene.build().expect("a scene of one sector"),
             cameras,
         }
     }

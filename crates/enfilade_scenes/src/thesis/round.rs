@@ -6,21 +6,21 @@ use crate::{BuiltIn, Camera};
 use enfilade::MaterialId;
 use glam::{Vec3, vec3};
 
-/// Once round the wheel of hues for every eight sides.
+/// One turn of the wheel of hues for every eight sides.
 const SIDES: [MaterialId; 8] = [TEAL, BLUE, VIOLET, ROSE, RED, ORANGE, YELLOW, GREEN];
 
-/// A regular outline around the y axis, counter-clockwise from above.
+/// Returns a regular polygon around the y axis, counter-clockwise as seen from above.
 fn ring(sides: usize, radius: f32, y: f32) -> Vec<Vec3> {
     around(sides)
         .map(|at| vec3(radius * at.x, y, radius * at.y))
         .collect()
 }
 
-/// A closed cylinder: `sides` rectangles, a lid and a bottom. Both painters are right.
+/// A closed cylinder: `sides` rectangles, a lid and a bottom. Both sorts are right.
 ///
-/// It is tall and seen aslant, so that what is hidden has its nearest corner, and its mean, farther than what hides
-/// it. Were the eye level with it, or a cylinder of many sides flat, the bottom's nearest corner would be nearer than
-/// those of the faces at the outline, and minimal z wrong.
+/// It is tall and seen obliquely, so that the hidden faces have a farther nearest corner, and a farther mean, than the
+/// faces that hide them. With a level eye, or a flat cylinder of many sides, the bottom's nearest corner would be
+/// nearer than those of the silhouette faces, and minimal z wrong.
 pub(crate) fn cylinder(sides: usize) -> BuiltIn {
     let [low, high] = [-1.25, 1.25].map(|y| ring(sides, 1.0, y));
     let mut figure = Figure::tilted(30.0);
@@ -36,10 +36,10 @@ pub(crate) fn cylinder(sides: usize) -> BuiltIn {
     ])
 }
 
-/// A cone on its tip: `sides` triangles and a base. Where the base is seen, both painters are right.
+/// A cone on its tip: `sides` triangles and a base. Where the base is visible, both sorts are right.
 ///
-/// From `base hidden`, a view that the thesis does not tell of, minimal z is wrong: the base has the nearest corner
-/// of all, and is painted over sides that hide it.
+/// From `base hidden`, a view that the thesis does not mention, minimal z is wrong: the base has the nearest corner of
+/// all and is painted over the sides that hide it.
 pub(crate) fn cone(sides: usize) -> BuiltIn {
     let tip = vec3(0.0, -1.3, 0.0);
     let base = ring(sides, 1.3, 1.0);
@@ -55,9 +55,9 @@ pub(crate) fn cone(sides: usize) -> BuiltIn {
     ])
 }
 
-/// Four cylinders of sixty rectangles each, without lids: the 240 faces that the thesis takes the time on.
+/// Four cylinders of sixty rectangles each, without lids: the 240 faces that the thesis measures.
 ///
-/// They overlap on the screen. One sees a little into them, and both painters are right.
+/// They overlap on the screen. Some of their inside is visible, and both sorts are right.
 pub(crate) fn four_cylinders() -> BuiltIn {
     const SIDES: usize = 60;
     let mut figure = Figure::new();

@@ -1,17 +1,17 @@
-//! Sheets in company: parallel, through each other, overlapping in a cycle, one reaching past another.
+//! Several sheets: parallel, intersecting, cyclically overlapping, one extending past another.
 
 use super::{BLUE, Figure, GREEN, ORANGE, RED, TEAL, VIOLET, YELLOW};
 use crate::{BuiltIn, Camera};
 use enfilade::Transform;
 use glam::{Vec3, vec3};
 
-/// Three parallel triangles, the largest farthest away. Both painters are right.
+/// Three parallel triangles, the largest farthest away. Both sorts are right.
 ///
-/// All corners of one are nearer than all corners of the next, so that either key tells the order.
+/// All corners of one are nearer than all corners of the next, so either key gives the order.
 pub(crate) fn parallel_triangles() -> BuiltIn {
     let mut figure = Figure::new();
     let triangle = |[a, b, c]: [[f32; 2]; 3], z: f32| [a, b, c].map(|[x, y]| vec3(x, y, z));
-    // Painted in the order of their numbers they would be wrong: the order has to be found.
+    // Painted by item index they would be wrong: the sort must find the order.
     figure.polygon(
         "middle",
         YELLOW,
@@ -52,10 +52,9 @@ pub(crate) fn parallel_rectangles() -> BuiltIn {
     ])
 }
 
-/// Two triangles that go through each other. Both painters are wrong, as is every order of uncut polygons.
+/// Two intersecting triangles. Both sorts are wrong, as is every order of unsplit polygons.
 ///
-/// Each is the nearer one on its side of the line in which they meet; painted whole, the last hides half of the
-/// other.
+/// Each is the nearer one on its side of the intersection line; painted whole, the last hides half of the other.
 pub(crate) fn crossing_triangles() -> BuiltIn {
     let mut figure = Figure::new();
     figure.polygon(
@@ -73,10 +72,10 @@ pub(crate) fn crossing_triangles() -> BuiltIn {
     ])
 }
 
-/// Three bars that overlap in a cycle and nowhere touch. Both painters are wrong.
+/// Three bars that overlap cyclically without touching. Both sorts are wrong.
 ///
-/// Each bar lies before the next at one end and behind the last at the other, so that none of the six orders is
-/// right; a tree must cut one.
+/// Each bar is before the next at one end and behind the last at the other, so none of the six orders is right; a tree
+/// must split one.
 pub(crate) fn cycle() -> BuiltIn {
     let mut figure = Figure::new();
     for (name, color, turn) in [
@@ -98,10 +97,9 @@ pub(crate) fn cycle() -> BuiltIn {
 
 /// A sail before a long wall that runs away from the eye.
 ///
-/// The wall's near end is nearer than all of the sail: by minimal z the wall is painted last, over the sail. By mean
-/// z its middle counts, which from `mean right` is farther than the sail's. From `mean wrong` the eye has moved to
-/// the left and looks along the wall: now the sail's middle is the farther one, though the sail still stands before
-/// the wall.
+/// The wall's near end is nearer than all of the sail: minimal z paints the wall last, over the sail. Mean z uses the
+/// wall's middle, which from `mean right` is farther than the sail's. For `mean wrong` the eye moves to the left and
+/// looks along the wall: now the sail's middle is the farther one, though the sail is still before the wall.
 pub(crate) fn overlap() -> BuiltIn {
     let mut figure = Figure::new();
     figure.polygon(

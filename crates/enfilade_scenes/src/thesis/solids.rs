@@ -1,4 +1,4 @@
-//! Solids with few faces: the tetrahedron, its disorderly twin, and a cube that a triangle goes through.
+//! Solids with few faces: the tetrahedron, the same with inconsistent winding, and a cube with a triangle through it.
 
 use super::{BLUE, Figure, GREEN, IVORY, ORANGE, RED, ROSE, TEAL, VIOLET, YELLOW};
 use crate::{BuiltIn, Camera};
@@ -7,8 +7,7 @@ use glam::{Vec3, vec3};
 
 /// Near, left and right corner of the base, and the tip.
 ///
-/// In W, as the camera sees them, near < tip < left and right. So the three faces at the near corner have equal
-/// minimal z.
+/// In W of the camera, near < tip < left and right. So the three faces at the near corner have equal minimal z.
 const CORNERS: [Vec3; 4] = [
     vec3(0.27, -0.7, 1.22),
     vec3(-1.19, -0.7, -0.37),
@@ -16,22 +15,22 @@ const CORNERS: [Vec3; 4] = [
     vec3(0.0, 1.0, 0.0),
 ];
 
-/// What is hidden (the base) stands between what is seen: wherever equals begin, they do not end right.
+/// The hidden base is between the visible faces, so that no order of equal keys ends up right.
 const FACES: [(&str, MaterialId); 4] = [("right", BLUE), ("base", YELLOW), ("back", GREEN), ("left", RED)];
 
-/// A tetrahedron. Painter by mean z is right, by minimal z wrong.
+/// A tetrahedron. The painter's algorithm is right with mean z and wrong with minimal z.
 ///
-/// The left and the right face are seen, red and blue. By minimal z the base is as near as they are, for it has the
-/// near corner too: it is painted over one of them, and yellow shows.
+/// The left and the right face are visible, red and blue. In minimal z the base is as near as they are, because it
+/// shares the near corner: it is painted over one of them, and yellow shows.
 pub(crate) fn tetrahedron() -> BuiltIn {
     tetrahedron_of([[0, 2, 3], [1, 2, 0], [2, 1, 3], [1, 0, 3]])
 }
 
-/// The same tetrahedron, with corners in no order: two faces look outwards, two inwards.
+/// The same tetrahedron with inconsistent winding: two faces look outwards, two inwards.
 ///
-/// Painters do not ask which way a face looks: mean z is right here too. The thesis shows a picture by its BSP tree
-/// that is wrong, because fronts were taken from the order of corners. A tree that holds the eye and the polygons
-/// against the same planes must be right, whichever way those look.
+/// The painter's algorithm ignores winding, so mean z is right here too. The thesis shows a wrong picture of its BSP
+/// tree, which took fronts from the winding. A tree that tests the eye and the polygons against the same planes must be
+/// right for any winding.
 pub(crate) fn wrong_winding() -> BuiltIn {
     tetrahedron_of([[0, 2, 3], [2, 1, 0], [1, 2, 3], [3, 1, 0]])
 }
@@ -46,11 +45,11 @@ fn tetrahedron_of(faces: [[usize; 3]; 4]) -> BuiltIn {
     ])
 }
 
-/// A triangle through a cube. Painters are wrong.
+/// A triangle through a cube. The painter's algorithm is wrong.
 ///
-/// The triangle comes out of faces of the cube that are seen: before such a face on one side of the line in which
-/// they meet, behind it on the other. It is painted whole, over the cube or under it; a tree has to cut, and its
-/// picture must not show where.
+/// The triangle comes out of visible faces of the cube: before such a face on one side of the intersection line, behind
+/// it on the other. Unsplit, it is painted over the cube or under it; a tree must split it, and its picture must not
+/// show where.
 pub(crate) fn triangle_through_cube() -> BuiltIn {
     let mut figure = Figure::new();
     let corner = |bits: usize| {

@@ -1,26 +1,26 @@
-//! Rows that ask a filled cover about boxes.
+//! Rows that test boxes against a filled depth buffer.
 
 use super::ceilings::Ceiling;
 use super::screen::{BACKDROP, Screen};
-use super::shapes::{Dice, FAR, NEAR};
-use super::truth::{Held, SUB_TILE};
-use super::{Found, Work};
+use super::shapes::{FAR, NEAR, RandomNumbers};
+use super::truth::{ErrorCounts, SUB_TILE};
+use super::{Verification, Workload};
 use enfilade::Rect;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// What must be read of a sub-tile to know that all of it hides something: one reversed depth.
+/// Bytes of a sub-tile that must be read to decide that it occludes a box: one reversed depth.
 pub(super) const REV_DEPTH_BYTES: u64 = 4;
-/// How often all boxes are asked about for one figure.
+/// Number of times all boxes are tested in one run.
 pub(super) const PASSES: u64 = 32;
 
-/// How many sub-tiles a rectangle reaches into.
+/// Returns the number of sub-tiles that a rectangle overlaps.
 pub(super) fn sub_tiles(&Rect { x0, y0, x1, y1 }: &Rect) -> u64 {
     let [width, height] = SUB_TILE.map(|side| side as u16);
     u64::from(x1.div_ceil(width) - x0 / width) * u64::from(y1.div_ceil(height) - y0 / height)
 }
 
-/// Boxes, as the rectangles that they have on the screen and how near they come.
+/// Boxes, as screen rectangles with their maximum reversed depth.
 pub(super) struct Boxes {
     rects: Vec<(Rect, f32)>,
     seen: Vec<bool>,
@@ -28,12 +28,12 @@ pub(super) struct Boxes {
 }
 
 impl Boxes {
-    /// Behind everything that is in the cover.
+    /// Creates boxes behind everything in the buffer.
     pub(super) fn hidden(rects: Vec<Rect>) -> Boxes {
         Boxes::new(rects, 0.5 / BACKDROP, false)
     }
 
-    /// Before everything.
+    /// Creates boxes in front of everything.
     pub(super) fn visible(rects: Vec<Rect>) -> Boxes {
         Boxes::new(rects, 2.0 / NEAR, true)
     }
@@ -49,7 +49,7 @@ impl Boxes {
     }
 }
 
-impl Work for Boxes {
+impl Workload for Boxes {
     fn count(&self) -> u64 {
         self.rects.len() as u64 * PASSES
     }
@@ -63,37 +63,37 @@ impl Work for Boxes {
         start.elapsed().as_secs_f64()
     }
 
-    /// Besides the boxes of the row others, in the same places and as near as some of what is in the cover.
-    fn hold(&mut self, screen: &mut Screen) -> Found {
-        let mut dice = Dice(3);
-        let mut held = Held::default();
+    /// Also tests boxes with the same rectangles at random distances within the filled buffer.
+    fn check(&mut self, screen: &mut Screen) -> Verification {
+        let mut random = RandomNumbers(3);
+        let mut errors = ErrorCounts::default();
         let mut among = Vec::new();
         for (rect, _) in &self.rects {
-            let share = dice.roll();
+            let share = random.uniform();
             among.push((*rect, ((FAR / NEAR).powf(share) / FAR) as f32));
         }
-        // Of covers that are less than the truth many are right: what is among the walls is not loose.
-        held.wrong += answers(screen, &among, &mut self.seen).wrong;
-        held.add(answers(screen, &self.rects, &mut self.seen));
-        // Of what is seen the first sub-tile may tell.
+        // Only `wrong` is added here: a box among the walls that is kept is not loose, because a buffer may know less.
+        errors.wrong += tested(screen, &among, &mut self.seen).wrong;
+        errors.add(tested(screen, &self.rects, &mut self.seen));
+        // For a visible box, the first sub-tile may decide.
         let read: u64 = match self.visible {
             true => self.rects.len() as u64,
             false => self.rects.iter().map(|(rect, _)| sub_tiles(rect)).sum(),
         };
-        Found {
-            held,
-            least_bytes: read * REV_DEPTH_BYTES * PASSES,
+        Verification {
+            errors,
+            min_bytes: read * REV_DEPTH_BYTES * PASSES,
             ceiling: Ceiling::L2,
         }
     }
 }
 
-/// Asks about rectangles, and holds the answers against the truth.
-fn answers(screen: &Screen, rects: &[(Rect, f32)], seen: &mut Vec<bool>) -> Held {
+/// Tests rectangles, and compares the results with the truth.
+fn tested(screen: &Screen, rects: &[(Rect, f32)], seen: &mut Vec<bool>) -> ErrorCounts {
     screen.filled.sees_rects(rects, seen);
-    let mut held = Held::default();
+    let mut errors = ErrorCounts::default();
     for (&(rect, nearest), seen) in rects.iter().zip(seen) {
-        held.add(screen.filled_truth.hold_rect(&rect, nearest, !*seen));
+        errors.add(screen.filled_truth.check_rect(&rect, nearest, !*seen));
     }
-    held
+    errors
 }

@@ -1,28 +1,28 @@
-//! How fast this machine can go over a buffer of floats, reading, changing and writing each.
+//! Measures how fast this machine can read, change and write a buffer of floats.
 //!
-//! It is the most that updating the state of a cover can come to, whatever is decided meanwhile. Each byte counts once,
-//! though it goes both ways. The machine's best SIMD level is used, also where rows are measured at a lower one: it is the
-//! machine's ceiling.
+//! This bounds the rate at which a depth buffer can be updated, whatever else is computed. Each byte counts once,
+//! though it is read and written. Uses the machine's best SIMD level, even if the rows are measured at a lower one,
+//! because it is the ceiling of the machine.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x16};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// A third of the first-level data cache of usual machines, and a quarter of the second-level one or less.
+/// A third of the L1 data cache of usual machines, and at most a quarter of the L2 cache.
 const L1_BYTES: usize = 16 << 10;
 const L2_BYTES: usize = 256 << 10;
-/// What is gone over for one figure, again and again the same buffer: a millisecond or so.
-const BYTES_A_RUN: usize = 128 << 20;
+/// Bytes processed per measurement, in repeated passes over the same buffer: about a millisecond.
+const BYTES_PER_RUN: usize = 128 << 20;
 
-/// Which buffer.
+/// The cache whose buffer is measured.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ceiling {
     L1,
     L2,
 }
 
-/// Buffers, and what was measured on them so far, in GB/s.
+/// The buffers, and their measurements so far, in GB/s.
 pub(super) struct Ceilings {
     buffers: [Vec<f32>; 2],
     measured: [Vec<f64>; 2],
@@ -36,34 +36,34 @@ impl Ceilings {
         }
     }
 
-    /// Measures both once.
+    /// Measures both buffers once.
     pub(super) fn measure(&mut self) {
         for (buffer, measured) in self.buffers.iter_mut().zip(&mut self.measured) {
             let bytes = size_of_val(&buffer[..]);
-            let passes = BYTES_A_RUN / bytes;
+            let passes = BYTES_PER_RUN / bytes;
             let start = Instant::now();
-            dispatch!(Level::new(), simd => go_over(simd, buffer, passes));
+            dispatch!(Level::new(), simd => scale_all(simd, buffer, passes));
             measured.push((passes * bytes) as f64 / start.elapsed().as_secs_f64() / 1e9);
         }
     }
 
-    /// What was measured first is thrown away: caches and clocks had to settle.
-    pub(super) fn forget(&mut self) {
+    /// Discards the measurements, after the warm-up of caches and clocks.
+    pub(super) fn clear(&mut self) {
         self.measured.iter_mut().for_each(Vec::clear);
     }
 
-    /// The median, in GB/s.
+    /// Returns the median of the measurements, in GB/s.
     pub(super) fn gb_s(&self, ceiling: Ceiling) -> f64 {
         crate::measure::median(&self.measured[ceiling as usize])
     }
 }
 
 #[inline(always)]
-fn go_over<S: Simd>(simd: S, buffer: &mut [f32], passes: usize) {
+fn scale_all<S: Simd>(simd: S, buffer: &mut [f32], passes: usize) {
     let factor = f32x16::splat(simd, black_box(1.000_000_1));
     for _ in 0..passes {
-        // Four at once, so that the loop itself takes no time: both buffers are a multiple of that. No closure: what runs in
-        // one does not run at the SIMD level.
+        // Four vectors per iteration, so that the loop overhead is negligible; both buffer sizes are multiples of that.
+        // No closure, because code in a closure is not compiled for the SIMD level.
         for four in buffer.chunks_exact_mut(64) {
             let a = f32x16::from_slice(simd, &four[..16]) * factor;
             let b = f32x16::from_slice(simd, &four[16..32]) * factor;

@@ -1,23 +1,25 @@
-//! The lens of a view, as its docs state it: written again, so that the reference shares no arithmetic with the engine.
+//! Projection of a view, reimplemented from its documentation, so that the reference shares no arithmetic with the
+//! engine.
 
 use enfilade::View;
 
-/// Where a view shows a point.
+/// The projection of a view.
 #[derive(Clone, Copy)]
 pub(super) struct Lens {
     pub(super) size: [u32; 2],
-    /// What is nearer along the line of sight neither is seen nor hides.
+    /// Near-plane distance; geometry in front of it is neither visible nor an occluder.
     pub(super) near: f64,
     eye: [f64; 3],
     right: [f64; 3],
     up: [f64; 3],
     ahead: [f64; 3],
-    /// Pixels for each unit, one unit away.
+    /// Focal length, in pixels: the size of one unit at a distance of one unit.
     focal: f64,
 }
 
 impl Lens {
-    /// Of a view whose samples stand in the middles of pixels, and whose up does not lie along the line of sight.
+    /// Creates the projection of a view. Its samples must be at pixel centres, and its up vector not parallel to the
+    /// view direction.
     pub(super) fn new(view: &View) -> Lens {
         let [eye, toward, up] = [view.eye, view.toward, view.up].map(|point| point.map(f64::from));
         let ahead = unit(minus(toward, eye));
@@ -29,12 +31,12 @@ impl Lens {
             right,
             up: cross(right, ahead),
             ahead,
-            // The docs say that the tangent is rounded to f32.
+            // The documentation of `View` says that the tangent is rounded to f32.
             focal: 0.5 * f64::from(view.size[1]) / f64::from((0.5 * f64::from(view.fov_y)).tan() as f32),
         }
     }
 
-    /// (X, Y, W) of a point: its pixel is (X / W, Y / W), y down, and W its distance along the line of sight.
+    /// Returns (X, Y, W) of a point: its pixel is (X / W, Y / W), y down, and W its distance along the view direction.
     pub(super) fn corner(&self, point: [f32; 3]) -> [f64; 3] {
         let from_eye = minus(point.map(f64::from), self.eye);
         let w = dot(from_eye, self.ahead);
@@ -46,7 +48,7 @@ impl Lens {
         ]
     }
 
-    /// The point at a pixel, so far along the line of sight.
+    /// Returns the point at a pixel, at distance `w` along the view direction.
     pub(super) fn point(&self, pixel: [f64; 2], w: f64) -> [f32; 3] {
         let [x, y] = self.middle();
         let [x, y] = [(pixel[0] - x) * w / self.focal, (y - pixel[1]) * w / self.focal];
@@ -55,7 +57,7 @@ impl Lens {
         })
     }
 
-    /// Where on the screen the line of sight is; samples are in the middles of pixels there.
+    /// Returns the pixel position of the view direction, in coordinates whose samples are at pixel centres.
     fn middle(&self) -> [f64; 2] {
         [0, 1].map(|axis| 0.5 * f64::from(self.size[axis]) - View::GENERIC_OFFSET[axis])
     }

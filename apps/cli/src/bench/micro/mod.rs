@@ -1,7 +1,8 @@
-//! `bench --micro`: how many faces and boxes a second the masked cover takes, beside what the machine and others can do.
+//! `bench --micro`: measures how many faces and boxes per second the masked depth buffer processes, relative to the
+//! machine and to other cullers.
 //!
-//! All rows are run in turn, round after round, and the median of each is told: cores that are shared with others slow
-//! them all alike. Whatever was timed is then held against a reference in f64, in the same run.
+//! All rows run in turn, round after round, and the median of each is reported, so that other load on the cores slows
+//! all alike. The results of the timed work are then compared with a reference in f64, in the same run.
 
 mod boxes;
 mod ceilings;
@@ -18,7 +19,7 @@ mod walk;
 use crate::Outcome;
 use crate::args::{BenchArgs, PortalArgs};
 use crate::measure::median;
-use crate::open::{For, open, settle};
+use crate::open::{Purpose, configure, open};
 use crate::out;
 use crate::progress::Progress;
 use crate::report::Sink;
@@ -29,64 +30,64 @@ use ceilings::{Ceiling, Ceilings};
 use enfilade::Method;
 use report::MicroReport;
 use screen::Screen;
-use truth::Held;
+use truth::ErrorCounts;
 
-/// The screen of all rows but those of scenes.
+/// Screen size of all rows except those of scenes.
 const SIZE: [u32; 2] = [1920, 1080];
 
-/// What one sub-tile of a cover takes: which of 32 samples are open, which are of its nearer layer, and the reversed depth of
-/// both.
+/// Bytes of one sub-tile of the buffer: a mask of the open ones of its 32 samples, a mask of its working layer, and the
+/// reversed depths of both layers.
 const SUB_TILE_BYTES: u64 = 16;
 
-/// What all rows are called, those of scenes last.
+/// Returns the names of all rows, those of scenes last.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     rows::names().chain(walk::NAMES)
 }
 
-/// Work that is timed and then held against the truth.
-trait Work {
-    /// How many faces or boxes it comes to.
+/// Work that is timed and then compared with the truth.
+trait Workload {
+    /// Returns the number of faces or boxes per run.
     fn count(&self) -> u64;
 
-    /// Does it, and gives the seconds that it took.
+    /// Runs the work, and returns the seconds it took.
     fn run(&mut self, screen: &mut Screen) -> f64;
 
-    /// Does it once more, and finds out how right it is and what it takes at least.
-    fn hold(&mut self, screen: &mut Screen) -> Found;
+    /// Runs the work once more, counts its errors and the minimum of bytes it must touch.
+    fn check(&mut self, screen: &mut Screen) -> Verification;
 }
 
-/// What was found out about work.
-struct Found {
-    held: Held,
-    /// Bytes of the cover that cannot but be touched, and the cache that they may lie in.
-    least_bytes: u64,
+/// Result of [`Workload::check`].
+struct Verification {
+    errors: ErrorCounts,
+    /// Minimum number of bytes of the buffer that must be touched, and the cache whose ceiling applies.
+    min_bytes: u64,
     ceiling: Ceiling,
 }
 
 /// A row of the table.
 struct Row {
     name: &'static str,
-    /// What the best other culler comes to, in millions a second.
-    best: f64,
-    work: Box<dyn Work>,
-    /// Of each round.
+    /// Figure of the best other culler, in millions per second.
+    peer: f64,
+    work: Box<dyn Workload>,
+    /// Time of each round.
     seconds: Vec<f64>,
-    /// How many views the work is, where it is told in milliseconds a view.
+    /// Number of views per run, if the row is reported in milliseconds per view.
     views: Option<u64>,
 }
 
 impl Row {
-    fn new(name: &'static str, best: f64, work: Box<dyn Work>) -> Row {
+    fn new(name: &'static str, peer: f64, work: Box<dyn Workload>) -> Row {
         Row {
             name,
-            best,
+            peer,
             work,
             seconds: Vec::new(),
             views: None,
         }
     }
 
-    /// The median of all rounds.
+    /// Returns the median time of all rounds.
     fn median_seconds(&self) -> f64 {
         median(&self.seconds)
     }
@@ -97,17 +98,17 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
     let scene = args.scene.as_deref();
     let mut files = scene.map_or_else(|| Ok(RunFiles::default()), |scene| RunFiles::of(scene, None))?;
     let sink = Sink::new(&args.json, &mut files)?;
-    settle(&args.how)?;
-    let making = Progress::spinner("making faces");
+    configure(&args.how)?;
+    let generating = Progress::spinner("generating faces");
     let mut screen = Screen::new(SIZE)?;
     let wanted = |name: &str| args.rows.is_empty() || args.rows.iter().any(|row| row == name);
     let mut rows = rows::rows(&screen, wanted);
-    drop(making);
+    drop(generating);
     if let Some(scene) = scene {
-        // Openings are left aside: all of the scene is in one space.
+        // Portals are ignored, so the whole scene is in one space.
         let opened = open(
             scene,
-            For::Answers,
+            Purpose::Visibility,
             Choice::One(Method::ZBuffer),
             PortalArgs {
                 flat: true,
@@ -125,7 +126,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
     for round in 0..=rounds {
         ceilings.measure();
         if round == 0 {
-            ceilings.forget();
+            ceilings.clear();
         }
         for row in &mut rows {
             let seconds = row.work.run(&mut screen);
@@ -137,10 +138,10 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
     }
     drop(progress);
     let progress = Progress::steps("checking", rows.len());
-    let found: Vec<Found> = rows
+    let found: Vec<Verification> = rows
         .iter_mut()
         .map(|row| {
-            let found = row.work.hold(&mut screen);
+            let found = row.work.check(&mut screen);
             progress.step();
             found
         })
@@ -152,13 +153,13 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome> {
     }
     sink.write(&report)?;
     let wrong = report.rows.iter().filter(|row| row.wrong > 0);
-    let told = wrong.map(|row| {
+    let printed = wrong.map(|row| {
         out::note(format_args!(
-            "bench: {}: {} wrong: what can be seen may be hidden",
+            "bench: {}: {} wrong: visible items may be culled",
             row.name, row.wrong
         ));
     });
-    Ok(if told.count() > 0 {
+    Ok(if printed.count() > 0 {
         Outcome::CheckFailed
     } else {
         Outcome::Done

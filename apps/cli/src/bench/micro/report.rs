@@ -1,7 +1,7 @@
-//! What `bench --micro` reports: the table for people, and the JSON, whose names programs rely on.
+//! The report of `bench --micro`, as text and as JSON. The JSON keys are a stable interface.
 
 use super::ceilings::{Ceiling, Ceilings};
-use super::{Found, Row, SIZE};
+use super::{Row, SIZE, Verification};
 use crate::report::rounded;
 use crate::text::table;
 use serde::Serialize;
@@ -9,34 +9,34 @@ use serde::Serialize;
 /// All rows, in the order of the table.
 #[derive(Debug, Serialize)]
 pub(super) struct MicroReport {
-    /// The screen of all rows but those of scenes.
+    /// Screen size of all rows except those of scenes.
     size: [u32; 2],
     simd: &'static str,
     rounds: u32,
     pub(super) rows: Vec<RowReport>,
     ceilings: CeilingReport,
-    left_out: Vec<LeftOut>,
+    left_out: Vec<OmittedRow>,
 }
 
 #[derive(Debug, Serialize)]
 pub(super) struct RowReport {
     pub(super) name: &'static str,
-    /// Faces or boxes, in millions a second.
+    /// Faces or boxes, in millions per second.
     m_per_s: f64,
-    /// What one takes.
+    /// Nanoseconds per face or box.
     ns: f64,
-    /// A view, where the row is of views.
+    /// Milliseconds per view, for rows of scenes.
     #[serde(skip_serializing_if = "Option::is_none")]
     ms: Option<f64>,
-    /// The share of the ceiling that the bytes come to which must be touched.
+    /// Rate of the bytes that must be touched, as a share of the ceiling.
     of_ceiling: f64,
     ceiling: &'static str,
-    /// The best other culler, in the unit of this row, and how many times as fast this one is.
+    /// Figure of the best other culler, in the unit of this row, and the speed relative to it.
     peer: f64,
     of_peer: f64,
-    /// Samples or answers by which what is seen may be called hidden.
+    /// Number of samples or boxes with which something visible may be culled.
     pub(super) wrong: u64,
-    /// Those that are right and could be better.
+    /// Number of samples or boxes that are conservative though they could be decided.
     loose: u64,
 }
 
@@ -46,9 +46,9 @@ struct CeilingReport {
     l2_gb_s: f64,
 }
 
-/// A row that could not be measured.
+/// A row that was not measured.
 #[derive(Debug, Serialize)]
-struct LeftOut {
+struct OmittedRow {
     name: &'static str,
     why: &'static str,
 }
@@ -56,7 +56,7 @@ struct LeftOut {
 impl MicroReport {
     pub(super) fn new(
         rows: &[Row],
-        found: &[Found],
+        found: &[Verification],
         ceilings: &Ceilings,
         rounds: u32,
         wanted: impl Fn(&str) -> bool,
@@ -78,7 +78,7 @@ impl MicroReport {
                 l2_gb_s: rounded(ceilings.gb_s(Ceiling::L2)),
             },
             left_out: left_out
-                .map(|name| LeftOut {
+                .map(|name| OmittedRow {
                     name,
                     why: "no scene is given",
                 })
@@ -86,13 +86,13 @@ impl MicroReport {
         }
     }
 
-    /// The table, and what its columns are relative to.
+    /// Returns the text output: the table and the ceilings.
     pub(super) fn for_people(&self) -> String {
         let header = [
             "row",
             "M/s",
             "ns",
-            "ms a view",
+            "ms per view",
             "peer",
             "of peer",
             "of ceiling",
@@ -114,13 +114,13 @@ impl MicroReport {
         };
         let [width, height] = self.size;
         let mut text = format!(
-            "the masked cover at {width}x{height}, 1 thread, {}, median of {} rounds\n\n",
+            "masked depth buffer at {width}x{height}, 1 thread, {}, median of {} rounds\n\n",
             self.simd, self.rounds
         );
         text += &table(&header, &self.rows.iter().map(row).collect::<Vec<_>>());
         let CeilingReport { l1_gb_s, l2_gb_s } = self.ceilings;
         text += &format!("ceilings: L1 {l1_gb_s:.0} GB/s, L2 {l2_gb_s:.0} GB/s read, changed and written\n");
-        for LeftOut { name, why } in &self.left_out {
+        for OmittedRow { name, why } in &self.left_out {
             text += &format!("  {name} is left out: {why}\n");
         }
         text
@@ -128,31 +128,31 @@ impl MicroReport {
 }
 
 impl RowReport {
-    fn new(row: &Row, found: &Found, ceilings: &Ceilings) -> RowReport {
+    fn new(row: &Row, found: &Verification, ceilings: &Ceilings) -> RowReport {
         let seconds = row.median_seconds();
         let count = row.work.count() as f64;
         let m_per_s = count / seconds / 1e6;
-        let of_peer = m_per_s / row.best;
+        let of_peer = m_per_s / row.peer;
         let ms = row.views.map(|views| seconds / views as f64 * 1e3);
         RowReport {
             name: row.name,
             m_per_s: rounded(m_per_s),
             ns: rounded(seconds / count * 1e9),
             ms: ms.map(rounded),
-            of_ceiling: rounded(found.least_bytes as f64 / seconds / 1e9 / ceilings.gb_s(found.ceiling)),
+            of_ceiling: rounded(found.min_bytes as f64 / seconds / 1e9 / ceilings.gb_s(found.ceiling)),
             ceiling: match found.ceiling {
                 Ceiling::L1 => "L1",
                 Ceiling::L2 => "L2",
             },
-            peer: rounded(ms.map_or(row.best, |ms| ms * of_peer)),
+            peer: rounded(ms.map_or(row.peer, |ms| ms * of_peer)),
             of_peer: rounded(of_peer),
-            wrong: found.held.wrong,
-            loose: found.held.loose,
+            wrong: found.errors.wrong,
+            loose: found.errors.loose,
         }
     }
 }
 
-/// Three digits, or more where there are more before the point.
+/// Formats three significant digits, or all digits before the decimal point if there are more.
 fn short(value: f64) -> String {
     match value {
         v if v < 1.0 => format!("{v:.3}"),

@@ -1,34 +1,34 @@
-//! The rows that need no scene, by the names under which figures of other cullers are known.
+//! The rows that need no scene, with the names used for the figures of other cullers.
 
 use super::boxes::Boxes;
 use super::faces::Faces;
 use super::items::Items;
 use super::screen::Screen;
-use super::shapes::{From, Shapes};
-use super::{Row, Work};
+use super::shapes::{FaceOrder, Shapes};
+use super::{Row, Workload};
 
-/// Boxes that are asked about: as many as a large scene has items.
+/// Number of boxes that are tested: as many as a large scene has items.
 const BOXES: usize = 4096;
 
-type Make = fn(&Screen) -> Box<dyn Work>;
+type MakeWorkload = fn(&Screen) -> Box<dyn Workload>;
 
-/// Each with the figure of the best other culler, in millions a second.
-const ROWS: [(&str, f64, Make); 14] = [
+/// Name, figure of the best other culler in millions per second, and workload of each row.
+const ROWS: [(&str, f64, MakeWorkload); 14] = [
     ("tri-10", 36.0, |screen| btf(screen, 3, 10.0, 1_000_000)),
     ("quad-10", 62.0, |screen| btf(screen, 4, 10.0, 1_000_000)),
     ("tri-100", 28.0, |screen| btf(screen, 3, 100.0, 100_000)),
     ("tri-1000", 15.6, |screen| btf(screen, 3, 1000.0, 50_000)),
     ("tri-10000-btf", 5.5, |screen| btf(screen, 3, 10_000.0, 10_000)),
     ("tri-10000-ftb", 8.5, |screen| {
-        let shapes = Shapes::new(&screen.lens, 3, 10_000.0, 10_000, From::Front);
+        let shapes = Shapes::new(&screen.lens, 3, 10_000.0, 10_000, FaceOrder::FrontToBack);
         Box::new(Faces::once(shapes))
     }),
     ("tri-10-near", 18.5, |screen| {
         Box::new(Faces::once(Shapes::near(&screen.lens, 10.0, 1_000_000)))
     }),
     ("tri-back", 790.0, |screen| {
-        let shapes = Shapes::new(&screen.lens, 3, 10.0, 1000, From::Back);
-        Box::new(Faces::again_and_again(shapes.turned()))
+        let shapes = Shapes::new(&screen.lens, 3, 10.0, 1000, FaceOrder::BackToFront);
+        Box::new(Faces::repeated(shapes.reversed()))
     }),
     ("rect-hidden-4", 95.0, |screen| hidden(screen, 4)),
     ("rect-hidden-16", 72.0, |screen| hidden(screen, 16)),
@@ -37,34 +37,34 @@ const ROWS: [(&str, f64, Make); 14] = [
     ("rect-visible", 215.0, |screen| {
         Box::new(Boxes::visible(screen.squares(64, BOXES)))
     }),
-    // No other's figure: so many in 100 µs are wanted.
+    // A goal instead of a peer: all of them in 100 µs.
     ("items", BOXES as f64 / 100.0, |screen| {
         Box::new(Items::new(screen, BOXES))
     }),
 ];
 
-/// What they are called.
+/// Returns the names of the rows.
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
     ROWS.iter().map(|&(name, ..)| name)
 }
 
-/// Those that are wanted.
+/// Creates the rows selected by name.
 pub(super) fn rows(screen: &Screen, wanted: impl Fn(&str) -> bool) -> Vec<Row> {
     let rows = ROWS.iter().filter(|(name, ..)| wanted(name));
-    rows.map(|(name, best, make)| Row::new(name, *best, make(screen)))
+    rows.map(|(name, peer, make)| Row::new(name, *peer, make(screen)))
         .collect()
 }
 
-fn btf(screen: &Screen, sides: usize, pixels: f64, count: usize) -> Box<dyn Work> {
+fn btf(screen: &Screen, sides: usize, pixels: f64, count: usize) -> Box<dyn Workload> {
     Box::new(Faces::once(Shapes::new(
         &screen.lens,
         sides,
         pixels,
         count,
-        From::Back,
+        FaceOrder::BackToFront,
     )))
 }
 
-fn hidden(screen: &Screen, side: u16) -> Box<dyn Work> {
+fn hidden(screen: &Screen, side: u16) -> Box<dyn Workload> {
     Box::new(Boxes::hidden(screen.squares(side, BOXES)))
 }

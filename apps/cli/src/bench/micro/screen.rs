@@ -1,7 +1,7 @@
-//! A screen, the way onto it that the engine has, and covers for it.
+//! The screen that rows use: its projection, passage and depth buffers.
 
 use super::lens::Lens;
-use super::shapes::{Dice, From, Shapes};
+use super::shapes::{FaceOrder, RandomNumbers, Shapes};
 use super::truth::Truth;
 use anyhow::{Context, Result};
 use enfilade::cover::{Hides, MaskedDepth};
@@ -10,18 +10,18 @@ use enfilade::{
     Viewer,
 };
 
-/// A screen that an eye at the origin sees, looking along −z.
+/// The screen of an eye at the origin that looks along −z.
 pub(super) struct Screen {
     pub(super) lens: Lens,
     pub(super) passage: Passage,
-    /// What rows fill, one after the other.
+    /// Buffer that rows rasterize into, one after the other.
     pub(super) cover: MaskedDepth,
-    /// What rows ask: a backdrop behind many faces; and how near it is in truth.
+    /// Buffer that rows test boxes against: many faces in front of a backdrop. And its true depths.
     pub(super) filled: MaskedDepth,
     pub(super) filled_truth: Truth,
 }
 
-/// Where the backdrop stands, behind everything else.
+/// Distance of the backdrop, behind everything else.
 pub(super) const BACKDROP: f64 = 2000.0;
 
 impl Screen {
@@ -31,7 +31,7 @@ impl Screen {
         let passage = passage(&view)?;
         let (mut filled, mut filled_truth) = (MaskedDepth::default(), Truth::new(lens));
         filled.clear(&passage);
-        let walls = Shapes::new(&lens, 3, 1000.0, 20_000, From::Back);
+        let walls = Shapes::new(&lens, 3, 1000.0, 20_000, FaceOrder::BackToFront);
         for shapes in [Shapes::backdrop(&lens, BACKDROP), walls] {
             filled.hide_mesh(&shapes.mesh(), &passage, &mut Stats::default());
             shapes.faces().for_each(|face| {
@@ -47,12 +47,12 @@ impl Screen {
         })
     }
 
-    /// So many squares by chance, each of so many pixels a side.
+    /// Returns `count` squares at random positions, of `side` pixels a side.
     pub(super) fn squares(&self, side: u16, count: usize) -> Vec<Rect> {
-        let mut dice = Dice(u64::from(side));
+        let mut random = RandomNumbers(u64::from(side));
         let [width, height] = self.lens.size.map(|length| length - u32::from(side));
         let square = |_| {
-            let [x0, y0] = [width, height].map(|room| (f64::from(room + 1) * dice.roll()) as u16);
+            let [x0, y0] = [width, height].map(|room| (f64::from(room + 1) * random.uniform()) as u16);
             Rect {
                 x0,
                 y0,
@@ -65,7 +65,7 @@ impl Screen {
 }
 
 impl Shapes {
-    /// As the engine takes it.
+    /// Converts the faces to the engine's mesh.
     pub(super) fn mesh(&self) -> OccluderMesh {
         let corners: Vec<u32> = (0..self.positions.len() as u32).collect();
         if self.sides == 4 {
@@ -76,7 +76,7 @@ impl Shapes {
     }
 }
 
-/// The way that a view has into a sector: it does not depend on what is in there.
+/// Returns the passage of a view into the sector of the eye, which does not depend on its geometry.
 pub(super) fn passage(view: &View) -> Result<Passage> {
     let mut scene = SceneBuilder::new();
     let geometry = GeometryBuilder::new([Material::opaque([1.0; 3])]).build()?;
@@ -86,5 +86,5 @@ pub(super) fn passage(view: &View) -> Result<Passage> {
     view.sector = Some(SectorId(0));
     let mut viewer = Viewer::new();
     let passages = viewer.look(&scene, &view).passages();
-    passages.first().cloned().context("a view that leads nowhere")
+    passages.first().cloned().context("the view has no passage")
 }

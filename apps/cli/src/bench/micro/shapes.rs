@@ -1,4 +1,4 @@
-//! What the rows rasterise: many faces of one size on the screen, made by a fixed seed.
+//! The faces that rows rasterize: many of one size on the screen, generated with a fixed seed.
 
 use super::lens::Lens;
 use std::f64::consts::TAU;
@@ -6,35 +6,36 @@ use std::f64::consts::TAU;
 /// Separate faces: none shares a corner with another.
 pub(super) struct Shapes {
     pub(super) positions: Vec<[f32; 3]>,
-    /// Corners of a face, 3 or 4.
+    /// Number of corners per face, 3 or 4.
     pub(super) sides: usize,
 }
 
-/// In which order they come.
+/// Order of the faces.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum From {
-    Back,
-    Front,
+pub(super) enum FaceOrder {
+    BackToFront,
+    FrontToBack,
 }
 
-/// How far away the farthest and the nearest are.
+/// Distances of the farthest and the nearest face.
 pub(super) const FAR: f64 = 1000.0;
 pub(super) const NEAR: f64 = 10.0;
-/// By how much the reversed depth of a face changes from its middle to its farthest corner, relatively.
+/// Maximum relative change of the reversed depth from the centre of a face to a corner.
 const TILT: f64 = 0.01;
-/// Faces that cross the near plane stand in this part of the screen, at its left, and the others in the rest: so the first
-/// hide none of the others, whatever the order.
+/// Share of the screen width, at its left, for faces that cross the near plane; the others are in the rest. So the
+/// former never occlude the latter, whatever the order.
 const STRIP: f64 = 0.1;
 
 impl Shapes {
-    /// Faces with so many `sides` and pixels of area each, in random places and turned at random, sorted by distance.
-    pub(super) fn new(lens: &Lens, sides: usize, pixels: f64, count: usize, from: From) -> Shapes {
-        let mut dice = Dice(1);
+    /// Creates faces with `sides` corners and an area of `pixels` each, at random positions and rotations, sorted by
+    /// distance.
+    pub(super) fn new(lens: &Lens, sides: usize, pixels: f64, count: usize, order: FaceOrder) -> Shapes {
+        let mut random = RandomNumbers(1);
         let mut shapes = Shapes::empty(sides, count);
         for number in 0..count {
-            shapes.add(lens, &mut dice, [0.0, 1.0], pixels, rev_depth_of(number, count));
+            shapes.add(lens, &mut random, [0.0, 1.0], pixels, rev_depth_of(number, count));
         }
-        if from == From::Front {
+        if order == FaceOrder::FrontToBack {
             shapes = Shapes {
                 positions: shapes.faces().rev().flatten().copied().collect(),
                 sides,
@@ -43,29 +44,35 @@ impl Shapes {
         shapes
     }
 
-    /// Triangles as [`Shapes::new`] makes them, but that every tenth has one corner before the near plane, half of these
-    /// behind the eye; about `pixels` of it are beyond.
+    /// Creates triangles as [`Shapes::new`], but every tenth has one corner in front of the near plane, about half of
+    /// those behind the eye; about `pixels` of its area remain after clipping.
     pub(super) fn near(lens: &Lens, pixels: f64, count: usize) -> Shapes {
-        let mut dice = Dice(2);
+        let mut random = RandomNumbers(2);
         let mut shapes = Shapes::empty(3, count);
         for number in 0..count {
             if number % 10 == 0 {
-                shapes.add_near(lens, &mut dice, pixels);
+                shapes.add_near(lens, &mut random, pixels);
             } else {
-                shapes.add(lens, &mut dice, [STRIP, 1.0], pixels, rev_depth_of(number, count));
+                shapes.add(
+                    lens,
+                    &mut random,
+                    [STRIP, 1.0],
+                    pixels,
+                    rev_depth_of(number, count),
+                );
             }
         }
         shapes
     }
 
-    /// The same faces, seen from behind.
-    pub(super) fn turned(mut self) -> Shapes {
+    /// Returns the same faces with reversed winding.
+    pub(super) fn reversed(mut self) -> Shapes {
         let sides = self.sides;
         self.positions.chunks_exact_mut(sides).for_each(<[_]>::reverse);
         self
     }
 
-    /// One face over the whole screen, so far away.
+    /// Creates one quad that covers the whole screen, at distance `w`.
     pub(super) fn backdrop(lens: &Lens, w: f64) -> Shapes {
         let [width, height] = lens.size.map(f64::from);
         let corners = [
@@ -80,7 +87,7 @@ impl Shapes {
         }
     }
 
-    /// The corners of each face.
+    /// Returns the corners of each face.
     pub(super) fn faces(&self) -> impl DoubleEndedIterator<Item = &[[f32; 3]]> + ExactSizeIterator {
         self.positions.chunks_exact(self.sides)
     }
@@ -92,14 +99,21 @@ impl Shapes {
         }
     }
 
-    /// Adds a face that is all in these parts of the screen's width.
-    fn add(&mut self, lens: &Lens, dice: &mut Dice, [left, right]: [f64; 2], pixels: f64, rev_depth: f64) {
+    /// Adds a face that is entirely between these shares of the screen width.
+    fn add(
+        &mut self,
+        lens: &Lens,
+        random: &mut RandomNumbers,
+        [left, right]: [f64; 2],
+        pixels: f64,
+        rev_depth: f64,
+    ) {
         let sides = self.sides as f64;
-        let turn = dice.roll();
+        let turn = random.uniform();
         let mut around = [[0.0; 2]; 4];
         for (number, corner) in around[..self.sides].iter_mut().enumerate() {
-            // Clockwise where y goes down: counter-clockwise as one sees it.
-            let angle = -TAU * (turn + (number as f64 + 0.4 * (dice.roll() - 0.5)) / sides);
+            // Clockwise in numbers, because y points down: counter-clockwise on the screen.
+            let angle = -TAU * (turn + (number as f64 + 0.4 * (random.uniform() - 0.5)) / sides);
             *corner = [angle.cos(), angle.sin()];
         }
         let around = &around[..self.sides];
@@ -113,10 +127,10 @@ impl Shapes {
         let [width, height] = lens.size.map(f64::from);
         let between = |low: f64, high: f64, roll: f64| low + radius + (high - low - 2.0 * radius) * roll;
         let middle = [
-            between(left * width, right * width, dice.roll()),
-            between(0.0, height, dice.roll()),
+            between(left * width, right * width, random.uniform()),
+            between(0.0, height, random.uniform()),
         ];
-        let steepest = TAU * dice.roll();
+        let steepest = TAU * random.uniform();
         let tilt = [TILT * steepest.cos(), TILT * steepest.sin()];
         self.positions.extend(around.iter().map(|[x, y]| {
             let pixel = [middle[0] + radius * x, middle[1] + radius * y];
@@ -124,41 +138,41 @@ impl Shapes {
         }));
     }
 
-    /// Adds a triangle with one corner before the near plane. What is beyond has two corners there: it is about a
-    /// parallelogram on the screen where the two corners ahead are twice as far away as the near plane.
-    fn add_near(&mut self, lens: &Lens, dice: &mut Dice, pixels: f64) {
-        let ahead = lens.near * (1.5 + dice.roll());
-        let turn = TAU * dice.roll();
+    /// Adds a triangle with one corner in front of the near plane. Clipping leaves a quad with two corners on the
+    /// plane: on the screen about a parallelogram if the other two corners are twice as far away as the near plane.
+    fn add_near(&mut self, lens: &Lens, random: &mut RandomNumbers, pixels: f64) {
+        let ahead = lens.near * (1.5 + random.uniform());
+        let turn = TAU * random.uniform();
         let side = pixels.sqrt();
         let [along, across] = [[turn.cos(), turn.sin()], [turn.sin(), -turn.cos()]];
         let [width, height] = lens.size.map(f64::from);
         let first = [
-            2.0 * side + (STRIP * width - 4.0 * side) * dice.roll(),
-            2.0 * side + (height - 4.0 * side) * dice.roll(),
+            2.0 * side + (STRIP * width - 4.0 * side) * random.uniform(),
+            2.0 * side + (height - 4.0 * side) * random.uniform(),
         ];
         let moved = |from: [f64; 2], by: [f64; 2]| [from[0] + side * by[0], from[1] + side * by[1]];
         let a = lens.point(first, ahead);
         let b = lens.point(moved(first, along), ahead);
-        // As far beyond this point of the near plane as it is from the first corner.
+        // The first corner, mirrored at this point of the near plane.
         let on_plane = lens.point(moved(first, across), lens.near);
         let behind = [0, 1, 2].map(|axis| 2.0 * on_plane[axis] - a[axis]);
         self.positions.extend([a, b, behind]);
     }
 }
 
-/// Of a face in the row of all, the farthest first.
+/// Returns the reversed depth of a face by its number, the farthest first.
 fn rev_depth_of(number: usize, count: usize) -> f64 {
     (FAR / NEAR).powf(number as f64 / count as f64) / FAR
 }
 
-/// Numbers by chance, always the same.
+/// A random number generator with a fixed sequence per seed.
 ///
 /// Source: Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014 (SplitMix64).
-pub(super) struct Dice(pub(super) u64);
+pub(super) struct RandomNumbers(pub(super) u64);
 
-impl Dice {
-    /// From 0 to below 1.
-    pub(super) fn roll(&mut self) -> f64 {
+impl RandomNumbers {
+    /// Returns a random number in [0, 1).
+    pub(super) fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut mixed = self.0;
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

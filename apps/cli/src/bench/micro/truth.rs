@@ -1,15 +1,16 @@
-//! How near the nearest face is at each sample, in f64, by code that shares nothing with the engine.
+//! The reference of `bench --micro`: depth of the nearest face at each sample, in f64, by code that shares nothing with
+//! the engine.
 //!
-//! A face is held against five rays a sample, its middle and (±δ, ±δ) about it, in homogeneous form: what crosses the
-//! near plane or reaches behind the eye needs no cutting. As near as anything that any of the five meets, a cover may
-//! say that something is; not nearer.
+//! Tests each face with five rays per sample, at its centre and at (±δ, ±δ) around it, in homogeneous coordinates, so
+//! faces that cross the near plane or reach behind the eye need no clipping. A depth buffer may be as near as the
+//! nearest hit of the five, not nearer.
 //! Source: Olano, Greer, Triangle Scan Conversion Using 2D Homogeneous Coordinates, Graphics Hardware 1997.
 //! Cost: a face O(rows it touches) + O(samples it covers), five times.
 
 use super::lens::{Lens, cross, dot};
 use enfilade::Rect;
 
-/// How far from the middle of a sample the other four rays stand, in pixels.
+/// Offset of the other four rays from the centre of a sample, in pixels.
 const DELTA: f64 = 1.0 / 1024.0;
 const RAYS: [[f64; 2]; 5] = [
     [0.0, 0.0],
@@ -18,49 +19,49 @@ const RAYS: [[f64; 2]; 5] = [
     [-DELTA, DELTA],
     [DELTA, DELTA],
 ];
-/// What a cover may be nearer than the truth, and a face before the near plane, relatively.
+/// Relative tolerance: how much nearer than the truth a buffer may be, and a face than the near plane.
 const SLACK: f64 = 1.0 / (1 << 16) as f64;
-/// Columns and rows of a sub-tile of the cover: so many samples share sixteen bytes.
+/// Columns and rows of a sub-tile of the buffer, whose samples share 16 bytes.
 pub(super) const SUB_TILE: [usize; 2] = [8, 4];
 
-/// What is known of all samples of a screen.
+/// The true depths of all samples of a screen.
 pub(super) struct Truth {
     lens: Lens,
-    /// The greatest reversed depth (1 / W) that any ray of a sample meets; 0 where none meets anything.
+    /// Maximum reversed depth (1 / W) of the hits of a sample's rays; 0 without a hit.
     nearest: Vec<f32>,
-    /// A bit for each ray of a sample that meets something.
-    met: Vec<u8>,
+    /// A bit for each ray of a sample that hits a face.
+    hit: Vec<u8>,
 }
 
-/// How a cover compares with the truth, or its answers do.
+/// Number of differences of a buffer, or of its test results, from the truth.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Held {
-    /// What is seen may be called hidden.
+pub(super) struct ErrorCounts {
+    /// Samples or boxes with which something visible may be culled.
     pub(super) wrong: u64,
-    /// Something certainly hides, and is not known to: that costs time alone.
+    /// Samples or boxes that are certainly occluded but not found to be; costs time only.
     pub(super) loose: u64,
 }
 
-impl Held {
-    pub(super) fn add(&mut self, more: Held) {
+impl ErrorCounts {
+    pub(super) fn add(&mut self, more: ErrorCounts) {
         self.wrong += more.wrong;
         self.loose += more.loose;
     }
 }
 
 impl Truth {
-    /// Of an empty screen.
+    /// Creates the truth of an empty screen.
     pub(super) fn new(lens: Lens) -> Truth {
         let samples = lens.size[0] as usize * lens.size[1] as usize;
         Truth {
             lens,
             nearest: vec![0.0; samples],
-            met: vec![0; samples],
+            hit: vec![0; samples],
         }
     }
 
-    /// Adds a flat convex face with one side, counter-clockwise from its front; gives the number of the sub-tiles in which
-    /// it has a sample.
+    /// Adds a planar convex single-sided face, counter-clockwise from its front. Returns the number of sub-tiles in
+    /// which it has a sample.
     pub(super) fn add(&mut self, corners: &[[f32; 3]]) -> u64 {
         let mut at = corners.iter().map(|&corner| self.lens.corner(corner));
         let (Some(first), Some(mut before)) = (at.next(), at.next()) else {
@@ -80,7 +81,7 @@ impl Truth {
             return 0;
         };
         let mut sub_tiles = 0;
-        // Columns of sub-tiles that the rows of one row of sub-tiles reach into so far.
+        // Range of sub-tile columns covered so far in the current row of sub-tiles.
         let mut reached = [usize::MAX, 0];
         for y in rows[0]..rows[1] {
             for triangle in &triangles {
@@ -100,13 +101,13 @@ impl Truth {
         sub_tiles
     }
 
-    /// Adds a row of a triangle, and gives the columns whose middles it covers.
+    /// Adds one row of a triangle. Returns the range of columns whose centres it covers.
     fn add_row(&mut self, triangle: &Triangle, y: usize) -> [usize; 2] {
         let width = self.lens.size[0] as usize;
-        let mut middles = [0; 2];
+        let mut centres = [0; 2];
         for (number, [dx, dy]) in RAYS.into_iter().enumerate().rev() {
             let [from, to] = triangle.columns(y as f64 + 0.5 + dy, dx, width);
-            middles = [from, to];
+            centres = [from, to];
             if from >= to {
                 continue;
             }
@@ -114,63 +115,64 @@ impl Truth {
             let start = a * (0.5 + dx) + b * (y as f64 + 0.5 + dy) + c;
             let row = y * width;
             let samples = self.nearest[row + from..row + to].iter_mut();
-            for (x, (nearest, met)) in (from..).zip(samples.zip(&mut self.met[row + from..row + to])) {
+            for (x, (nearest, hit)) in (from..).zip(samples.zip(&mut self.hit[row + from..row + to])) {
                 let rev_depth = (a * x as f64 + start) as f32;
                 *nearest = if rev_depth > *nearest { rev_depth } else { *nearest };
-                *met |= 1 << number;
+                *hit |= 1 << number;
             }
         }
-        middles
+        centres
     }
 
-    /// Holds a cover's reversed depth at each sample against this.
-    pub(super) fn hold(&self, rev_depth_at: impl Fn(u16, u16) -> f32) -> Held {
+    /// Compares a buffer's reversed depth at each sample with the truth.
+    pub(super) fn check(&self, rev_depth_at: impl Fn(u16, u16) -> f32) -> ErrorCounts {
         let width = self.lens.size[0] as usize;
-        let mut held = Held::default();
-        for (place, (&nearest, &met)) in self.nearest.iter().zip(&self.met).enumerate() {
-            let known = rev_depth_at((place % width) as u16, (place / width) as u16);
-            // Written so that what is no number is wrong.
+        let mut errors = ErrorCounts::default();
+        for (index, (&nearest, &hit)) in self.nearest.iter().zip(&self.hit).enumerate() {
+            let known = rev_depth_at((index % width) as u16, (index / width) as u16);
+            // The comparison is negated below so that NaN counts as wrong.
             let right = f64::from(known) <= f64::from(nearest) * (1.0 + SLACK);
-            held.wrong += u64::from(!right);
-            held.loose += u64::from(known <= 0.0 && met == ALL_MET);
+            errors.wrong += u64::from(!right);
+            errors.loose += u64::from(known <= 0.0 && hit == ALL_HIT);
         }
-        held
+        errors
     }
 
-    /// Holds an answer against this: is a box in these columns and rows, as near as `nearest`, hidden?
-    pub(super) fn hold_rect(&self, rect: &Rect, nearest: f32, hidden: bool) -> Held {
+    /// Compares a test result with the truth: whether a box with this rectangle and maximum reversed depth `nearest` is
+    /// `hidden`.
+    pub(super) fn check_rect(&self, rect: &Rect, nearest: f32, hidden: bool) -> ErrorCounts {
         let width = self.lens.size[0] as usize;
         let Rect { x0, y0, x1, y1 } = *rect;
         let nearest = f64::from(nearest);
         let (mut may_show, mut surely_hidden) = (false, true);
         for y in usize::from(y0)..usize::from(y1) {
-            for place in y * width + usize::from(x0)..y * width + usize::from(x1) {
-                let truth = f64::from(self.nearest[place]);
+            for index in y * width + usize::from(x0)..y * width + usize::from(x1) {
+                let truth = f64::from(self.nearest[index]);
                 may_show |= nearest >= truth * (1.0 + SLACK);
-                surely_hidden &= self.met[place] == ALL_MET && nearest * (1.0 + SLACK) < truth;
+                surely_hidden &= self.hit[index] == ALL_HIT && nearest * (1.0 + SLACK) < truth;
             }
         }
-        Held {
+        ErrorCounts {
             wrong: u64::from(hidden && may_show),
             loose: u64::from(!hidden && surely_hidden),
         }
     }
 }
 
-const ALL_MET: u8 = (1 << RAYS.len()) - 1;
+const ALL_HIT: u8 = (1 << RAYS.len()) - 1;
 
-/// A triangle seen from its front, as lines on the screen.
+/// A front-facing triangle, as edge functions on the screen.
 struct Triangle {
-    /// Pixels (x, y) are inside where a·x + b·y + c ≥ 0 for all of these; the last is the near plane, or always holds.
+    /// Edge functions: (x, y) is inside if a·x + b·y + c ≥ 0 for all. The last is the near plane, or always positive.
     edges: [[f64; 3]; 4],
-    /// 1 / W at a pixel, likewise.
+    /// Coefficients of 1 / W at (x, y), likewise.
     rev_depth: [f64; 3],
-    /// In which rows there may be any of it.
+    /// Range of rows that may contain any of it.
     rows: [usize; 2],
 }
 
 impl Triangle {
-    /// `None` where it is seen from behind or edge-on, is not finite or is in no row of the screen.
+    /// Returns `None` if it is back-facing, edge-on, not finite or in no row of the screen.
     fn new(corners: [[f64; 3]; 3], lens: &Lens) -> Option<Triangle> {
         let [p, q, r] = corners;
         let determinant = dot(p, cross(q, r));
@@ -196,7 +198,7 @@ impl Triangle {
         })
     }
 
-    /// The columns of the samples in a row, moved by `dx`, that are inside.
+    /// Returns the range of columns in a row whose samples, shifted by `dx`, are inside.
     fn columns(&self, y: f64, dx: f64, width: usize) -> [usize; 2] {
         let [mut low, mut high] = [0.0, width as f64];
         for [a, b, c] in self.edges {
@@ -217,7 +219,7 @@ impl Triangle {
     }
 }
 
-/// The least and the greatest Y / W of what lies beyond the near plane; `None` of nothing.
+/// Returns the minimum and maximum Y / W of the part beyond the near plane; `None` if there is none.
 fn heights(corners: &[[f64; 3]; 3], near: f64) -> Option<[f64; 2]> {
     let mut between: Option<[f64; 2]> = None;
     let mut meet = |height: f64| {
@@ -246,7 +248,7 @@ mod tests {
         Truth::new(Lens::new(&View::new([0.0; 3], [0.0, 0.0, -1.0], [32, 16])))
     }
 
-    /// A face with these corners on the screen, so far away each.
+    /// Returns a face from its corners: pixel and distance of each.
     fn face(truth: &Truth, corners: &[([f64; 2], f64)]) -> Vec<[f32; 3]> {
         corners
             .iter()
@@ -268,7 +270,7 @@ mod tests {
         );
         assert_eq!(truth.add(&square), 2 * 3, "columns 4 to 11, rows 2 to 11");
         let inside = |x: u16, y: u16| (4..12).contains(&x) && (2..12).contains(&y);
-        let exact = truth.hold(|x, y| if inside(x, y) { 0.5 } else { 0.0 });
+        let exact = truth.check(|x, y| if inside(x, y) { 0.5 } else { 0.0 });
         assert_eq!((exact.wrong, exact.loose), (0, 0));
         let rect = |x0| Rect {
             x0,
@@ -276,11 +278,11 @@ mod tests {
             x1: 9,
             y1: 9,
         };
-        let all_open = truth.hold(|_, _| 0.0);
+        let all_open = truth.check(|_, _| 0.0);
         assert_eq!((all_open.wrong, all_open.loose), (0, 80));
-        let too_near = truth.hold(|x, y| if inside(x, y) { 0.5001 } else { 0.0 });
+        let too_near = truth.check(|x, y| if inside(x, y) { 0.5001 } else { 0.0 });
         assert_eq!(too_near.wrong, 80);
-        let too_large = truth.hold(|x, y| {
+        let too_large = truth.check(|x, y| {
             if inside(x, y) || inside(x + 1, y) {
                 0.5
             } else {
@@ -288,11 +290,11 @@ mod tests {
             }
         });
         assert_eq!(too_large.wrong, 10);
-        assert_eq!(truth.hold(|_, _| f32::NAN).wrong, 32 * 16);
-        assert_eq!(truth.hold_rect(&rect(5), 0.4, true).wrong, 0);
-        assert_eq!(truth.hold_rect(&rect(5), 0.4, false).loose, 1);
-        assert_eq!(truth.hold_rect(&rect(5), 0.6, true).wrong, 1);
-        assert_eq!(truth.hold_rect(&rect(3), 0.4, true).wrong, 1);
+        assert_eq!(truth.check(|_, _| f32::NAN).wrong, 32 * 16);
+        assert_eq!(truth.check_rect(&rect(5), 0.4, true).wrong, 0);
+        assert_eq!(truth.check_rect(&rect(5), 0.4, false).loose, 1);
+        assert_eq!(truth.check_rect(&rect(5), 0.6, true).wrong, 1);
+        assert_eq!(truth.check_rect(&rect(3), 0.4, true).wrong, 1);
     }
 
     #[test]

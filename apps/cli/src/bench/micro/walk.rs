@@ -1,38 +1,38 @@
-//! Rows that rasterise all of a scene that is in view, from the places of its survey.
+//! Rows that rasterize everything in view of a scene, from the positions of its survey.
 
 use super::ceilings::Ceiling;
 use super::lens::Lens;
 use super::screen::{Screen, passage};
-use super::truth::{Held, Truth};
-use super::{Found, Row, SUB_TILE_BYTES, Work};
+use super::truth::{ErrorCounts, Truth};
+use super::{Row, SUB_TILE_BYTES, Verification, Workload};
 use anyhow::{Result, bail};
 use enfilade::cover::Hides;
 use enfilade::{Aabb, Alpha, Geometry, ItemId, OccluderMesh, Passage, Scene, SectorId, Stats, View};
 use std::rc::Rc;
 use std::time::Instant;
 
-/// What the rows are called, after the scene that the figures of others are known of.
+/// Names of the rows, after the scene of the figures of other cullers.
 pub(super) const NAMES: [&str; 2] = ["sponza-1280", "sponza-512"];
-/// Their screens, and the milliseconds a view that the best other culler takes in that scene.
+/// Screen sizes of the rows, and the milliseconds per view of the best other culler in that scene.
 const SCREENS: [([u32; 2], f64); 2] = [([1280, 720], 0.565), ([512, 256], 0.243)];
 
-/// Places to look from.
+/// Number of views.
 const VIEWS: usize = 16;
 
-/// What hides of an item, in the space of its sector.
+/// The opaque faces of an occluder item, in the space of its sector.
 struct Part {
     sector: SectorId,
     bounds: Aabb,
     positions: Vec<[f32; 3]>,
-    /// Three for each triangle; one with two sides is there twice, once for each.
+    /// Three per triangle; a double-sided one is stored twice, once per side.
     corners: Vec<u32>,
     mesh: OccluderMesh,
-    /// Those with two sides counted once.
+    /// Number of triangles, double-sided ones counted once.
     triangles: u64,
 }
 
-/// A view, and which parts are in it.
-struct Look {
+/// A view, and the indices of the parts in it.
+struct WalkView {
     lens: Lens,
     passage: Passage,
     parts: Vec<usize>,
@@ -41,19 +41,17 @@ struct Look {
 /// All views on a screen of one size.
 struct Walk {
     parts: Rc<Vec<Part>>,
-    looks: Vec<Look>,
+    looks: Vec<WalkView>,
 }
 
-/// The rows of a scene.
+/// Returns the rows of a scene.
 ///
 /// # Errors
-/// A scene in which there is nowhere to stand.
+/// Fails if the survey finds no position to stand at.
 pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<Row>> {
-    let places = enfilade::survey(scene, VIEWS).views;
-    if places.is_empty() {
-        bail!(
-            "the survey finds no open space to stand in; `bench --micro` without a scene leaves its rows out"
-        );
+    let survey_views = enfilade::survey(scene, VIEWS).views;
+    if survey_views.is_empty() {
+        bail!("the survey found no open space; run `bench --micro` without a scene to omit its rows");
     }
     let mut parts = Vec::new();
     for sector in scene.sectors() {
@@ -64,25 +62,25 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
     }
     let parts = Rc::new(parts);
     let row = |(name, (size, best_ms)): (&'static str, ([u32; 2], f64))| {
-        let look = |place: &enfilade::SurveyView| {
-            let view = View::new(place.eye, place.toward, size);
+        let look = |survey_view: &enfilade::SurveyView| {
+            let view = View::new(survey_view.eye, survey_view.toward, size);
             let passage = passage(&view)?;
-            let in_view = |part: &Part| part.sector == place.sector && passage.may_show(&part.bounds);
+            let in_view = |part: &Part| part.sector == survey_view.sector && passage.may_show(&part.bounds);
             let in_view = (0..parts.len()).filter(|&part| in_view(&parts[part])).collect();
-            Ok(Look {
+            Ok(WalkView {
                 lens: Lens::new(&view),
                 passage,
                 parts: in_view,
             })
         };
-        let looks = places.iter().map(look).collect::<Result<Vec<Look>>>()?;
+        let looks = survey_views.iter().map(look).collect::<Result<Vec<WalkView>>>()?;
         let walk = Walk {
             parts: Rc::clone(&parts),
             looks,
         };
-        let millions = walk.count() as f64 / places.len() as f64 / 1e6;
+        let millions = walk.count() as f64 / survey_views.len() as f64 / 1e6;
         let mut row = Row::new(name, millions / (best_ms * 1e-3), Box::new(walk));
-        row.views = Some(places.len() as u64);
+        row.views = Some(survey_views.len() as u64);
         Ok(row)
     };
     let rows = NAMES.into_iter().zip(SCREENS);
@@ -90,17 +88,17 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
 }
 
 impl Part {
-    /// `None` of an item that hides nothing.
+    /// Returns `None` for an item that occludes nothing.
     fn new(sector: SectorId, geometry: &Geometry, item: ItemId) -> Option<Part> {
         if !geometry.holds(item) || !geometry.item(item).is_occluder {
             return None;
         }
         let mesh = geometry.mesh_of(item);
-        let place = geometry.item(item).transform();
+        let transform = geometry.item(item).transform();
         let positions: Vec<[f32; 3]> = mesh
             .positions()
             .iter()
-            .map(|&position| place.point(position))
+            .map(|&position| transform.point(position))
             .collect();
         let (mut corners, mut triangles) = (Vec::new(), 0);
         for cluster in mesh.clusters() {
@@ -112,10 +110,10 @@ impl Part {
                 for last in 2..face.len() {
                     let [a, b, c] = [face[0], face[last - 1], face[last]];
                     triangles += 1;
-                    if material.double_sided || !place.mirrors() {
+                    if material.double_sided || !transform.mirrors() {
                         corners.extend([a, b, c]);
                     }
-                    if material.double_sided || place.mirrors() {
+                    if material.double_sided || transform.mirrors() {
                         corners.extend([c, b, a]);
                     }
                 }
@@ -131,7 +129,7 @@ impl Part {
         })
     }
 
-    /// The corners of each triangle.
+    /// Returns the corners of each triangle.
     fn faces(&self) -> impl Iterator<Item = [[f32; 3]; 3]> {
         let corners = self.corners.chunks_exact(3);
         corners.map(|corners| [0, 1, 2].map(|corner| self.positions[corners[corner] as usize]))
@@ -139,8 +137,8 @@ impl Part {
 }
 
 impl Walk {
-    /// Empties the cover and lets in all that a look sees.
-    fn fill(&self, look: &Look, screen: &mut Screen) {
+    /// Clears the buffer and rasterizes everything in a view.
+    fn fill(&self, look: &WalkView, screen: &mut Screen) {
         let mut stats = Stats::default();
         screen.cover.clear(&look.passage);
         for &part in &look.parts {
@@ -151,7 +149,7 @@ impl Walk {
     }
 }
 
-impl Work for Walk {
+impl Workload for Walk {
     fn count(&self) -> u64 {
         let parts = self.looks.iter().flat_map(|look| &look.parts);
         parts.map(|&part| self.parts[part].triangles).sum()
@@ -165,18 +163,18 @@ impl Work for Walk {
         start.elapsed().as_secs_f64()
     }
 
-    fn hold(&mut self, screen: &mut Screen) -> Found {
-        let (mut held, mut sub_tiles) = (Held::default(), 0);
+    fn check(&mut self, screen: &mut Screen) -> Verification {
+        let (mut errors, mut sub_tiles) = (ErrorCounts::default(), 0);
         for look in &self.looks {
             self.fill(look, screen);
             let mut truth = Truth::new(look.lens);
             let faces = look.parts.iter().flat_map(|&part| self.parts[part].faces());
             sub_tiles += faces.map(|face| truth.add(&face)).sum::<u64>();
-            held.add(truth.hold(|x, y| screen.cover.rev_depth_at(x, y)));
+            errors.add(truth.check(|x, y| screen.cover.rev_depth_at(x, y)));
         }
-        Found {
-            held,
-            least_bytes: sub_tiles * SUB_TILE_BYTES,
+        Verification {
+            errors,
+            min_bytes: sub_tiles * SUB_TILE_BYTES,
             ceiling: Ceiling::L2,
         }
     }

@@ -179,7 +179,7 @@ impl Face {
             nearest: 0.0,
         };
         if inside(a.at) && inside(b.at) && inside(c.at) {
-            let pixels = [a, b, c].map(|corner| face.reach_to(corner.at));
+            let pixels = [a, b, c].map(|corner| face.add_corner(corner.at));
             face.rect = face.within(limits)?;
             for (place, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
                 if let Some((line, name)) = Edge::between(from, to) {
@@ -196,7 +196,7 @@ impl Face {
 
     /// Holds a corner too; gives where it is on the screen.
     #[inline(always)]
-    fn reach_to(&mut self, at: DVec3) -> [f64; 2] {
+    fn add_corner(&mut self, at: DVec3) -> [f64; 2] {
         let rev_depth = 1.0 / at.z;
         let pixel = [at.x * rev_depth, at.y * rev_depth];
         for (axis, value) in pixel.into_iter().enumerate() {
@@ -235,7 +235,7 @@ impl Face {
         }
         for (i, &(from, edge)) in kept.iter().enumerate() {
             let (to, _) = kept[(i + 1) % kept.len()];
-            let ends = [self.reach_to(from), self.reach_to(to)];
+            let ends = [self.add_corner(from), self.add_corner(to)];
             // Of no line: in each row it is taken to be as wide as all of it.
             let (line, name) = edge.unwrap_or((DVec3::ZERO, mix(from.x.to_bits() ^ mix(to.y.to_bits())) | 1));
             self.edges.push(Edge::new(line, name, ends));
@@ -248,14 +248,14 @@ impl Face {
 
     #[inline(always)]
     fn within(&self, limits: &Rect) -> Option<Rect> {
-        let [x0, x1] = met(self.min[0], self.max[0], [limits.x0, limits.x1])?;
-        let [y0, y1] = met(self.min[1], self.max[1], [limits.y0, limits.y1])?;
+        let [x0, x1] = touched(self.min[0], self.max[0], [limits.x0, limits.x1])?;
+        let [y0, y1] = touched(self.min[1], self.max[1], [limits.y0, limits.y1])?;
         Some(Rect { x0, y0, x1, y1 })
     }
 
     /// Does all of it lie in these cells?
     #[inline(always)]
-    pub(super) fn lies_in(&self, rect: &Rect) -> bool {
+    pub(super) fn is_within(&self, rect: &Rect) -> bool {
         let [low, high] = [[rect.x0, rect.y0], [rect.x1, rect.y1]].map(|corner| corner.map(f64::from));
         (0..2).all(|axis| self.min[axis] >= low[axis] && self.max[axis] <= high[axis])
     }
@@ -273,13 +273,17 @@ impl Face {
         let mut edges = SmallVec::new();
         for edge in &self.edges {
             let reach = edge.reach(y);
-            edges.push(reach.and_then(|[x0, x1]| met(x0, x1, limits)).unwrap_or([0; 2]));
+            edges.push(
+                reach
+                    .and_then(|[x0, x1]| touched(x0, x1, limits))
+                    .unwrap_or([0; 2]),
+            );
             if let Some([x0, x1]) = reach {
                 low = smaller(x0, low);
                 high = greater(x1, high);
             }
         }
-        let columns = met(low, high, limits)?;
+        let columns = touched(low, high, limits)?;
         let within = within(columns, &edges);
         Some(Row {
             columns,
@@ -290,7 +294,7 @@ impl Face {
 
     /// How near it is at most in cells that it meets, as what is there at their centres; without the limits of its
     /// corners, so that it is linear.
-    pub(super) fn lifted(&self, limits: &Rect) -> Triangle {
+    pub(super) fn upper_plane(&self, limits: &Rect) -> Triangle {
         let DVec3 { x: a, y: b, z: c } = self.slope;
         let most = a.abs() * f64::from(limits.x1) + b.abs() * f64::from(limits.y1) + c.abs();
         let lifted = c + (a.abs() + b.abs()) * (0.5 + SLACK) + most * ROUNDING;
@@ -304,7 +308,7 @@ impl Face {
 
     /// How near it is at least in cells that it covers alone, as what is there at their centres.
     #[inline(always)]
-    pub(super) fn triangle(&self, limits: &Rect) -> Triangle {
+    pub(super) fn lower_plane(&self, limits: &Rect) -> Triangle {
         let DVec3 { x: a, y: b, z: c } = self.slope;
         let most = a.abs() * f64::from(limits.x1) + b.abs() * f64::from(limits.y1) + c.abs();
         let lowered = c - (a.abs() + b.abs()) * (0.5 + SLACK) - most * ROUNDING;
@@ -356,7 +360,7 @@ fn within(columns: [u16; 2], edges: &[[u16; 2]]) -> [u16; 2] {
 
 /// The first cell of a row or column that `low..high` meets within `limits`, and the one after the last.
 #[inline(always)]
-fn met(low: f64, high: f64, limits: [u16; 2]) -> Option<[u16; 2]> {
+fn touched(low: f64, high: f64, limits: [u16; 2]) -> Option<[u16; 2]> {
     let [first, end] = limits.map(f64::from);
     let [low, high] = [low - SLACK, high + SLACK];
     // Also where something is not a number.

@@ -29,7 +29,7 @@ use crate::passage::Passage;
 use crate::region::Region;
 use crate::stats::Stats;
 use face::{Corner, Face, Row};
-use waiting::Waiting;
+use waiting::OpenEdges;
 
 /// What the faces that came so far cover.
 #[derive(Default)]
@@ -38,12 +38,12 @@ pub struct CoarseCoverage {
     columns: usize,
     /// By row and column of the screen in cells.
     cells: Vec<Cell>,
-    waiting: Vec<Waiting>,
+    open_edges: Vec<OpenEdges>,
     /// The cluster at hand, and the first of the passage; from 1.
     batch: u32,
     first_batch: u32,
     /// The cells that its outlines meet, as column and row.
-    met: Vec<[u16; 2]>,
+    touched: Vec<[u16; 2]>,
     corners: Vec<Corner>,
 }
 
@@ -83,7 +83,7 @@ const ALIKE: f32 = 1.0 + 1.0 / 32.0;
 impl CoarseCoverage {
     /// Memory in bytes for so many cells.
     pub(crate) fn needs_bytes(cells: [u32; 2]) -> u64 {
-        u64::from(cells[0]) * u64::from(cells[1]) * (size_of::<Cell>() + size_of::<Waiting>()) as u64
+        u64::from(cells[0]) * u64::from(cells[1]) * (size_of::<Cell>() + size_of::<OpenEdges>()) as u64
     }
 
     /// Starts over, for a passage in cells.
@@ -93,12 +93,12 @@ impl CoarseCoverage {
         let count = self.columns * usize::from(self.rect.y1);
         if self.cells.len() < count {
             self.cells.resize(count, Cell::default());
-            self.waiting.resize(count, Waiting::default());
+            self.open_edges.resize(count, OpenEdges::default());
         }
         // Clusters are numbered on from passage to passage, so that nothing need be cleared.
         if self.batch > u32::MAX / 2 {
             self.cells.fill(Cell::default());
-            self.waiting.fill(Waiting::default());
+            self.open_edges.fill(OpenEdges::default());
             self.batch = 0;
         }
         self.first_batch = self.batch + 1;
@@ -114,7 +114,7 @@ impl CoarseCoverage {
     ) {
         stats.batches += 1;
         self.batch += 1;
-        self.met.clear();
+        self.touched.clear();
         let mut corners = std::mem::take(&mut self.corners);
         corners.clear();
         let space = face::name_of_space(faces.screen_from_local);
@@ -137,7 +137,7 @@ impl CoarseCoverage {
             }
         });
         self.corners = corners;
-        self.take_in(cover);
+        self.finish_batch(cover);
     }
 
     /// Are the faces of a cluster, whose box is `region`, large enough in cells to be looked at one by one?
@@ -174,7 +174,7 @@ impl CoarseCoverage {
         if rect.x1 - rect.x0 <= 2 && rect.y1 - rect.y0 <= 2 {
             return true;
         }
-        let upper = face.lifted(&self.rect);
+        let upper = face.upper_plane(&self.rect);
         let first = rect.y0 - rect.y0 % BAND as u16;
         (first..rect.y1).step_by(BAND).any(|y| {
             let mut band = Band {
@@ -195,10 +195,10 @@ impl CoarseCoverage {
     fn insert(&mut self, face: &Face, cover: &mut impl Coarse) {
         let rect = face.rect;
         let rows = rect.y0..rect.y1;
-        if rect.x1 - rect.x0 == 1 && rows.len() == 1 && face.lies_in(&rect) {
+        if rect.x1 - rect.x0 == 1 && rows.len() == 1 && face.is_within(&rect) {
             // Most faces of a detailed mesh: all of their edges meet the one cell.
             let least = face.least_in(rect.x0, rect.y0);
-            let cell = self.begin([rect.x0, rect.y0], least);
+            let cell = self.open_cell([rect.x0, rect.y0], least);
             for edge in face.edges() {
                 cell.edges = cell.edges.wrapping_add(edge.name);
             }
@@ -217,7 +217,7 @@ impl CoarseCoverage {
                 band.runs[usize::from(y - band.y)] = row.within;
                 any |= within < after;
                 for x in (first..within).chain(after..end) {
-                    self.begin([x, y], face.least_in(x, y));
+                    self.open_cell([x, y], face.least_in(x, y));
                 }
                 let cells = &mut self.cells[usize::from(y) * self.columns..][..self.columns];
                 for (edge, &[first, end]) in face.edges().iter().zip(&row.edges) {
@@ -230,7 +230,7 @@ impl CoarseCoverage {
                 }
             }
             if any && (usize::from(y - band.y) == BAND - 1 || y + 1 == rows.end) {
-                cover.cover_cells(&band, &face.triangle(&self.rect));
+                cover.cover_cells(&band, &face.lower_plane(&self.rect));
                 any = false;
             }
             if usize::from(y - band.y) == BAND - 1 {
@@ -244,10 +244,10 @@ impl CoarseCoverage {
 
     /// A face comes into a cell, and is no farther there than this.
     #[inline(always)]
-    fn begin(&mut self, [x, y]: [u16; 2], least: f32) -> &mut Cell {
+    fn open_cell(&mut self, [x, y]: [u16; 2], least: f32) -> &mut Cell {
         let cell = &mut self.cells[usize::from(y) * self.columns + usize::from(x)];
         if cell.batch != self.batch {
-            self.met.push([x, y]);
+            self.touched.push([x, y]);
             *cell = Cell {
                 edges: 0,
                 least: f32::INFINITY,
@@ -260,10 +260,10 @@ impl CoarseCoverage {
     }
 
     /// Finds the cells that the cluster covers, alone or with those before it.
-    fn take_in(&mut self, cover: &mut impl Coarse) {
+    fn finish_batch(&mut self, cover: &mut impl Coarse) {
         let mut run: Option<(u16, [u16; 2], f32)> = None;
-        for place in 0..self.met.len() {
-            let [x, y] = self.met[place];
+        for place in 0..self.touched.len() {
+            let [x, y] = self.touched[place];
             let Some(rev_depth) = self.covered(x, y) else {
                 continue;
             };
@@ -297,7 +297,7 @@ impl CoarseCoverage {
             ..
         } = self.cells[place];
         let closed = (edges != 0)
-            .then(|| self.waiting[place].add(edges, least, self.batch, self.first_batch))
+            .then(|| self.open_edges[place].add(edges, least, self.batch, self.first_batch))
             .flatten();
         let rev_depth = closed.map_or(covered, |closed| closed.max(covered));
         (rev_depth > 0.0).then_some(rev_depth)

@@ -3,45 +3,45 @@
 /// Sums of what clusters left open in a cell: of the last, of the last two, of the last three, and of all since the cell
 /// was covered last. Three meet at the corner of a cluster; more ways to choose are not worth the room.
 #[derive(Clone, Copy)]
-pub(super) struct Waiting {
-    edges: [u64; WAYS],
-    least: [f32; WAYS],
+pub(super) struct OpenEdges {
+    edges: [u64; SUMS],
+    least: [f32; SUMS],
     /// The last cluster that was added.
     batch: u32,
 }
 
-const WAYS: usize = 4;
+const SUMS: usize = 4;
 
-impl Default for Waiting {
-    fn default() -> Waiting {
-        Waiting {
-            edges: [0; WAYS],
-            least: [f32::INFINITY; WAYS],
+impl Default for OpenEdges {
+    fn default() -> OpenEdges {
+        OpenEdges {
+            edges: [0; SUMS],
+            least: [f32::INFINITY; SUMS],
             batch: 0,
         }
     }
 }
 
-impl Waiting {
+impl OpenEdges {
     /// Takes what cluster `batch` leaves open. Where it closes what waited, gives the least reversed depth of both. What waited
     /// since before cluster `first` is of another passage.
     #[inline]
     pub(super) fn add(&mut self, edges: u64, least: f32, batch: u32, first: u32) -> Option<f32> {
         if self.batch < first {
-            *self = Waiting::default();
+            *self = OpenEdges::default();
         }
         self.batch = batch;
         // The last becomes one of the last two, and so on; that of all stays.
-        self.edges.copy_within(..WAYS - 2, 1);
-        self.least.copy_within(..WAYS - 2, 1);
+        self.edges.copy_within(..SUMS - 2, 1);
+        self.least.copy_within(..SUMS - 2, 1);
         (self.edges[0], self.least[0]) = (0, f32::INFINITY);
-        for way in 0..WAYS {
-            self.edges[way] = self.edges[way].wrapping_add(edges);
-            self.least[way] = self.least[way].min(least);
+        for sum in 0..SUMS {
+            self.edges[sum] = self.edges[sum].wrapping_add(edges);
+            self.least[sum] = self.least[sum].min(least);
         }
         let closed = self.edges.iter().position(|&sum| sum == 0)?;
         let rev_depth = self.least[closed];
-        *self = Waiting::default();
+        *self = OpenEdges::default();
         Some(rev_depth)
     }
 }
@@ -52,9 +52,9 @@ mod tests {
 
     /// Adds what clusters of one passage leave open, one after the other; gives what the last covers.
     fn last_of(clusters: &[(u64, f32)]) -> Option<f32> {
-        let mut waiting = Waiting::default();
+        let mut open_edges = OpenEdges::default();
         let added = (1..).zip(clusters);
-        let covered = added.map(|(batch, &(edges, least))| waiting.add(edges, least, batch, 1));
+        let covered = added.map(|(batch, &(edges, least))| open_edges.add(edges, least, batch, 1));
         covered.last().flatten()
     }
 
@@ -84,8 +84,8 @@ mod tests {
 
     #[test]
     fn what_another_passage_left_open_stays_there() {
-        let mut waiting = Waiting::default();
-        assert_eq!(waiting.add(7, 0.5, 4, 1), None);
-        assert_eq!(waiting.add(7_u64.wrapping_neg(), 0.5, 9, 5), None);
+        let mut open_edges = OpenEdges::default();
+        assert_eq!(open_edges.add(7, 0.5, 4, 1), None);
+        assert_eq!(open_edges.add(7_u64.wrapping_neg(), 0.5, 9, 5), None);
     }
 }

@@ -204,7 +204,7 @@ impl Depths {
             }
         }
         if whole {
-            self.bring_up_to_date(level, column, row);
+            self.refresh_cell(level, column, row);
         }
         false
     }
@@ -229,7 +229,7 @@ impl Depths {
     }
 
     /// Takes over what those of the four cells below know that hold samples of the aperture's rectangle.
-    fn bring_up_to_date(&mut self, level: usize, column: usize, row: usize) {
+    fn refresh_cell(&mut self, level: usize, column: usize, row: usize) {
         let [first, last] = cells(&self.tiles.rect, level - 1);
         let mut cell = Cell {
             farthest: u32::MAX,
@@ -272,7 +272,7 @@ fn cells(rect: &Rect, level: usize) -> [[usize; 2]; 2] {
 
 /// A sample of this tile came nearer: the cells above it no longer know.
 #[inline(always)]
-fn mark(levels: &mut [Level], mut column: usize, mut row: usize) {
+fn mark_stale(levels: &mut [Level], mut column: usize, mut row: usize) {
     for level in levels {
         [column, row] = [column / 2, row / 2];
         let cell = &mut level.cells[row * level.columns + column];
@@ -306,7 +306,7 @@ impl Sink for Depths {
             band,
             triangle,
             #[inline(always)]
-            |column, row| mark(levels, column, row),
+            |column, row| mark_stale(levels, column, row),
         );
     }
 }

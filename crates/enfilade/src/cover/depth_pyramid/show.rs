@@ -10,14 +10,14 @@ use crate::passage::Passage;
 const NEARLY: f32 = 1.15;
 
 /// The cell that is shown for each tile, by a number, and its farthest reversed depth.
-struct Shown {
+struct ShownCells {
     cells: u32,
     of_tiles: Vec<(u32, f32)>,
 }
 
 impl Depths {
     pub(super) fn show(&mut self, passage: &Passage, canvas: &mut dyn Canvas) {
-        let mut shown = Shown {
+        let mut shown = ShownCells {
             cells: 0,
             of_tiles: vec![(0, 0.0); self.tiles.columns * self.tiles.rows],
         };
@@ -48,7 +48,7 @@ impl Depths {
     }
 
     /// Shows a cell, or the four below it.
-    fn show_cell(&mut self, level: usize, column: usize, row: usize, shown: &mut Shown) {
+    fn show_cell(&mut self, level: usize, column: usize, row: usize, shown: &mut ShownCells) {
         let [columns, rows] = [self.tiles.columns, self.tiles.rows];
         let side = 1 << level;
         let across = column * side..((column + 1) * side).min(columns);

@@ -1,10 +1,10 @@
-//! Asks the tiles whether a box can be seen.
+//! Occlusion queries: tests rectangles and boxes against the tiles.
 
 use super::MaskedDepth;
 use super::grid::Grid;
 use super::outline::Outline;
 use super::tile::{
-    Across, COLUMNS, ROWS, SUB_TILES_OF_BAND, columns_within, masks_of_rect, rows_within, tiles,
+    BandTiles, COLUMNS, ROWS, SUB_TILES_OF_BAND, columns_within, masks_of_rect, rows_within, tiles,
 };
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
@@ -16,8 +16,14 @@ use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
 
 impl MaskedDepth {
-    /// May something as near as a number (1 / distance) be seen at any sample of a rectangle? For each of `rects`, in their
-    /// order, into `seen`; `true` when unsure.
+    /// Tests screen rectangles against the buffer, each at one reversed depth (1 / distance along the view direction,
+    /// in scene units).
+    ///
+    /// Sets `seen` to one entry per rectangle, in the order of `rects`: `true` if geometry with that reversed depth may
+    /// be visible at any sample of the rectangle, `false` if closer occluders hide it at all of them. `true` when
+    /// unsure and at equal depth. Rectangles are in pixels (`x1` and `y1` exclusive) and are clipped to the bounding
+    /// rectangle of the aperture; `false` if nothing is left. Give the reversed depth of the nearest point of the
+    /// occludee, rounded up.
     pub fn sees_rects(&self, rects: &[(Rect, f32)], seen: &mut Vec<bool>) {
         seen.resize(rects.len(), false);
         dispatch!(self.level, simd => self.see_rects(simd, rects, seen));
@@ -30,10 +36,15 @@ impl MaskedDepth {
         }
     }
 
-    /// May anything in a box be seen, in the space of the passage's sector? For each of `boxes`, in their order, into
-    /// `seen`; `true` when unsure. `passage` is the one that the cover was cleared for.
+    /// Tests AABBs, in the space of the passage's sector, against the buffer.
     ///
-    /// By the rectangles around them, which is quick; [`Cover::sees`](crate::cover::Cover::sees) is told more by an outline.
+    /// Sets `seen` to one entry per box, in the order of `boxes`: `true` if any part of the box may be visible, `false`
+    /// if occluders hide all of it or it is out of view. `true` when unsure. `passage` must be the one that the buffer
+    /// was cleared for.
+    ///
+    /// Tests each box's screen rectangle at the depth of its nearest corner, eight boxes at a time.
+    /// [`Cover::sees`](crate::cover::Cover::sees) is slower but tighter: it also uses the outline and the front faces
+    /// of the box.
     pub fn sees_boxes(&self, passage: &Passage, boxes: &[Aabb], seen: &mut Vec<bool>) {
         seen.resize(boxes.len(), false);
         dispatch!(self.level, simd => self.see_boxes(simd, passage, boxes, seen));
@@ -50,15 +61,19 @@ impl MaskedDepth {
         }
     }
 
-    /// Something is at least as near (1 / distance) as this at a sample of the aperture's rectangle; 0 where nothing is known
-    /// to be, infinite where the sample is not one of the aperture.
+    /// Returns the reversed depth (1 / distance along the view direction, in scene units) stored at a sample:
+    /// everything farther, with a smaller reversed depth, is hidden there.
+    ///
+    /// 0 if no occluder is known to cover the sample, infinite if it is outside the aperture. Never nearer than the
+    /// true depth. `x` and `y` are the sample's column and row and must be inside the bounding rectangle of the
+    /// aperture; other values give an arbitrary result or panic.
     pub fn rev_depth_at(&self, x: u16, y: u16) -> f32 {
-        self.grid.known(x.into(), y.into())
+        self.grid.rev_depth_at(x.into(), y.into())
     }
 }
 
 impl Grid {
-    /// May something as near as `nearest` be seen at any sample of `rect`?
+    /// Returns `true` if geometry with reversed depth `nearest` may be visible at any sample of `rect`.
     #[inline(always)]
     pub(super) fn shows(&self, rect: &Rect, nearest: f32) -> bool {
         let rect = rect.intersection(&self.rect);
@@ -66,7 +81,8 @@ impl Grid {
             && (self.shows_middle_of(&rect, nearest) || self.first_seen(&rect, nearest).is_some())
     }
 
-    /// May any sample show a box? By its rectangle first, then by its outline, if it is all beyond the near distance.
+    /// Returns `true` if any sample may show the box. Tests its rectangle first, then, if it is entirely behind the
+    /// near plane, its outline.
     #[inline(always)]
     pub(super) fn sees<S: Simd>(&self, simd: S, region: &Region, near: f64) -> bool {
         let rect = region.rect.intersection(&self.rect);
@@ -79,7 +95,7 @@ impl Grid {
         let Some(first) = self.first_seen(&rect, region.nearest) else {
             return false;
         };
-        // No closures here and below: what runs in one does not run at the SIMD level.
+        // No closures here and below: the code of a closure is not compiled for the SIMD level.
         match Outline::of(&region.volume, near, &rect) {
             Some(outline) if self.shows_middle(&rect, &outline, &region.volume) => true,
             Some(outline) => self.sees_outline(simd, &rect, first, region.nearest, &outline),
@@ -87,11 +103,11 @@ impl Grid {
         }
     }
 
-    /// Would the sample at the middle of a box show it, though it were everywhere as far as its farthest corner? Most boxes
-    /// that are seen are so plainly, and to ask costs little.
+    /// Returns `true` if the sample at the centre of the box would show it even at the depth of its farthest corner. A
+    /// cheap early out: most visible boxes pass it.
     #[inline(always)]
     fn plainly_shows(&self, rect: &Rect, volume: &Volume) -> bool {
-        /// Fewer columns or rows may have no sample that the box is at.
+        /// In fewer columns or rows there may be no sample inside the box.
         const FEW: u16 = 4;
         if rect.x1 - rect.x0 < FEW || rect.y1 - rect.y0 < FEW {
             return false;
@@ -101,19 +117,20 @@ impl Grid {
         };
         let [a, b, c] = volume.sides.map(|side| side.z);
         let farthest = volume.origin.z + greater(a, 0.0) + greater(b, 0.0) + greater(c, 0.0);
-        f64::from(self.known(x, y)) * farthest < 1.0
+        f64::from(self.rev_depth_at(x, y)) * farthest < 1.0
     }
 
-    /// May the sample at the middle of a box show it? Of boxes that are seen most are by it, and need no more asking.
+    /// Returns `true` if the sample at the centre of the box may show it, by outline and front faces. Most visible
+    /// boxes that reach this test pass it.
     #[inline(always)]
     fn shows_middle(&self, rect: &Rect, outline: &Outline, volume: &Volume) -> bool {
         let Some([x, y]) = sample_at_middle(rect, volume) else {
             return false;
         };
-        outline.rev_depth_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(self.known(x, y))
+        outline.rev_depth_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(self.rev_depth_at(x, y))
     }
 
-    /// The first row of tiles in which a sample of `rect` may show something as near as `nearest`.
+    /// Returns the first row of tiles in which a sample of `rect` may show geometry with reversed depth `nearest`.
     #[inline(always)]
     pub(super) fn first_seen(&self, rect: &Rect, nearest: f32) -> Option<usize> {
         let columns = tiles(rect.x0, rect.x1, COLUMNS);
@@ -130,7 +147,7 @@ impl Grid {
         None
     }
 
-    /// May something as near as `nearest` be seen at a sample of `rect` in a row of tiles?
+    /// Returns `true` if a sample of `rect` in one row of tiles may show geometry with reversed depth `nearest`.
     fn shows_in_row(&self, row: usize, rect: &Rect, nearest: f32) -> bool {
         let rev_depth = [nearest; SUB_TILES_OF_BAND];
         for column in tiles(rect.x0, rect.x1, COLUMNS) {
@@ -149,7 +166,8 @@ impl Grid {
         false
     }
 
-    /// May the sample in the middle of `rect` show something as near as `nearest`? What is seen mostly is by it.
+    /// Returns `true` if the centre sample of `rect` may show geometry with reversed depth `nearest`. An early out:
+    /// most visible rectangles pass it.
     #[inline(always)]
     pub(super) fn shows_middle_of(&self, rect: &Rect, nearest: f32) -> bool {
         let [x, y] = [
@@ -157,10 +175,11 @@ impl Grid {
             usize::from(rect.y0.midpoint(rect.y1)),
         ];
         let index = y / ROWS * self.columns + x / COLUMNS;
-        nearest >= self.farthest[index] && nearest >= self.tiles[index].known(x % COLUMNS, y % ROWS)
+        nearest >= self.farthest[index] && nearest >= self.tiles[index].rev_depth_at(x % COLUMNS, y % ROWS)
     }
 
-    /// May any sample of `rect` from row `from` of tiles on show a box, by its outline and its front sides?
+    /// Returns `true` if any sample of `rect`, from row `from` of tiles on, may show the box, by its outline and its
+    /// front faces.
     #[inline(always)]
     fn sees_outline<S: Simd>(
         &self,
@@ -172,16 +191,16 @@ impl Grid {
     ) -> bool {
         let mut y = from * ROWS;
         while y < usize::from(rect.y1) {
-            if let Some((band, _)) = Band::held(simd, y as u16, rect, outline.lines()) {
-                let across = Across::new(&band);
+            if let Some((band, _)) = Band::inside(simd, y as u16, rect, outline.lines()) {
+                let across = BandTiles::new(&band);
                 for column in across.tiles() {
                     let index = y / ROWS * self.columns + column;
                     if nearest < self.farthest[index] {
                         continue;
                     }
                     let rev_depth = outline.over_tile([column * COLUMNS, y], rect, nearest);
-                    let asked = across.samples(column);
-                    if self.tiles[index].sees(y % ROWS / BAND, &asked, &rev_depth) {
+                    let samples = across.samples(column);
+                    if self.tiles[index].sees(y % ROWS / BAND, &samples, &rev_depth) {
                         return true;
                     }
                 }
@@ -192,7 +211,7 @@ impl Grid {
     }
 }
 
-/// The sample of `rect` at which the middle of a box is.
+/// Returns the sample of `rect` at the projected centre of the box; `None` if the centre is outside `rect`.
 #[inline(always)]
 fn sample_at_middle(rect: &Rect, volume: &Volume) -> Option<[usize; 2]> {
     let [x, y, z] = volume.sides;

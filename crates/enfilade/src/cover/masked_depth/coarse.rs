@@ -1,8 +1,8 @@
-//! Tiles of cells larger than samples.
+//! Coverage of cells larger than samples.
 
 use super::MaskedDepth;
 use super::fill::Slope;
-use super::tile::{Across, COLUMNS, ROWS};
+use super::tile::{BandTiles, COLUMNS, ROWS};
 use crate::aperture::Rect;
 use crate::cover::Coarse;
 use crate::cover::band::{BAND, Band};
@@ -22,7 +22,7 @@ impl Coarse for MaskedDepth {
 
     fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool {
         let slope = self.slope(rev_depth);
-        let across = Across::new(cells);
+        let across = BandTiles::new(cells);
         let y = usize::from(cells.y);
         across.tiles().any(|column| {
             let most = slope.most_over_band([column * COLUMNS, y]);

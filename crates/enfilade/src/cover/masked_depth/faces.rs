@@ -1,33 +1,33 @@
-//! Faces one by one, in f64: those of which the kernels are not certain.
+//! Rasterizes single faces in f64: the fallback for faces that the kernels are not certain of.
 //!
-//! Which samples a face has is told by the rasteriser of the exact covers, so that what one of those shows at a sample
-//! is held here at the same sample, and of faces that share an edge each sample belongs to exactly one.
+//! The rasterizer of the exact covers decides which samples a face covers. So this buffer covers the same samples as
+//! they do, and faces that share an edge are watertight: each sample belongs to exactly one of them.
 //! Source: as [`super::fill`].
-//! Cost: a face O(tiles it reaches into).
-//! Conservative: hides by the farthest, rounded down, that a face comes in a sub-tile.
+//! Cost: a face O(tiles it overlaps).
+//! Conservative: stores the farthest depth of a face in each sub-tile, rounded down.
 
 use super::fill::Slope;
 use super::grid::Tiles;
-use super::rows::Waiting;
+use super::rows::RunQueue;
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::cover::raster::Sink;
 use crate::cover::triangle::Triangle;
 use glam::DVec3;
 
-/// Lets the runs of faces wait.
-pub(super) struct OneByOne<'a> {
+/// Rasterizer output that queues the runs of the faces.
+pub(super) struct RunSink<'a> {
     tiles: &'a Tiles<'a>,
-    waiting: &'a mut Waiting,
+    run_queue: &'a mut RunQueue,
 }
 
-impl OneByOne<'_> {
-    pub(super) fn new<'a>(tiles: &'a Tiles<'a>, waiting: &'a mut Waiting) -> OneByOne<'a> {
-        OneByOne { tiles, waiting }
+impl RunSink<'_> {
+    pub(super) fn new<'a>(tiles: &'a Tiles<'a>, run_queue: &'a mut RunQueue) -> RunSink<'a> {
+        RunSink { tiles, run_queue }
     }
 }
 
-impl Sink for OneByOne<'_> {
+impl Sink for RunSink<'_> {
     #[inline(always)]
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
         self.tiles.hides(rect, nearest)
@@ -37,14 +37,14 @@ impl Sink for OneByOne<'_> {
     fn begin(&mut self, triangle: &Triangle, _corners: &[DVec3; 3]) {
         let between = [triangle.least, triangle.greatest];
         let slope = Slope::new(triangle.rev_depth, between, &self.tiles.rect);
-        self.waiting.begin(&slope.slopes());
+        self.run_queue.begin(&slope.slopes());
     }
 
     #[inline(always)]
     fn band(&mut self, band: &Band, _triangle: &Triangle) {
         let Rect { y0, y1, .. } = self.tiles.rect;
         if y0 < band.y + BAND as u16 && band.y < y1 {
-            self.waiting.push_band(band);
+            self.run_queue.push_band(band);
         }
     }
 }

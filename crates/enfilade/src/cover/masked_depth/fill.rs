@@ -1,14 +1,16 @@
-//! Lets occluders into the tiles.
+//! Rasterizes selected occluders into the tiles.
 //!
-//! Where an occluder is, is decided by the half-planes of its edges, as for the faces of exact covers: of two that share
-//! an edge each sample belongs to exactly one. How near it is, is the least of its plane over a sub-tile.
+//! Edge functions decide which samples an occluder covers, as for the faces of the exact covers: each sample on a
+//! shared edge belongs to exactly one face. The depth stored in a sub-tile is the farthest of the occluder's plane
+//! there.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, sections 3.1 and 3.3.
-//! Cost: an occluder O(bands of eight rows · corners) + O(tiles it reaches into).
-//! Conservative: reversed depth is rounded down, and what is before the near distance or the last portal is left out.
+//! Cost: an occluder O(bands of eight rows · corners) + O(tiles it overlaps).
+//! Conservative: reversed depth is rounded down, and the parts in front of the near plane or the entry plane are
+//!     clipped.
 
 use super::grid::Grid;
-use super::rows::{Slopes, Waiting};
-use super::tile::{ACROSS, Across, COLUMNS, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
+use super::rows::{RunQueue, Slopes};
+use super::tile::{ACROSS, BandTiles, COLUMNS, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::cover::half_plane::HalfPlane;
@@ -19,35 +21,35 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
-/// Turns occluders into samples.
+/// Rasterizer for occluders.
 pub(super) struct Fill {
     level: Level,
     planes: Vec<HalfPlane>,
     part: Part,
-    waiting: Waiting,
+    run_queue: RunQueue,
 }
 
-/// By how much an occluder's plane must be beyond the near distance, relatively: the surface, which alone is there or
-/// not, may be nearer than the plane by any factor below this.
+/// Factor by which an occluder's plane must be behind the near plane. The surface itself, which the near plane clips,
+/// may be nearer than its plane by any smaller factor.
 const BEYOND_NEAR: f64 = 4.0;
 
-/// By how much it must be beyond the last portal, relatively, besides what its corners tell: see [`Fill::set_up`].
+/// Factor by which it must be behind the entry plane, in addition to the margin from its corners; see [`Fill::set_up`].
 const BEYOND_ENTRY: f64 = 1.0 + 1.0 / (1_u64 << 8) as f64;
 
-/// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
+/// Generous bound on the rounding error of sums of three products, relative to the largest.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
-/// By how much reversed depth is lowered before it is stored: what rounding to f32 may add, and what multiplying does.
+/// Factor that lowers reversed depth before it is stored: covers rounding to f32 and the multiplication.
 const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 23) as f64;
 
-/// As `ROUND_UP` of regions.
+/// Same as `ROUND_UP` in `region`.
 const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
-/// How near an occluder is.
+/// Plane of reversed depth of an occluder on the screen, clamped to a range.
 pub(super) struct Slope {
-    /// Reversed depth is `at · (x, y, 1)`, up to `rounding`.
+    /// Reversed depth at the point (x, y) is `at · (x, y, 1)`, accurate to `rounding`.
     at: DVec3,
-    /// And between these.
+    /// Range that the reversed depth is clamped to.
     least: f64,
     greatest: f64,
     rounding: f64,
@@ -59,12 +61,12 @@ impl Fill {
             level,
             planes: Vec::new(),
             part: Part::default(),
-            waiting: Waiting::default(),
+            run_queue: RunQueue::default(),
         }
     }
 
-    /// Lets an occluder hide what is behind it; gives the number of samples it covers. One that is not sound, or seen
-    /// edge-on, hides nothing.
+    /// Rasterizes an occluder and returns the number of samples it covers: 0 if it is degenerate, not finite or
+    /// edge-on.
     pub(super) fn hide(&mut self, grid: &mut Grid, occluder: &Occluder, passage: &Passage) -> u64 {
         dispatch!(self.level, simd => self.hide_at(simd, grid, occluder, passage))
     }
@@ -74,21 +76,22 @@ impl Fill {
         let Some((rect, slope)) = self.set_up(occluder, passage, &grid.rect) else {
             return 0;
         };
-        self.waiting.begin(&slope.slopes());
+        self.run_queue.begin(&slope.slopes());
         let mut covered = 0;
         let mut y = rect.y0 - rect.y0 % BAND as u16;
         while y < rect.y1 {
-            if let Some((band, samples)) = Band::held(simd, y, &rect, &self.planes) {
+            if let Some((band, samples)) = Band::inside(simd, y, &rect, &self.planes) {
                 covered += samples;
-                self.waiting.push_band(&band);
+                self.run_queue.push_band(&band);
             }
             y += BAND as u16;
         }
-        self.waiting.cover(simd, &mut grid.all());
+        self.run_queue.cover(simd, &mut grid.all());
         covered
     }
 
-    /// The half-planes that hold the occluder, a rectangle around it, and how near it is.
+    /// Returns a bounding rectangle and the depth plane of an occluder, and fills `planes` with its edge functions and
+    /// clip planes.
     #[inline(always)]
     fn set_up(&mut self, occluder: &Occluder, passage: &Passage, limits: &Rect) -> Option<(Rect, Slope)> {
         let Occluder { corners, plane } = *occluder;
@@ -114,7 +117,7 @@ impl Fill {
                 low[axis] = smaller(value, low[axis]);
                 high[axis] = greater(value, high[axis]);
             }
-            // What reaches behind the eye only comes nearer there.
+            // Beyond the eye plane (W ≤ 0), the reversed depth only grows.
             let here = at.dot(corner);
             surface = smaller(here, surface);
             if corner.z > 0.0 || here < 0.0 {
@@ -133,7 +136,7 @@ impl Fill {
         } else {
             Rect::around(low, high, limits)
         };
-        // Which way round it is seen, by its corners and by its plane: edge-on neither can be told.
+        // Winding from the corners and from the plane; they disagree if the occluder is edge-on.
         let determinant = normal.dot(first);
         let told = determinant * normal.dot(at) > 0.0;
         if rect.is_empty() || !told {
@@ -153,8 +156,9 @@ impl Fill {
             self.planes.push(HalfPlane::new(at_near - at));
         }
         if let Some((entry, distance)) = passage.entry {
-            // Corners stand before the plane by as much as it was pushed back, the surface by twice that at most: with
-            // corners at 1 - s of the way to the plane, (1 - s)⁻³ is more than 1 / (1 - 2s) as long as s is below 1/3.
+            // Corners are in front of the plane by the distance that it was pushed back, the surface by at most twice
+            // that: with corners at 1 - s of the distance to the plane, (1 - s)⁻³ is more than 1 / (1 - 2s) as long as
+            // s is below 1/3.
             let pushed = if surface > 0.0 {
                 1.0 / surface
             } else {
@@ -172,18 +176,18 @@ impl Fill {
 }
 
 impl Grid {
-    /// Something covers the samples of a band.
+    /// Covers the samples of a band with a surface of the given depth plane.
     #[inline(always)]
     pub(super) fn cover(&mut self, band: &Band, slope: &Slope) {
-        let across = Across::new(band);
+        let across = BandTiles::new(band);
         for column in across.tiles() {
             self.cover_in_tile(&across, [column, usize::from(band.y)], slope);
         }
     }
 
-    /// Something covers the samples of a band from row `y` on in a column of tiles.
+    /// Covers the samples of a band, starting at row `y`, in one column of tiles.
     #[inline(always)]
-    pub(super) fn cover_in_tile(&mut self, across: &Across, [column, y]: [usize; 2], slope: &Slope) {
+    pub(super) fn cover_in_tile(&mut self, across: &BandTiles, [column, y]: [usize; 2], slope: &Slope) {
         let rev_depth = slope.over_band([column * COLUMNS, y]);
         let index = y / ROWS * self.columns + column;
         let mut any_nearer = false;
@@ -204,7 +208,7 @@ impl Grid {
 }
 
 impl Slope {
-    /// Of a plane, within the columns and rows up to the end of `limits`.
+    /// Creates the depth plane `at`, clamped to `least..=greatest`, for columns and rows up to the end of `limits`.
     #[inline(always)]
     pub(super) fn new(at: DVec3, [least, greatest]: [f64; 2], limits: &Rect) -> Slope {
         let most = DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0);
@@ -216,7 +220,7 @@ impl Slope {
         }
     }
 
-    /// As kernels take it.
+    /// Converts to the form that the tile kernels use.
     pub(super) fn slopes(&self) -> Slopes {
         let DVec3 { x, y, z } = self.at;
         let most = |rev_depth: f64| smaller(rev_depth, f64::from(f32::MAX));
@@ -229,15 +233,16 @@ impl Slope {
         )
     }
 
-    /// The least reversed depth over each sub-tile of the band of a tile at column and row `at`, rounded down. Of a plane that is no
-    /// number: what is known without it, as in [`Slope::most_over_band`].
+    /// Returns the minimum reversed depth over each sub-tile of a band in the tile at column and row `at`, rounded
+    /// down. If the plane is NaN, returns the lower end of the range, as [`Slope::most_over_band`] returns the upper
+    /// one.
     #[inline(always)]
     pub(super) fn over_band(&self, at: [usize; 2]) -> RevDepth {
         let all = self.at_corners(at, [self.at.x < 0.0, self.at.y < 0.0]);
         let mut rounded = [0.0; SUB_TILES_OF_BAND];
         for (least, rounded) in all.iter().zip(&mut rounded) {
             let rev_depth = smaller(greater(*least - self.rounding, self.least), self.greatest) * ROUND_DOWN;
-            // Below the least normal number rounding is coarser: that is as far as can be.
+            // Subnormal numbers round more coarsely, so store them as infinitely far.
             let rev_depth = smaller(rev_depth, f64::from(f32::MAX)) as f32;
             *rounded = if rev_depth < f32::MIN_POSITIVE {
                 0.0
@@ -248,7 +253,7 @@ impl Slope {
         rounded
     }
 
-    /// The greatest reversed depth over each sub-tile of the band of a tile at column and row `at`, rounded up.
+    /// Returns the maximum reversed depth over each sub-tile of a band in the tile at column and row `at`, rounded up.
     #[inline(always)]
     pub(super) fn most_over_band(&self, at: [usize; 2]) -> RevDepth {
         let all = self.at_corners(at, [self.at.x > 0.0, self.at.y > 0.0]);
@@ -260,8 +265,8 @@ impl Slope {
         rounded
     }
 
-    /// Reversed depth at one corner of each sub-tile: at the last column or row, or the first. Linear, so least and greatest
-    /// at a corner.
+    /// Returns the reversed depth at one corner sample of each sub-tile: in its first or last column and row. Depth is
+    /// linear, so its extremes are at corners.
     #[inline(always)]
     fn at_corners(&self, at: [usize; 2], [last_column, last_row]: [bool; 2]) -> [f64; SUB_TILES_OF_BAND] {
         let DVec3 { x, y, z } = self.at;

@@ -1,49 +1,50 @@
-//! The tiles of a screen.
+//! The tiles of the screen.
 
 use super::batch::LANES;
-use super::tile::{Across, COLUMNS, ROWS, Tile, tiles};
+use super::tile::{BandTiles, COLUMNS, ROWS, Tile, tiles};
 use crate::aperture::Rect;
 use crate::cover::band::{BAND, Band};
 use crate::passage::Passage;
 use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 
-/// The first row of samples of a row of tiles, as far as such rows are numbered.
+/// Returns the first row of samples of a row of tiles, clamped to the largest u16.
 fn first_sample(row: usize) -> u16 {
     (row * ROWS).min(u16::MAX.into()) as u16
 }
 
-/// The tiles of the rows and columns of a passage's rectangle, counted from the corner of the screen.
+/// The tiles up to the last row and column of a passage's rectangle, in row-major order from the top left corner of the
+/// screen.
 #[derive(Default)]
 pub(super) struct Grid {
     pub(super) rect: Rect,
     pub(super) columns: usize,
     pub(super) tiles: Vec<Tile>,
-    /// [`Tile::farthest`] of each: most questions are answered by it.
+    /// [`Tile::farthest`] of each tile; decides most queries.
     pub(super) farthest: Vec<f32>,
     open: [Vec<[u16; 2]>; BAND],
 }
 
-/// Rows of tiles that are covered by one thread.
+/// Rows of tiles that one thread rasterizes into.
 pub(super) struct Tiles<'a> {
-    /// The samples in them that are in the passage's rectangle.
+    /// Their samples inside the passage's rectangle.
     pub(super) rect: Rect,
     pub(super) columns: usize,
-    /// How many rows of tiles are above, counted from the corner of the screen.
+    /// Number of rows of tiles above them, from the top of the screen.
     pub(super) first_row: usize,
     pub(super) tiles: &'a mut [Tile],
     pub(super) farthest: &'a mut [f32],
 }
 
 impl Tiles<'_> {
-    /// A tile, and the farthest that anything hidden by it may come.
+    /// Returns a tile and its [`Tile::farthest`].
     #[inline(always)]
     pub(super) fn tile(&mut self, number: u32) -> (&mut Tile, &mut f32) {
         let number = number as usize;
         (&mut self.tiles[number], &mut self.farthest[number])
     }
 
-    /// [`Tile::farthest`] of sixteen tiles from one on; infinite where there are no more.
+    /// Returns [`Tile::farthest`] of sixteen tiles, starting at index `first`; infinite after the last tile.
     #[inline(always)]
     pub(super) fn sixteen_farthest<S: Simd>(&self, simd: S, first: usize) -> f32x16<S> {
         let farthest = &self.farthest[first..];
@@ -55,7 +56,8 @@ impl Tiles<'_> {
         f32x16::from_slice(simd, &last)
     }
 
-    /// Is something as near as `nearest` hidden wherever it may be, as far as whole tiles tell?
+    /// Returns `true` if everything with reversed depth up to `nearest` is hidden at all samples of `rect`, by
+    /// [`Tile::farthest`] alone; `false` when unsure.
     #[inline(always)]
     pub(super) fn hides(&self, rect: &Rect, nearest: f32) -> bool {
         let rect = rect.intersection(&self.rect);
@@ -75,7 +77,7 @@ impl Tiles<'_> {
 }
 
 impl Grid {
-    /// All tiles.
+    /// Returns all tiles.
     pub(super) fn all(&mut self) -> Tiles<'_> {
         Tiles {
             rect: self.rect,
@@ -86,7 +88,7 @@ impl Grid {
         }
     }
 
-    /// The tiles in strips of about as many rows each; fewer strips than `count` where there are fewer rows.
+    /// Splits the tiles into strips of equal height; returns fewer than `count` if there are not enough rows of tiles.
     pub(super) fn strips(&mut self, count: usize) -> impl Iterator<Item = Tiles<'_>> {
         let Grid {
             rect,
@@ -116,7 +118,7 @@ impl Grid {
         })
     }
 
-    /// Opens the samples of the aperture, and closes the others of its rectangle.
+    /// Clears the tiles of the aperture's rectangle: opens the samples of the aperture and closes all others.
     pub(super) fn clear(&mut self, passage: &Passage) {
         self.rect = passage.aperture.rect();
         let Rect { x0, y0, x1, y1 } = self.rect;
@@ -140,13 +142,13 @@ impl Grid {
         }
     }
 
-    /// What is known at a sample, as [`Tile::known`].
+    /// Returns the reversed depth stored at a sample, see [`Tile::rev_depth_at`].
     #[inline(always)]
-    pub(super) fn known(&self, x: usize, y: usize) -> f32 {
-        self.tiles[y / ROWS * self.columns + x / COLUMNS].known(x % COLUMNS, y % ROWS)
+    pub(super) fn rev_depth_at(&self, x: usize, y: usize) -> f32 {
+        self.tiles[y / ROWS * self.columns + x / COLUMNS].rev_depth_at(x % COLUMNS, y % ROWS)
     }
 
-    /// Opens the samples of the aperture in a band of a row of tiles.
+    /// Opens the samples of the aperture in one band of a row of tiles.
     fn open_band(&mut self, passage: &Passage, row: usize, band: usize) {
         let y = (row * ROWS + band * BAND) as u16;
         for (y, open) in (y..).zip(&mut self.open) {
@@ -155,12 +157,12 @@ impl Grid {
                 passage.aperture.open_in_row(y, open);
             }
         }
-        // The first run of each row, then the second of each.
+        // Opens the first run of each row, then the second of each, and so on.
         let most = self.open.iter().map(Vec::len).max().unwrap_or(0);
         for number in 0..most {
             let runs = std::array::from_fn(|row| self.open[row].get(number).copied().unwrap_or([0; 2]));
             let runs = Band { y, runs };
-            let across = Across::new(&runs);
+            let across = BandTiles::new(&runs);
             for column in across.tiles() {
                 self.tiles[row * self.columns + column].open(band, &across.samples(column));
             }

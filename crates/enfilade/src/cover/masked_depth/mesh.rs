@@ -1,9 +1,9 @@
-//! Whole meshes of occluders, as compact arrays.
+//! Occluder meshes: faces as compact arrays for the rasterizer.
 //!
-//! Faces keep the order that they come in, the largest or the nearest first, and are cut into parts of few corners, so that
-//! what is known of a part's corners stays in the first cache. Positions stand sixteen by sixteen, each axis by itself. Of
-//! triangles, two that follow each other and make a flat convex quad are merged to one.
-//! Source: the order as in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 4.
+//! Faces keep their input order, so give the largest or the nearest first. They are split into parts with few vertices,
+//! so that a part's transformed vertices stay in the L1 cache. Positions are stored as arrays of sixteen x, y and z.
+//! Two successive triangles that form a planar convex quad are merged.
+//! Source: order as in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 4.
 //! Cost: O(faces).
 //! Conservative: as [`super::batch`].
 
@@ -19,39 +19,43 @@ use fearless_simd::{f32x16, mask32x16};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Triangles or flat convex quads that hide what is behind them, seen from their front alone.
+/// Triangles or planar convex quads that [`MaskedDepth`] rasterizes as occluders. Back-faces are culled: a face hides
+/// what is behind it only if the eye is in front of it.
+///
+/// Build it once per mesh and use it for any number of views.
 #[derive(Clone, Debug, Default)]
 pub struct OccluderMesh {
     parts: Vec<Part>,
 }
 
-/// A run of faces that share their corners with no other part.
+/// Faces that share no vertices with other parts.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
-    /// Around all corners that are numbers.
+    /// AABB of all finite vertices.
     pub(super) bounds: Aabb,
     pub(super) blocks: Vec<Block>,
-    pub(super) quads: Sided<4, 2>,
-    pub(super) triangles: Sided<3, 1>,
+    pub(super) quads: FaceList<4, 2>,
+    pub(super) triangles: FaceList<3, 1>,
 }
 
-/// Faces of so many sides, and triangles that each consists of.
+/// Faces with `SIDES` corners, each of which is `HALVES` triangles.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sided<const SIDES: usize, const HALVES: usize> {
-    /// Corners, as places among the positions of the part.
+pub(super) struct FaceList<const SIDES: usize, const HALVES: usize> {
+    /// Corners, as indices into the part's positions.
     faces: Vec<[u32; SIDES]>,
-    /// Of sixteen faces: n and d of the planes of their triangles, n · p + d above zero before them.
+    /// For each sixteen faces: n and d of the planes of their triangles. n · p + d is positive in front of the face.
     planes: Vec<[[[f32; LANES]; 4]; HALVES]>,
 }
 
-/// The most corners of a part: 8 kB of them on the screen.
+/// Maximum number of vertices in a part: 8 kB after the transform.
 const MAX_CORNERS: usize = 512;
 
 impl OccluderMesh {
-    /// Triangles, as three indices into `positions` each, counter-clockwise seen from their front. One with a corner that
-    /// is no number, or is not there, hides nothing.
+    /// Builds a mesh from triangles: three indices into `positions` each, counter-clockwise as seen from the front.
+    /// Successive triangles that form a planar convex quad are merged into one. Triangles with a corner that is not
+    /// finite, or with an index out of range, hide nothing; a trailing incomplete triangle is ignored.
     pub fn triangles(positions: &[[f32; 3]], corners: &[u32]) -> OccluderMesh {
-        let mut building = Building::new(positions);
+        let mut builder = MeshBuilder::new(positions);
         let triangles = corners.as_chunks().0;
         let mut next = 0;
         while let Some(&one) = triangles.get(next) {
@@ -59,24 +63,24 @@ impl OccluderMesh {
                 .get(next + 1)
                 .and_then(|&other| merged(positions, one, other));
             match merged {
-                Some(quad) => building.add_quad(quad),
-                None => building.add_triangle(one),
+                Some(quad) => builder.add_quad(quad),
+                None => builder.add_triangle(one),
             }
             next += if merged.is_some() { 2 } else { 1 };
         }
-        building.finish()
+        builder.finish()
     }
 
-    /// Flat convex quads, four indices each; else as [`OccluderMesh::triangles`].
+    /// Builds a mesh from planar convex quads: four indices each, otherwise like [`OccluderMesh::triangles`].
     pub fn quads(positions: &[[f32; 3]], corners: &[u32]) -> OccluderMesh {
-        let mut building = Building::new(positions);
+        let mut builder = MeshBuilder::new(positions);
         for quad in corners.as_chunks::<4>().0 {
-            building.add_quad(*quad);
+            builder.add_quad(*quad);
         }
-        building.finish()
+        builder.finish()
     }
 
-    /// Memory in bytes.
+    /// Returns the memory in bytes.
     pub fn bytes(&self) -> u64 {
         let parts = self.parts.iter().map(|part| {
             size_of_val(part)
@@ -90,9 +94,11 @@ impl OccluderMesh {
     }
 }
 
-/// Two triangles as one quad, of which they are the halves, if they share an edge and it is flat and convex.
+/// Returns the quad of which two triangles are the halves; `None` if they share no edge or the quad is not planar and
+/// convex.
 pub(super) fn merged(positions: &[[f32; 3]], one: [u32; 3], other: [u32; 3]) -> Option<[u32; 4]> {
-    /// A quad is so flat, by its size: what is nearer behind it is not hidden.
+    /// Tolerance of planarity, relative to the length of the diagonal. Geometry nearer behind the quad than this is not
+    /// hidden.
     const FLAT: f64 = 1e-4;
     let turns = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]];
     let (one, other) = turns(one)
@@ -113,46 +119,46 @@ pub(super) fn merged(positions: &[[f32; 3]], one: [u32; 3], other: [u32; 3]) -> 
     (is_flat && is_convex).then_some(quad)
 }
 
-/// A mesh in the making.
-struct Building<'a> {
+/// A mesh under construction.
+struct MeshBuilder<'a> {
     positions: &'a [[f32; 3]],
     parts: Vec<Part>,
-    /// Of the part at hand: its faces, the places of their corners, and what is there.
-    quads: Sided<4, 2>,
-    triangles: Sided<3, 1>,
-    places: HashMap<u32, u32>,
+    /// Faces of the current part, the local index of each vertex, and the vertex positions by that index.
+    quads: FaceList<4, 2>,
+    triangles: FaceList<3, 1>,
+    local_index: HashMap<u32, u32>,
     used: Vec<[f32; 3]>,
 }
 
-impl<'a> Building<'a> {
-    fn new(positions: &'a [[f32; 3]]) -> Building<'a> {
-        Building {
+impl<'a> MeshBuilder<'a> {
+    fn new(positions: &'a [[f32; 3]]) -> MeshBuilder<'a> {
+        MeshBuilder {
             positions,
             parts: Vec::new(),
-            quads: Sided::default(),
-            triangles: Sided::default(),
-            places: HashMap::new(),
+            quads: FaceList::default(),
+            triangles: FaceList::default(),
+            local_index: HashMap::new(),
             used: Vec::new(),
         }
     }
 
     fn add_triangle(&mut self, corners: [u32; 3]) {
-        let face = self.place(corners);
+        let face = self.local_indices(corners);
         self.triangles.faces.push(face);
     }
 
     fn add_quad(&mut self, corners: [u32; 4]) {
-        let face = self.place(corners);
+        let face = self.local_indices(corners);
         self.quads.faces.push(face);
     }
 
-    /// The places of corners among those of the part at hand, which is another one where it would have too many.
-    fn place<const SIDES: usize>(&mut self, corners: [u32; SIDES]) -> [u32; SIDES] {
+    /// Returns the corners as indices into the current part, starting a new part if they do not fit.
+    fn local_indices<const SIDES: usize>(&mut self, corners: [u32; SIDES]) -> [u32; SIDES] {
         if self.used.len() + SIDES > MAX_CORNERS {
             self.close_part();
         }
         corners.map(|corner| {
-            *self.places.entry(corner).or_insert_with(|| {
+            *self.local_index.entry(corner).or_insert_with(|| {
                 let position = self.positions.get(corner as usize).copied();
                 self.used.push(position.unwrap_or([f32::NAN; 3]));
                 self.used.len() as u32 - 1
@@ -171,7 +177,7 @@ impl<'a> Building<'a> {
             triangles: std::mem::take(&mut self.triangles),
         });
         self.used.clear();
-        self.places.clear();
+        self.local_index.clear();
     }
 
     fn finish(mut self) -> OccluderMesh {
@@ -180,7 +186,7 @@ impl<'a> Building<'a> {
     }
 }
 
-impl<const SIDES: usize, const HALVES: usize> Sided<SIDES, HALVES> {
+impl<const SIDES: usize, const HALVES: usize> FaceList<SIDES, HALVES> {
     fn find_planes(&mut self, positions: &[[f32; 3]]) {
         for faces in self.faces.chunks(LANES) {
             let mut planes = [[[0.0; LANES]; 4]; HALVES];
@@ -200,7 +206,7 @@ impl<const SIDES: usize, const HALVES: usize> Sided<SIDES, HALVES> {
         }
     }
 
-    /// Keeps the faces that the eye is not surely behind.
+    /// Writes to `facing` all faces except those that certainly face away from the eye.
     #[inline(always)]
     pub(super) fn keep_facing<S: Simd>(&self, simd: S, eye: [f32; 3], facing: &mut Vec<[u32; SIDES]>) {
         facing.clear();
@@ -218,10 +224,10 @@ impl<const SIDES: usize, const HALVES: usize> Sided<SIDES, HALVES> {
     }
 }
 
-/// A bit for each of sixteen faces that the eye is surely behind.
+/// Returns a bit mask of sixteen faces; a bit is set if the face certainly faces away from the eye.
 #[inline(always)]
 fn behind<S: Simd, const HALVES: usize>(simd: S, planes: &[[[f32; LANES]; 4]; HALVES], eye: [f32; 3]) -> u64 {
-    /// What rounding may come to, relatively, and ample.
+    /// Generous bound on the relative rounding error.
     const ROUNDING: f32 = 1.0 / (1_u32 << 20) as f32;
     let mut behind = mask32x16::splat(simd, true);
     for [a, b, c, d] in planes {
@@ -230,13 +236,13 @@ fn behind<S: Simd, const HALVES: usize>(simd: S, planes: &[[[f32; LANES]; 4]; HA
         let c = f32x16::from_slice(simd, c) * eye[2];
         let d = f32x16::from_slice(simd, d);
         let slack = (a.abs() + b.abs() + c.abs() + d.abs()) * ROUNDING;
-        // Also of those of which nothing can be said.
+        // `false` for NaN, so faces with NaN planes are kept.
         behind &= (a + b + c + d).simd_lt(-slack);
     }
     behind.to_bitmask()
 }
 
-/// Positions as a kernel takes them; what is missing is no number.
+/// Transposes up to sixteen positions into the layout of the kernels; missing ones become NaN.
 pub(super) fn block(positions: &[[f32; 3]]) -> Block {
     if let Ok(whole) = <&[[f32; 3]; LANES]>::try_from(positions) {
         return [0, 1, 2].map(|axis| whole.map(|position| position[axis]));
@@ -251,18 +257,23 @@ pub(super) fn block(positions: &[[f32; 3]]) -> Block {
 }
 
 impl MaskedDepth {
-    /// Lets a mesh, in the space of the passage's sector, hide what is behind it.
+    /// Rasterizes a mesh, given in the space of the passage's sector, as an occluder: it hides what is behind it.
+    ///
+    /// `passage` must be the one that the buffer was cleared for. Faces are clipped at the near plane and, behind
+    /// portals, at the entry plane; back-faces are culled. The stored depths are conservative whatever the order of
+    /// faces and meshes; the largest or the nearest first is best. Adds to the counters of `stats`.
     pub fn hide_mesh(&mut self, mesh: &OccluderMesh, passage: &Passage, stats: &mut Stats) {
         self.worker
             .hide_parts(&mut self.grid.all(), &mesh.parts, passage, stats);
     }
 
-    /// As [`MaskedDepth::hide_mesh`], in so many strips of rows, each by whatever thread is free, of the rayon pool that this is
-    /// called in or else of the global one.
+    /// Rasterizes a mesh as [`MaskedDepth::hide_mesh`] does, in `strips` horizontal strips of the screen in parallel,
+    /// on the current rayon pool or else the global one.
     ///
-    /// Strips share nothing but the mesh: each sorts out by itself what reaches into it. What is hidden then is the same for
-    /// any number of threads. It need not be for another number of strips: the two reversed depths of a sub-tile may be others,
-    /// and neither is ever above the truth.
+    /// `strips` must be at least 1; more strips than threads balance the load. Strips share only the mesh: each culls
+    /// by itself the faces outside it. The result does not depend on the number of threads. It may depend on the number
+    /// of strips, because the two layers of a sub-tile may then hold other depths; in either case they are
+    /// conservative.
     pub fn hide_mesh_in_strips(
         &mut self,
         mesh: &OccluderMesh,

@@ -1,16 +1,18 @@
-//! Masked occlusion buffer: for each 8×4 samples two reversed depths, and a mask that says which of them holds where.
+//! Masked occlusion buffer: a low-memory depth buffer for occlusion queries with SIMD rasterization.
 //!
-//! Sixteen bytes say of 32 samples what would take a depth buffer 128, and one comparison answers for all of them. It
-//! holds no picture: few chosen occluders go in first, then boxes are held against it, and the faces of what a walk finds
-//! hide what it finds later.
-//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016; the answer does not depend
-//!     on how many sub-tiles a kernel takes at once. Beyond the paper: the second test, by a box's outline and front
-//!     sides, and holding faces against the tiles as boxes are. Leaving out faces that are small on the screen: Boreskov,
-//!     Hierarchical s-buffer for scenes of high complexity.
-//! Cost: clear O(tiles of the aperture); an occluder or a face O(tiles it reaches into); a box O(tiles of its rectangle)
-//!     where it is hidden, less where it is plainly seen.
-//! Conservative: what is stored is never nearer than the truth, a box is never asked about farther than it is, and what
-//!     is equally near is seen.
+//! The screen is split into tiles of 32×16 samples and sub-tiles of 8×4. A sub-tile stores the reversed depth of a
+//! reference layer and of a working layer, and a coverage mask of the samples in the working layer: 16 bytes instead of
+//! the 128 of a depth buffer, and one comparison tests all 32 samples. The buffer holds no picture. The caller first
+//! rasterizes selected occluders, then tests boxes; visible faces found by a traversal are rasterized too and hide
+//! geometry found later.
+//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016; the result does not
+//!     depend on the number of sub-tiles that a kernel processes at once. Beyond the paper: the second test by a box's
+//!     outline and front faces, and testing faces against the tiles as boxes are tested. Skipping faces that are small
+//!     on the screen: Boreskov, Hierarchical s-buffer for scenes of high complexity.
+//! Cost: clear O(tiles of the aperture); an occluder or a face O(tiles it overlaps); a box O(tiles of its rectangle) if
+//!     it is hidden, less if it is clearly visible.
+//! Conservative: stored depths are never nearer than the true ones, a box is never tested farther than it is, and equal
+//!     depths count as visible.
 
 mod ask;
 mod batch;
@@ -44,16 +46,33 @@ pub use mesh::OccluderMesh;
 use tile::{COLUMNS, ROWS, Tile};
 use worker::Worker;
 
-/// Samples of a box, for each face in it, from which on its faces are let in. Where they have fewer, what they hide is not
-/// worth setting them up.
+/// Minimum number of samples in a box per face in it for its faces to be rasterized as occluders. With fewer, setting
+/// them up costs more than they hide.
 const WORTH: u64 = 4;
 
-/// A masked occlusion buffer.
+/// A masked occlusion buffer: a CPU depth buffer that occluder meshes are rasterized into and that rectangles and boxes
+/// are tested against.
+///
+/// Use it through [`Method::Masked`](crate::Method::Masked), or on its own. For each view: clear it for a [`Passage`]
+/// with [`Hides::clear`], rasterize [`OccluderMesh`]es with [`MaskedDepth::hide_mesh`] or
+/// [`MaskedDepth::hide_mesh_in_strips`], then test occludees with [`MaskedDepth::sees_rects`],
+/// [`MaskedDepth::sees_boxes`] or [`Cover::sees`]. Queries do not change the buffer, and occluders may be added between
+/// queries. Memory is kept from view to view.
+///
+/// Coordinates are in pixels from the top left corner of the screen, with y pointing down and sample centres at .5.
+/// Depths are reversed depths (1 / distance along the view direction, in scene units): larger is nearer, 0 is
+/// infinitely far. Samples outside the passage's aperture are closed: nothing is visible there.
+///
+/// All queries are conservative: stored depths are never nearer than the rasterized faces, equal depths count as
+/// visible, and `true` is returned when unsure.
+#[doc(alias = "masked occlusion culling")]
+#[doc(alias = "occlusion buffer")]
+#[doc(alias = "software rasterizer")]
 pub struct MaskedDepth {
     level: Level,
     fill: Fill,
     worker: Worker,
-    /// Those of strips.
+    /// Workers of the strips of [`MaskedDepth::hide_mesh_in_strips`].
     workers: Vec<Worker>,
     grid: Grid,
     near: f64,
@@ -66,7 +85,7 @@ impl Default for MaskedDepth {
 }
 
 impl MaskedDepth {
-    /// At a SIMD level, which changes the time it takes and no bit of what it says.
+    /// Creates a buffer for a SIMD level. The level changes the speed only; the results have the same bits.
     fn at(level: Level) -> MaskedDepth {
         MaskedDepth {
             level,
@@ -105,7 +124,7 @@ impl Cover for MaskedDepth {
 
 impl Hides for MaskedDepth {
     const MEASURE: OccluderMeasure = OccluderMeasure::ProjectedArea;
-    // The faces that are found, from near to far, hide as much, and choosing takes longer than letting them in.
+    // Visible faces, found front to back, hide as much, and occluder selection takes longer than rasterizing them.
     const OCCLUDERS: u32 = 0;
 
     fn clear(&mut self, passage: &Passage) {

@@ -1,12 +1,12 @@
-//! The outline of a box on the screen, and how near its front sides are: tighter than a rectangle and one reversed depth.
+//! Outline of a box on the screen and the depth of its front faces: a tighter occlusion test than a rectangle and one
+//! depth.
 //!
-//! At most six edges part what is seen of a box from what is not, those between a side that faces the eye and one that
-//! does not; only their directions are taken from there, and each line is put where all eight corners are behind it.
-//! What is seen first of a box lies on its front sides, and on the farthest of their planes: rays that meet it have
-//! passed all of them.
+//! The silhouette of a box has at most six edges: those between a face towards the eye and one that faces away. Only
+//! their directions are taken from there; each line is moved out until all eight corners are inside. A ray enters the
+//! box at the farthest of the planes of its front faces, because it has then crossed all of them.
 //! Source: the directions as in Schmalstieg, Tobler, Real-time Bounding Box Area Computation, 1999.
 //! Cost: O(1), about as much as setting up four triangles.
-//! Conservative: lines are moved outwards and planes towards the eye by more than rounding may come to.
+//! Conservative: lines are moved outwards, and planes towards the eye, by more than the rounding error.
 
 use super::tile::{ACROSS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
 use crate::aperture::Rect;
@@ -15,26 +15,26 @@ use crate::cover::part::{greater, smaller};
 use crate::region::Volume;
 use glam::DVec3;
 
-/// What may be seen of a box before anything hides it.
+/// Silhouette and front faces of a box.
 pub(super) struct Outline {
     lines: [HalfPlane; 6],
     line_count: usize,
-    /// Reversed depth is at most each of these · (x, y, 1).
+    /// Planes of the front faces: reversed depth is at most `front · (x, y, 1)` for each.
     fronts: [DVec3; 3],
     front_count: usize,
 }
 
-/// How far lines are moved outwards, in pixels.
+/// Distance by which lines are moved outwards, in pixels.
 const SLACK: f64 = 1.0 / 1024.0;
 
-/// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
+/// Generous bound on the rounding error of sums of three products, relative to the largest.
 const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
 
-/// As `ROUND_UP` of regions.
+/// Same as `ROUND_UP` in `region`.
 const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
 impl Outline {
-    /// `None` where the box reaches before the near distance, or the eye may stand in it.
+    /// Returns the outline of a box; `None` if the box crosses the near plane or may contain the eye.
     #[inline(always)]
     pub(super) fn of(volume: &Volume, near: f64, limits: &Rect) -> Option<Outline> {
         let [mut xs, mut ys] = [[0.0; 8], [0.0; 8]];
@@ -46,7 +46,7 @@ impl Outline {
             nearest = smaller(corner.z, nearest);
             reach = greater(x.abs() + y.abs(), reach);
         }
-        // Also where something is not a number.
+        // Written so that NaN fails too.
         if !(nearest > near && reach < f64::INFINITY) {
             return None;
         }
@@ -72,7 +72,8 @@ impl Outline {
         Some(outline)
     }
 
-    /// Adds the planes of the sides that face the eye. For each axis: does the side at its beginning (0) or its end (1)?
+    /// Adds the planes of the faces towards the eye. Returns for each axis whether that is the face at the start (0) or
+    /// at the end (1) of the box; `None` if neither.
     #[inline(always)]
     fn add_fronts(&mut self, volume: &Volume, limits: &Rect) -> [Option<usize>; 3] {
         let Volume { origin, sides } = *volume;
@@ -81,7 +82,7 @@ impl Outline {
         for axis in 0..3 {
             let [a, b] = [sides[(axis + 1) % 3], sides[(axis + 2) % 3]];
             let normal = a.cross(b);
-            // What its parts were before they were subtracted.
+            // Bound on the terms of the normal before their subtraction.
             let [a, b] = [a.abs(), b.abs()];
             let size = DVec3::new(
                 a.y * b.z + a.z * b.y,
@@ -96,7 +97,7 @@ impl Outline {
             } else {
                 (-normal, -high)
             };
-            // Not so where both are zero: such a side has no area.
+            // `false` if both are zero: such a face has no area.
             let faces_the_eye = distance > 2.0 * error;
             if !faces_the_eye {
                 continue;
@@ -109,7 +110,7 @@ impl Outline {
         facing
     }
 
-    /// Adds a line in the direction between two corners, all corners on one side of it.
+    /// Adds a line in the direction between two corners, with all corners on its inner side.
     #[inline(always)]
     fn add_line(&mut self, xs: &[f64; 8], ys: &[f64; 8], [from, to]: [usize; 2], reach: f64) {
         let [a, b] = [ys[from] - ys[to], xs[to] - xs[from]];
@@ -135,13 +136,13 @@ impl Outline {
         }
     }
 
-    /// The lines that part what is seen of the box from what is not.
+    /// Returns the half-planes of the silhouette.
     #[inline(always)]
     pub(super) fn lines(&self) -> &[HalfPlane] {
         &self.lines[..self.line_count]
     }
 
-    /// The nearest that the box may be at a point of the screen; below zero where it is not.
+    /// Returns an upper bound of the box's reversed depth at a point of the screen; negative outside the silhouette.
     #[inline(always)]
     pub(super) fn rev_depth_at(&self, [x, y]: [f64; 2]) -> f64 {
         let mut rev_depth = f64::INFINITY;
@@ -158,8 +159,8 @@ impl Outline {
         rev_depth
     }
 
-    /// The nearest that the box may be at samples of `rect` in each sub-tile of the band of a tile at column and row `at`, and no
-    /// nearer than `nearest`.
+    /// Returns an upper bound, clamped to `nearest`, of the box's reversed depth at the samples of `rect` in each
+    /// sub-tile of a band, in the tile at column and row `at`.
     #[inline(always)]
     pub(super) fn over_tile(&self, at: [usize; 2], rect: &Rect, nearest: f32) -> RevDepth {
         let mut all = [0.0; SUB_TILES_OF_BAND];
@@ -168,7 +169,7 @@ impl Outline {
                 at[0] + sub % ACROSS * SUB_COLUMNS,
                 at[1] + sub / ACROSS * SUB_ROWS,
             ];
-            // Linear, so greatest at a corner.
+            // Linear, so the maximum is at a corner.
             let columns = [
                 greater(x0 as f64, f64::from(rect.x0)) + 0.5,
                 smaller((x0 + SUB_COLUMNS) as f64, f64::from(rect.x1)) - 0.5,

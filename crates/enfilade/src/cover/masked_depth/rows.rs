@@ -1,8 +1,8 @@
-//! Runs of sixteen rows, let into a row of tiles: sixteen sub-tiles of a tile in lanes.
+//! Covers runs of samples in a row of tiles, with the sixteen sub-tiles of a tile in SIMD lanes.
 //!
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, sections 3.1 to 3.3.
-//! Cost: O(tiles); one that is nearer already is left after one comparison.
-//! Conservative: as [`Tile::cover`], its specification.
+//! Cost: O(tiles); a tile that is already nearer is rejected by one comparison.
+//! Conservative: as [`Tile::cover`], the scalar specification.
 
 use super::batch::{COUNT, LANES};
 use super::grid::Tiles;
@@ -16,56 +16,56 @@ use fearless_simd::{f32x16, i32x16, mask32x16, u8x64, u32x16};
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct Runs {
-    /// The first column of each row and the one after the last; 0 and 0 where there is none.
+    /// First column and end column (exclusive) of each row; 0 and 0 for a row without samples.
     starts: [i32; ROWS],
     stops: [i32; ROWS],
-    /// The columns that all rows hold; empty where that is not known.
+    /// Columns that are covered in all rows; empty if unknown.
     whole: [i32; 2],
     row: u32,
-    /// Which of the slopes that wait are theirs.
+    /// Index of their [`Slopes`] in the queue.
     slopes: u32,
 }
 
-/// Runs that wait to be covered.
+/// Queue of runs to be covered.
 ///
-/// First all runs are found, then the tiles that they reach into, then these are covered, each without a branch: so no step
-/// waits for the one before it because a branch was guessed wrongly.
+/// Works in three passes, each without branches in its inner loop: collect runs, find the tiles they overlap, cover
+/// these tiles. So a mispredicted branch does not delay the next step.
 #[derive(Default)]
-pub(super) struct Waiting {
-    /// Of each face.
+pub(super) struct RunQueue {
+    /// Depth planes, one per face.
     slopes: Vec<Slopes>,
     runs: Vec<Runs>,
-    /// Of which some samples are covered, and all.
-    some: Parts,
-    whole: Parts,
+    /// Tiles of which some samples are covered, and tiles that are covered entirely.
+    some: TileRuns,
+    whole: TileRuns,
 }
 
-/// Tiles that runs reach into, by their numbers and those of the runs.
-struct Parts {
+/// Pairs of a tile and the runs that overlap it, by index.
+struct TileRuns {
     count: usize,
-    tiles: [u32; MAX_PARTS],
-    runs: [u32; MAX_PARTS],
+    tiles: [u32; MAX_TILE_RUNS],
+    runs: [u32; MAX_TILE_RUNS],
 }
 
-/// So many runs wait before they are covered, or more of a large face; and so many parts of them.
+/// Number of queued runs from which on they are covered (a large face may exceed it), and the maximum number of pairs.
 const MANY_RUNS: usize = 64;
-const MAX_PARTS: usize = 256;
+const MAX_TILE_RUNS: usize = 256;
 
-impl Default for Parts {
-    fn default() -> Parts {
-        Parts {
+impl Default for TileRuns {
+    fn default() -> TileRuns {
+        TileRuns {
             count: 0,
-            tiles: [0; MAX_PARTS],
-            runs: [0; MAX_PARTS],
+            tiles: [0; MAX_TILE_RUNS],
+            runs: [0; MAX_TILE_RUNS],
         }
     }
 }
 
-impl Parts {
-    /// Adds some of sixteen tiles.
+impl TileRuns {
+    /// Adds the tiles selected by `which`, of sixteen.
     #[inline(always)]
     fn push<S: Simd>(&mut self, which: mask32x16<S>, tiles: u32x16<S>, runs: u32x16<S>) {
-        let start = self.count.min(MAX_PARTS - LANES);
+        let start = self.count.min(MAX_TILE_RUNS - LANES);
         tiles
             .compress(which)
             .store_slice(&mut self.tiles[start..start + LANES]);
@@ -74,32 +74,32 @@ impl Parts {
     }
 
     fn is_full(&self) -> bool {
-        self.count > MAX_PARTS - LANES
+        self.count > MAX_TILE_RUNS - LANES
     }
 
-    /// Tiles and their runs; none are left.
+    /// Removes and returns all pairs of tile and runs.
     #[inline(always)]
     fn take(&mut self) -> impl Iterator<Item = (u32, u32)> {
-        let count = std::mem::take(&mut self.count).min(MAX_PARTS);
+        let count = std::mem::take(&mut self.count).min(MAX_TILE_RUNS);
         let runs = self.runs[..count].iter().copied();
         self.tiles[..count].iter().copied().zip(runs)
     }
 }
 
-impl Waiting {
-    /// Should they be covered?
+impl RunQueue {
+    /// Returns `true` if the queue should be covered now.
     #[inline(always)]
     pub(super) fn are_many(&self) -> bool {
         self.runs.len() >= MANY_RUNS
     }
 
-    /// Begins a face: the runs that follow are its.
+    /// Begins a face; the runs pushed next belong to it.
     #[inline(always)]
     pub(super) fn begin(&mut self, slopes: &Slopes) {
         self.slopes.push(*slopes);
     }
 
-    /// Lets the runs of a row of tiles wait. All rows hold the columns `whole`.
+    /// Queues the runs of a row of tiles. The columns `whole` are covered in all rows.
     #[inline(always)]
     pub(super) fn push(&mut self, row: usize, [starts, stops]: [[i32; ROWS]; 2], whole: [i32; 2]) {
         self.runs.push(Runs {
@@ -111,7 +111,7 @@ impl Waiting {
         });
     }
 
-    /// Lets the runs of a band wait.
+    /// Queues the runs of a band.
     pub(super) fn push_band(&mut self, band: &Band) {
         let y = usize::from(band.y);
         let [mut starts, mut stops] = [[0; ROWS]; 2];
@@ -124,7 +124,7 @@ impl Waiting {
         self.push(y / ROWS, [starts, stops], [0; 2]);
     }
 
-    /// Covers all that waits. Compiled once, not into all that ask for it: it is long.
+    /// Covers all queued runs and empties the queue. Not inlined, because it is long and has several callers.
     pub(super) fn cover<S: Simd>(&mut self, simd: S, tiles: &mut Tiles) {
         simd.vectorize(
             #[inline(always)]
@@ -150,7 +150,7 @@ impl Waiting {
             while column < end {
                 let tile = row + column as usize / COLUMNS;
                 let columns = columns + column;
-                // Tiles that are nearer already are left.
+                // Skip tiles that are already nearer.
                 let farthest = tiles.sixteen_farthest(simd, tile);
                 let seen = farthest.simd_lt(greatest) & columns.simd_lt(end);
                 let all = columns.simd_ge(whole[0]) & (columns + COLUMNS as i32).simd_le(whole[1]);
@@ -158,18 +158,18 @@ impl Waiting {
                 self.some.push(seen & !all, at, number);
                 self.whole.push(seen & all, at, number);
                 if self.some.is_full() || self.whole.is_full() {
-                    self.cover_parts(simd, tiles);
+                    self.cover_tile_runs(simd, tiles);
                 }
                 column += STEP;
             }
         }
-        self.cover_parts(simd, tiles);
+        self.cover_tile_runs(simd, tiles);
         self.slopes.clear();
         self.runs.clear();
     }
 
     #[inline(always)]
-    fn cover_parts<S: Simd>(&mut self, simd: S, tiles: &mut Tiles) {
+    fn cover_tile_runs<S: Simd>(&mut self, simd: S, tiles: &mut Tiles) {
         let (slopes, runs) = (&self.slopes, &self.runs);
         for (number, of) in self.whole.take() {
             let runs = &runs[of as usize];
@@ -199,7 +199,7 @@ impl Waiting {
 }
 
 impl Runs {
-    /// The first column of samples of a tile in their row, by its number.
+    /// Returns the first column of samples of a tile in this row, by the tile's index.
     #[inline(always)]
     fn column_of(&self, tile: u32, tiles: &Tiles) -> i32 {
         let first = (self.row as usize - tiles.first_row) * tiles.columns;
@@ -207,7 +207,7 @@ impl Runs {
     }
 }
 
-/// As [`Tile::cover`] for each sub-tile. `farthest` is that of the tile, and follows.
+/// Does [`Tile::cover`] for all sub-tiles of a tile, and updates the tile's `farthest`.
 #[inline(always)]
 fn cover_tile<S: Simd>(
     simd: S,
@@ -242,7 +242,7 @@ fn cover_tile<S: Simd>(
     *farthest = f32::from_bits(next.reduce_min());
 }
 
-/// As [`cover_tile`], where all samples are covered.
+/// Does [`cover_tile`] for a tile whose samples are all covered.
 #[inline(always)]
 fn cover_whole<S: Simd>(simd: S, tile: &mut Tile, farthest: &mut f32, rev_depth: u32x16<S>) {
     let mask = u32x16::from_slice(simd, &tile.mask);
@@ -257,12 +257,12 @@ fn cover_whole<S: Simd>(simd: S, tile: &mut Tile, farthest: &mut f32, rev_depth:
     *farthest = f32::from_bits(next.reduce_min());
 }
 
-/// How near a face is in each sub-tile, at least.
+/// Lower bound of a face's reversed depth in each sub-tile.
 #[derive(Clone, Copy)]
 pub(super) struct Slopes {
-    /// From the first sub-tile of a tile on.
+    /// Offsets of the sub-tiles from the first one of their tile.
     by_sub_tile: [f32; SUB_TILES],
-    /// In the first sub-tile of the tile at column and row 0; by column and by row.
+    /// Value in the first sub-tile of the tile at column and row 0; change per column and per row.
     at: f64,
     by_column: f64,
     by_row: f64,
@@ -270,21 +270,21 @@ pub(super) struct Slopes {
     greatest: f32,
 }
 
-/// Times the columns of any screen still an f32.
+/// Values below this, times the columns of any screen, fit f32.
 const LARGE: f64 = 1e30;
 
-/// Twice what rounding to f32 may come to, relatively.
+/// Twice the relative rounding error of f32.
 const ROUNDING: f32 = 1.0 / (1_u32 << 22) as f32;
 
 impl Slopes {
-    /// Of a plane with reversed depth `at + by_column · column + by_row · row` at samples, lowered by what rounding to f32 may
-    /// add to it, but no less than `least`; nowhere more than `greatest`.
+    /// Creates it from a plane with reversed depth `at + by_column · column + by_row · row` at samples. The result is
+    /// lowered by the rounding error of f32, at least `least` and nowhere above `greatest`.
     #[inline(always)]
     pub(super) fn new(at: f64, slopes: [f64; 2], [least, greatest]: [f32; 2]) -> Slopes {
-        // Where f32 could overflow, or something is no number already, no more is known than the least.
+        // If f32 could overflow or a value is NaN, only the minimum is known.
         let is_small = (at.abs() < LARGE) & (slopes[0].abs() < LARGE) & (slopes[1].abs() < LARGE);
         let (at, [by_column, by_row]) = if is_small { (at, slopes) } else { (0.0, [0.0; 2]) };
-        // The least over a sub-tile is at one of its corners: at its first column and row, or the last.
+        // The minimum over a sub-tile is at a corner: at its first or last column and row.
         let across = smaller(by_column * (SUB_COLUMNS as f64 - 1.0), 0.0);
         let down = smaller(by_row * (SUB_ROWS as f64 - 1.0), 0.0);
         let rounding = (by_column.abs() * COLUMNS as f64 + by_row.abs() * ROWS as f64) * f64::from(ROUNDING);
@@ -303,7 +303,7 @@ impl Slopes {
         }
     }
 
-    /// In the tile that begins at a column and a row; bits.
+    /// Returns the values in the tile that begins at a column and a row, as bits.
     #[inline(always)]
     fn over_tile<S: Simd>(&self, simd: S, [column, row]: [i32; 2]) -> u32x16<S> {
         let at = self.at + self.by_column * f64::from(column) + self.by_row * f64::from(row);
@@ -313,17 +313,17 @@ impl Slopes {
     }
 }
 
-/// The samples of a tile in runs of sixteen rows, counted from the tile's first column.
+/// Returns the coverage masks of a tile from runs in sixteen rows, relative to the tile's first column.
 #[inline(always)]
 fn masks_of_rows<S: Simd>(simd: S, starts: i32x16<S>, stops: i32x16<S>) -> u32x16<S> {
     let rows = bits_from(simd, starts) & !bits_from(simd, stops);
-    // Bytes of four rows of four sub-tiles, transposed.
+    // Transposes bytes: rows of 4 × 8 samples become sub-tiles of 4 rows.
     rows.bitcast::<u8x64<S>>()
         .swizzle_dyn_within_blocks(u8x64::from_slice(simd, &TRANSPOSED))
         .bitcast()
 }
 
-/// The bits from a column on, of 32.
+/// Returns the bits from a column on, clamped to 0..=32.
 #[inline(always)]
 fn bits_from<S: Simd>(simd: S, column: i32x16<S>) -> u32x16<S> {
     let [zero, last] = [i32x16::splat(simd, 0), i32x16::splat(simd, COLUMNS as i32 - 1)];

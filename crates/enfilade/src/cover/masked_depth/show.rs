@@ -1,4 +1,4 @@
-//! Shows the sub-tiles: what the reference hides, and what the working layer does.
+//! Draws the sub-tiles: which samples the reference layer hides and which the working layer.
 
 use super::grid::Grid;
 use super::tile::{ACROSS, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES};
@@ -15,7 +15,7 @@ impl Grid {
                 let index = row * self.columns + column;
                 let tile = &self.tiles[index];
                 let sub = y / SUB_ROWS * ACROSS + within / SUB_COLUMNS;
-                let rev_depth = tile.known(within, y);
+                let rev_depth = tile.rev_depth_at(within, y);
                 let by = if tile.is_working(within, y) {
                     HiddenBy::Working
                 } else if rev_depth > 0.0 {

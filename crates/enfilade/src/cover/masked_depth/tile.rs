@@ -1,14 +1,14 @@
-//! A tile: sixteen masks of samples with two reversed depths each, and how something new is merged into them.
+//! A tile: sixteen sub-tiles with a coverage mask and two depth layers each, and the rule that merges new coverage.
 //!
-//! A sub-tile knows two things: everywhere in it something is at least as near as `reference`, and at the samples of
-//! its mask something is at least as near as `working`. A third layer has no room, so of two that are not the nearest
-//! of all, one has to give way; whatever gives way, both sentences stay true.
-//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.2. Theirs
-//!     drops the working layer where it is farther from the new one than from the reference, by difference of depths;
-//!     ours by ratio of reversed depths, whichever of the two came first, and never drops where nothing is behind, unless that
-//!     layer is farther than 10¹⁹.
-//! Cost: O(1) for each sub-tile; [`rows`](super::rows) does all sixteen at once.
-//! Conservative: reversed depth is only ever less than the truth.
+//! Invariants of a sub-tile: at every sample, something is at least as near as `reference`; at the samples of the mask,
+//! something is at least as near as `working`. New coverage would be a third layer, so one that is not the nearest is
+//! discarded or merged; every choice keeps the invariants.
+//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.2. The paper
+//!     discards the working layer if it is farther from the new one than from the reference, by difference of depths.
+//!     Here the ratio of reversed depths decides, whichever of the two came first, and a layer with nothing behind it
+//!     is never discarded, unless it is farther than 10¹⁹.
+//! Cost: O(1) for each sub-tile; [`rows`](super::rows) processes all sixteen at once.
+//! Conservative: a stored reversed depth is never above the true one.
 
 use crate::cover::band::{BAND, Band};
 use std::ops::Range;
@@ -19,37 +19,38 @@ pub(super) const ROWS: usize = 2 * BAND;
 /// Columns and rows of a sub-tile.
 pub(super) const SUB_COLUMNS: usize = 8;
 pub(super) const SUB_ROWS: usize = 4;
-/// Sub-tiles side by side.
+/// Sub-tiles per row of a tile.
 pub(super) const ACROSS: usize = COLUMNS / SUB_COLUMNS;
-/// Sub-tiles of a tile: four side by side, then the four below, and so on.
+/// Sub-tiles of a tile, in row-major order.
 pub(super) const SUB_TILES: usize = 16;
-/// Those in the rows of a band.
+/// Sub-tiles in one band of a tile.
 pub(super) const SUB_TILES_OF_BAND: usize = SUB_TILES / 2;
 
-/// One bit for each sample of each sub-tile in the rows of a band: bit 8·y + x.
+/// Coverage masks of the sub-tiles in one band: bit 8·y + x for each sample.
 pub(super) type Masks = [u32; SUB_TILES_OF_BAND];
 
-/// Reversed depth for each sub-tile in the rows of a band.
+/// Reversed depths of the sub-tiles in one band.
 pub(super) type RevDepth = [f32; SUB_TILES_OF_BAND];
 
-/// 32×16 samples: four lines of the cache.
+/// Depth and coverage of 32×16 samples; four cache lines.
 ///
-/// Reversed depth is kept as bits: not being below zero, they sort as it does.
+/// Stores reversed depths as bits: they are not negative, so the bits sort like the numbers.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Tile {
-    /// The samples of the working layer.
+    /// Coverage masks: the samples of the working layer.
     pub(super) mask: [u32; SUB_TILES],
-    /// At every sample something is at least as near; infinite where nothing is open.
+    /// Reference layer: a lower bound of reversed depth at every sample; infinite if no sample is open.
     pub(super) reference: [u32; SUB_TILES],
-    /// At the samples of the mask something is at least as near; as `reference` where the mask is empty.
+    /// Working layer: a lower bound of reversed depth at the samples of the mask; equal to `reference` if the mask is
+    /// empty.
     pub(super) working: [u32; SUB_TILES],
-    /// The samples that do not belong to the aperture: they are never asked for, and are covered by anything.
+    /// Samples outside the aperture: queries ignore them, and any coverage includes them.
     pub(super) closed: [u32; SUB_TILES],
 }
 
 impl Tile {
-    /// Nothing is open.
+    /// A tile without open samples.
     pub(super) const CLOSED: Tile = Tile {
         mask: [0; SUB_TILES],
         reference: [f32::INFINITY.to_bits(); SUB_TILES],
@@ -57,7 +58,7 @@ impl Tile {
         closed: [u32::MAX; SUB_TILES],
     };
 
-    /// Opens samples of a band, the upper or the lower; nothing is in them.
+    /// Opens samples of the upper (0) or lower (1) band, with nothing in them.
     #[inline(always)]
     pub(super) fn open(&mut self, band: usize, samples: &Masks) {
         for (sub, samples) in (band * SUB_TILES_OF_BAND..).zip(samples) {
@@ -69,7 +70,7 @@ impl Tile {
         }
     }
 
-    /// The farthest that anything hidden by this tile as a whole may come.
+    /// Returns the minimum of the reference layers: what has a smaller reversed depth is hidden in the whole tile.
     #[inline(always)]
     pub(super) fn farthest(&self) -> f32 {
         let mut farthest = u32::MAX;
@@ -79,10 +80,10 @@ impl Tile {
         f32::from_bits(farthest)
     }
 
-    /// At the samples `covered` of a sub-tile something is at least as near as `rev_depth` (bits of what is finite). Is the
-    /// reference another than before?
+    /// Merges coverage into a sub-tile: at the samples `covered`, something is at least as near as `rev_depth` (bits of
+    /// a finite number). Returns `true` if the reference layer changed.
     ///
-    /// The specification of [`cover_tile`](super::rows::cover_tile), which does all sixteen.
+    /// This is the specification of [`cover_tile`](super::rows::cover_tile), which merges all sixteen at once.
     #[inline(always)]
     pub(super) fn cover(&mut self, sub: usize, covered: u32, rev_depth: u32) -> bool {
         let [mask, reference, working] = [self.mask[sub], self.reference[sub], self.working[sub]];
@@ -90,7 +91,7 @@ impl Tile {
             return false;
         }
         let fresh = covered | self.closed[sub];
-        // Of the working layer and the new one, the nearer stays as it is. The other has the samples that are left.
+        // The nearer of the working and the new layer is kept as it is; the other keeps the remaining samples.
         let before = rev_depth >= working;
         let near = if before { rev_depth } else { working };
         let far = if before { working } else { rev_depth };
@@ -98,43 +99,43 @@ impl Tile {
         let either = mask | fresh;
         let alone = either == near_mask;
         if either == u32::MAX {
-            // The farther one becomes the reference, for nothing shows past the two.
+            // Both layers together cover all samples, so the farther one becomes the reference.
             self.mask[sub] = if alone { 0 } else { near_mask };
             self.reference[sub] = if alone { near } else { far };
             self.working[sub] = near;
             return true;
         }
-        // Else it goes, if the reference is nearer to it than the nearer layer is, by ratio: bits of floats are about
-        // their logarithms. Or the two become one.
+        // Otherwise discard the farther layer if the ratio to the reference is smaller than to the nearer layer (bits
+        // of floats approximate logarithms), else merge the two.
         let goes = near + reference > 2 * far;
         self.mask[sub] = if goes { near_mask } else { either };
         self.working[sub] = if goes | alone { near } else { far };
         false
     }
 
-    /// May anything that comes as near as `rev_depth` be seen at any of the samples `asked` of a band, the upper or the
-    /// lower? At equal reversed depth it may.
+    /// Returns `true` if geometry with reversed depth `rev_depth` may be visible at any of `samples` in the upper (0)
+    /// or lower (1) band. Equal depths are visible.
     #[inline(always)]
-    pub(super) fn sees(&self, band: usize, asked: &Masks, rev_depth: &RevDepth) -> bool {
+    pub(super) fn sees(&self, band: usize, samples: &Masks, rev_depth: &RevDepth) -> bool {
         let mut any = false;
-        for (sub, (asked, &rev_depth)) in (band * SUB_TILES_OF_BAND..).zip(asked.iter().zip(rev_depth)) {
-            let asked = asked & !self.closed[sub];
+        for (sub, (samples, &rev_depth)) in (band * SUB_TILES_OF_BAND..).zip(samples.iter().zip(rev_depth)) {
+            let samples = samples & !self.closed[sub];
             let beyond_reference = rev_depth < f32::from_bits(self.reference[sub]);
             let beyond_working = rev_depth < f32::from_bits(self.working[sub]);
-            let outside_mask = asked & !self.mask[sub] != 0;
-            any |= (asked != 0) & !beyond_reference & (outside_mask | !beyond_working);
+            let outside_mask = samples & !self.mask[sub] != 0;
+            any |= (samples != 0) & !beyond_reference & (outside_mask | !beyond_working);
         }
         any
     }
 
-    /// Is the sample one of the working layer?
+    /// Returns `true` if the sample belongs to the working layer.
     pub(super) fn is_working(&self, x: usize, y: usize) -> bool {
         self.mask[sub_tile(x, y)] & bit(x, y) != 0
     }
 
-    /// At the sample, something is at least as near as this; infinite where it is not open.
+    /// Returns the reversed depth stored at a sample; infinite if the sample is closed.
     #[inline(always)]
-    pub(super) fn known(&self, x: usize, y: usize) -> f32 {
+    pub(super) fn rev_depth_at(&self, x: usize, y: usize) -> f32 {
         let (sub, bit) = (sub_tile(x, y), bit(x, y));
         f32::from_bits(if self.closed[sub] & bit != 0 {
             f32::INFINITY.to_bits()
@@ -154,17 +155,17 @@ fn bit(x: usize, y: usize) -> u32 {
     1 << (y % SUB_ROWS * SUB_COLUMNS + x % SUB_COLUMNS)
 }
 
-/// The tiles across a band.
-pub(super) struct Across<'a> {
+/// The part of a band in each tile.
+pub(super) struct BandTiles<'a> {
     band: &'a Band,
-    /// The columns of the screen that any row holds, and those that all rows hold.
+    /// Columns of the screen that any row covers, and those that all rows cover.
     any: [u16; 2],
     all: [u16; 2],
 }
 
-impl Across<'_> {
+impl BandTiles<'_> {
     #[inline(always)]
-    pub(super) fn new(band: &Band) -> Across<'_> {
+    pub(super) fn new(band: &Band) -> BandTiles<'_> {
         let [mut any, mut all] = [[u16::MAX, 0], [0, u16::MAX]];
         for [start, end] in band.runs {
             if start < end {
@@ -172,16 +173,16 @@ impl Across<'_> {
             }
             all = [all[0].max(start), all[1].min(end)];
         }
-        Across { band, any, all }
+        BandTiles { band, any, all }
     }
 
-    /// The columns of tiles in which the band holds a sample, by their place on the screen.
+    /// Returns the columns of tiles that contain a sample of the band, counted from the left of the screen.
     #[inline(always)]
     pub(super) fn tiles(&self) -> Range<usize> {
         tiles(self.any[0], self.any[1], COLUMNS)
     }
 
-    /// The samples of the band in a column of tiles.
+    /// Returns the coverage masks of the band in one column of tiles.
     #[inline(always)]
     pub(super) fn samples(&self, column: usize) -> Masks {
         let x = COLUMNS * column;
@@ -204,12 +205,12 @@ impl Across<'_> {
     }
 }
 
-/// The tiles that hold some of the rows or columns `start..end`, each `side` long.
+/// Returns the tiles, `side` samples long, that overlap the rows or columns `start..end`.
 pub(super) fn tiles(start: u16, end: u16, side: usize) -> Range<usize> {
     usize::from(start) / side..usize::from(end).div_ceil(side)
 }
 
-/// The samples of a rectangle in the rows of a band of a tile, by its columns and rows.
+/// Returns the coverage masks of a rectangle in one band of a tile, from its columns and rows.
 #[inline(always)]
 pub(super) fn masks_of_rect(columns: u32, rows: [u32; 2]) -> Masks {
     let mut masks = [0; SUB_TILES_OF_BAND];
@@ -220,14 +221,14 @@ pub(super) fn masks_of_rect(columns: u32, rows: [u32; 2]) -> Masks {
     masks
 }
 
-/// The columns `x0..x1` of the screen that are in the tile at column `x`, a bit each.
+/// Returns a bit mask of the columns `x0..x1` of the screen inside the tile that begins at column `x`.
 #[inline(always)]
 pub(super) fn columns_within(x0: u16, x1: u16, x: usize) -> u32 {
     ((1_u64 << within(x1, x)) - (1_u64 << within(x0, x))) as u32
 }
 
-/// The rows `y0..y1` of the screen that are in the band at row `y`: for the upper and the lower sub-tiles, eight bits
-/// a row.
+/// Returns bit masks of the rows `y0..y1` of the screen inside the band that begins at row `y`: for the upper and the
+/// lower sub-tiles, eight bits per row.
 #[inline(always)]
 pub(super) fn rows_within(y0: u16, y1: u16, y: usize) -> [u32; 2] {
     let bits = |row: u16| 8 * (i32::from(row) - y as i32).clamp(0, BAND as i32) as u128;
@@ -235,7 +236,7 @@ pub(super) fn rows_within(y0: u16, y1: u16, y: usize) -> [u32; 2] {
     [rows as u32, (rows >> 32) as u32]
 }
 
-/// A column of the screen as one of the tile that begins at column `x`, 0 to 32.
+/// Converts a column of the screen to one of the tile that begins at column `x`, clamped to 0..=32.
 #[inline(always)]
 fn within(column: u16, x: usize) -> u32 {
     (i32::from(column) - x as i32).clamp(0, COLUMNS as i32) as u32

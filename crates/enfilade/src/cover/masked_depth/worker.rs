@@ -1,11 +1,11 @@
-//! Lets faces into tiles, and has all that this takes.
+//! Rasterizes batches of faces and occluder meshes into tiles, with the buffers that one thread needs.
 //!
-//! Source: ours.
-//! Cost: as [`super::batch`], and O(tiles) for each face that the kernels are not certain of.
-//! Conservative: as both.
+//! Source: own design.
+//! Cost: as [`super::batch`], plus O(tiles) for each face that the kernels are not certain of.
+//! Conservative: as [`super::batch`] and [`super::faces`].
 
 use super::batch::{Batch, Block, Frame, LANES, Shapes};
-use super::faces::OneByOne;
+use super::faces::RunSink;
 use super::grid::Tiles;
 use super::mesh::{Part, block};
 use crate::cover::raster::Raster;
@@ -15,19 +15,19 @@ use crate::region::Region;
 use crate::stats::Stats;
 use fearless_simd::{Level, dispatch};
 
-/// What one thread needs to let faces in.
+/// Buffers of one rasterizing thread.
 pub(super) struct Worker {
     level: Level,
     raster: Raster,
     batch: Batch,
     blocks: Vec<Block>,
-    /// What faces of more corners are taken for, and faces that the eye is before.
+    /// Quads and triangles of polygons with more corners, and the front-facing ones of a mesh part.
     quads: Vec<[u32; 4]>,
     triangles: Vec<[u32; 3]>,
 }
 
 impl Worker {
-    /// At a SIMD level, which changes the time it takes and no bit of what it does.
+    /// Creates a worker for a SIMD level. The level changes the speed only; the results have the same bits.
     pub(super) fn at(level: Level) -> Worker {
         Worker {
             level,
@@ -39,7 +39,7 @@ impl Worker {
         }
     }
 
-    /// Lets faces hide what is behind them.
+    /// Rasterizes a batch of faces as occluders.
     pub(super) fn hide_batch(
         &mut self,
         tiles: &mut Tiles,
@@ -70,7 +70,7 @@ impl Worker {
             shapes.quads = quads;
             shapes.triangles = triangles;
         }
-        Hiding {
+        FaceRasterizer {
             level: *level,
             raster,
             batch,
@@ -80,7 +80,7 @@ impl Worker {
         .hide(tiles, blocks, shapes, stats);
     }
 
-    /// Lets those parts of a mesh, in the space of the passage's sector, hide what is behind them that reach into the tiles.
+    /// Rasterizes those parts of a mesh, given in the space of the passage's sector, that overlap the tiles.
     pub(super) fn hide_parts(
         &mut self,
         tiles: &mut Tiles,
@@ -96,7 +96,7 @@ impl Worker {
             triangles,
             ..
         } = self;
-        let mut hiding = Hiding {
+        let mut rasterizer = FaceRasterizer {
             level: *level,
             raster,
             batch,
@@ -109,34 +109,34 @@ impl Worker {
             if region.is_none_or(|region| region.rect.intersection(&tiles.rect).is_empty()) {
                 continue;
             }
-            dispatch!(hiding.level, simd => part.quads.keep_facing(simd, eye, quads));
-            dispatch!(hiding.level, simd => part.triangles.keep_facing(simd, eye, triangles));
+            dispatch!(rasterizer.level, simd => part.quads.keep_facing(simd, eye, quads));
+            dispatch!(rasterizer.level, simd => part.triangles.keep_facing(simd, eye, triangles));
             let shapes = Shapes {
                 quads,
                 triangles,
                 first_position: 0,
             };
             if shapes.triangles() > 0 {
-                hiding.hide(tiles, &part.blocks, shapes, stats);
+                rasterizer.hide(tiles, &part.blocks, shapes, stats);
             }
         }
     }
 }
 
-/// How shapes are let in.
-struct Hiding<'a> {
+/// Rasterizes quads and triangles, with the f64 fallback.
+struct FaceRasterizer<'a> {
     level: Level,
     raster: &'a mut Raster,
     batch: &'a mut Batch,
-    /// What shapes are like, but for their corners.
+    /// Properties of the faces, except their corners.
     faces: &'a Faces<'a>,
     passage: &'a Passage,
 }
 
-impl Hiding<'_> {
-    /// Most by the kernels, and those of which these are not certain one by one.
+impl FaceRasterizer<'_> {
+    /// Rasterizes with the kernels, then those faces one by one in f64 that the kernels are not certain of.
     fn hide(&mut self, tiles: &mut Tiles, blocks: &[Block], shapes: Shapes, stats: &mut Stats) {
-        let Hiding {
+        let FaceRasterizer {
             level,
             ref mut raster,
             ref mut batch,
@@ -146,11 +146,11 @@ impl Hiding<'_> {
         let frame = Frame::new(faces, passage, tiles);
         stats.triangles += shapes.triangles();
         dispatch!(level, simd => batch.hide(simd, &frame, blocks, shapes, tiles));
-        let (uncertain, waiting) = batch.uncertain();
+        let (uncertain, run_queue) = batch.uncertain();
         if uncertain.is_empty() {
             return;
         }
-        // They are of a batch that is counted already.
+        // Separate counters, because the batch and its triangles are already counted.
         let mut alone = Stats::default();
         for &number in uncertain {
             let corners = shapes.corners(number as usize);
@@ -171,16 +171,16 @@ impl Hiding<'_> {
                     neighbours: &[],
                     ..*faces
                 };
-                raster.run(&one, passage, &mut OneByOne::new(tiles, waiting), &mut alone);
+                raster.run(&one, passage, &mut RunSink::new(tiles, run_queue), &mut alone);
             }
         }
         stats.triangles_hidden += alone.triangles_hidden;
         stats.samples += alone.samples;
-        dispatch!(level, simd => waiting.cover(simd, tiles));
+        dispatch!(level, simd => run_queue.cover(simd, tiles));
     }
 }
 
-/// A convex face as quads, and a triangle where one is left.
+/// Splits a convex polygon into quads and, if one remains, a triangle.
 fn fan(face: &[u32], quads: &mut Vec<[u32; 4]>, triangles: &mut Vec<[u32; 3]>) {
     let Some((&first, mut others)) = face.split_first() else {
         return;

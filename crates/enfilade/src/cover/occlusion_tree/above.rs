@@ -1,10 +1,11 @@
-//! The lines that bound a place in the tree, and what of an edge they leave.
+//! The ancestor lines that bound a leaf, and clipping of edges by them.
 //!
-//! Most edges of an occluder are nowhere in a leaf that only a part of it comes to: told so, they need no node there. All
-//! lines are asked in eights, for a piece stands under some twenty.
-//! Source: ours; the kernels are specified by the functions beside the tests, and give the same bits at every SIMD level.
+//! Most edges of an occluder do not cross a leaf that only a part of it reaches, and then need no node there. All lines
+//! are tested in groups of eight, since a piece has about twenty lines above it.
+//! Source: original to this library; the kernels are specified by the functions in the tests, and give the same bits at
+//!     every SIMD level.
 //! Cost: O(lines / 8) for an edge.
-//! What is no number bounds nothing: it leaves an edge as it is.
+//! A NaN bounds nothing: it leaves an edge unclipped.
 
 use super::Edge;
 use super::line::{Line, SLIT};
@@ -12,15 +13,15 @@ use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-/// Lines in eights: one coordinate of their normals after the other. The last eight are filled up with a line that is
-/// there already.
+/// Lines in groups of eight, stored as one coordinate of their normals after the other. The last group is padded with a
+/// line that it already has.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Above {
+pub(super) struct LinesAbove {
     eights: Vec<[[f64; 8]; 3]>,
     count: usize,
 }
 
-impl Above {
+impl LinesAbove {
     pub(super) fn clear(&mut self) {
         self.eights.clear();
         self.count = 0;
@@ -36,7 +37,7 @@ impl Above {
         self.count += 1;
     }
 
-    /// Is a line one of these, to the last bit?
+    /// Returns `true` if the line equals one of these, bit for bit.
     #[inline(always)]
     pub(super) fn contains<S: Simd>(&self, simd: S, line: &Line) -> bool {
         let normal = line.normal;
@@ -51,9 +52,9 @@ impl Above {
         false
     }
 
-    /// Is a point that far inside of all of them, or more?
+    /// Returns `true` if a point has a height of at least `least` above all lines.
     #[inline(always)]
-    pub(super) fn hold<S: Simd>(&self, simd: S, point: DVec3, least: f64) -> bool {
+    pub(super) fn contain_point<S: Simd>(&self, simd: S, point: DVec3, least: f64) -> bool {
         for eight in &self.eights {
             let held = heights(simd, eight, point).simd_ge(f64x8::splat(simd, least));
             if !held.all_true() {
@@ -63,12 +64,12 @@ impl Above {
         true
     }
 
-    /// Is every place of an edge outside of one of them, or in it?
+    /// Returns `true` if every point of an edge is outside one of the lines, or within `SLIT` of it.
     #[inline(always)]
-    pub(super) fn leave_nothing_of<S: Simd>(&self, simd: S, edge: &Edge) -> bool {
+    pub(super) fn clip_away<S: Simd>(&self, simd: S, edge: &Edge) -> bool {
         let Edge { from, to, .. } = *edge;
         let zero = f64x8::splat(simd, 0.0);
-        // What is left of the edge, from 0 to 1; what is behind the eye is not seen.
+        // The remaining interval of the edge, as parameters from 0 to 1; the part behind the eye is not visible.
         let [mut start, mut end] = [zero, f64x8::splat(simd, 1.0)];
         match [from.z > 0.0, to.z > 0.0] {
             [true, true] => {}
@@ -101,7 +102,7 @@ impl Above {
     }
 }
 
-/// How far inside of eight lines a point is.
+/// Returns the heights of a point above eight lines.
 #[inline(always)]
 fn heights<S: Simd>(simd: S, [x, y, z]: &[[f64; 8]; 3], point: DVec3) -> f64x8<S> {
     f64x8::simd_from(simd, *x) * point.x
@@ -115,8 +116,8 @@ mod tests {
     use crate::cover::occlusion_tree::tests::{levels, odd_numbers};
     use fearless_simd::dispatch;
 
-    /// What [`Above::leave_nothing_of`] must say.
-    fn is_gone_one_by_one(above: &[Line], edge: &Edge) -> bool {
+    /// Scalar specification of [`LinesAbove::clip_away`].
+    fn clip_away_one_by_one(above: &[Line], edge: &Edge) -> bool {
         let mut left = [0.0, 1.0_f64];
         let mut keep = |from: f64, to: f64| {
             match [from > 0.0, to > 0.0] {
@@ -152,20 +153,20 @@ mod tests {
             };
             let (middle, least) = (point(), point().x);
             let expected = [
-                is_gone_one_by_one(&lines, &edge),
+                clip_away_one_by_one(&lines, &edge),
                 lines.contains(&edge.line),
                 lines.iter().all(|line| line.height(middle) >= least),
             ];
             for (tally, &yes) in tally.iter_mut().zip(&expected) {
                 tally[usize::from(yes)] += 1;
             }
-            let mut above = Above::default();
+            let mut above = LinesAbove::default();
             lines.iter().for_each(|&line| above.push(line));
             for level in levels() {
                 let said = dispatch!(level, simd => [
-                    above.leave_nothing_of(simd, &edge),
+                    above.clip_away(simd, &edge),
                     above.contains(simd, &edge.line),
-                    above.hold(simd, middle, least),
+                    above.contain_point(simd, middle, least),
                 ]);
                 assert_eq!(said, expected, "{lines:?} {edge:?} {middle} {least} {level:?}");
             }

@@ -1,10 +1,10 @@
-//! How a box is asked after as it is: its corners held against the planes, never cut.
+//! Tests a box as a whole: its corners are classified against the planes, without clipping.
 //!
-//! Where a plane goes through it, it is on both sides, even if other planes say that only one of them is left. So what
-//! its faces come to, it comes to as well: what is hidden by box is hidden by faces.
+//! A plane that crosses the box sends it to both sides, even if other planes leave only one of them. So the box reaches
+//! every leaf that its faces reach: a box hidden by this test is also hidden by its faces.
 //! Source: Bittner, Havran, Slavík, Hierarchical Visibility Culling with Occlusion Trees, CGI 1998, section 3.
-//! Cost: O(nodes reached), until enough is known; eight corners at once ([`corners`](super::corners)).
-//! Conservative. A corner that is certainly in a lit leaf shows that the box is seen: its faces need not be asked.
+//! Cost: O(nodes reached), until enough is known; eight corners at a time ([`corners`](super::corners)).
+//! Conservative. A corner that is certainly in a lit leaf proves that the box is visible, so its faces need no test.
 
 use super::corners::{ALL, Bits, Corners};
 use super::{Link, OcclusionTree, Plane, Tree};
@@ -12,40 +12,41 @@ use crate::region::{Visibility, Volume};
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
 
-/// What the leaves that a box came to say of it.
+/// Kinds of the leaves that a box reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Found {
+pub(super) struct LeafSummary {
     pub(super) lit: bool,
     pub(super) shadow: bool,
-    /// Is a corner certainly in a lit leaf?
+    /// Whether a corner is certainly in a lit leaf.
     pub(super) lit_for_certain: bool,
 }
 
-/// What an answer must say; more need not be found out.
+/// The facts that a query must decide; the traversal stops as soon as it has them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wanted {
-    /// Is anything lit?
+pub(super) enum Query {
+    /// Whether the box reaches a lit leaf.
     Lit,
-    /// Is anything lit, and anything in shadow?
+    /// Whether it reaches a lit leaf, and whether it reaches a shadow leaf.
     Visibility,
-    /// As `Visibility`, and where some of both, is any corner lit for certain?
+    /// As `Visibility`; if it reaches both, also whether any corner is certainly lit.
     Certain,
 }
 
-/// Where a box is asked after from.
+/// Starting point of the traversal for a box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Start {
-    /// `None`: the root, whatever that is by now.
+    /// `None` starts at the current root.
     link: Option<Link>,
-    /// Is it certainly within the aperture, and beyond all that is before it?
+    /// Whether the box is certainly inside the aperture and beyond the near plane and the entry plane.
     in_view: bool,
 }
 
-/// A link that a box also comes to, with the corners that are certainly there.
-pub(super) type Waiting = (Link, Bits);
+/// A link that the box also reaches, with the corners that are certainly there.
+pub(super) type PendingLink = (Link, Bits);
 
-impl Found {
-    pub(super) fn sight(&self) -> Visibility {
+impl LeafSummary {
+    /// Returns the visibility that the reached leaves imply.
+    pub(super) fn visibility(&self) -> Visibility {
         match (self.lit, self.shadow) {
             (true, true) => Visibility::Partial,
             (true, false) => Visibility::Full,
@@ -54,18 +55,18 @@ impl Found {
     }
 
     #[inline(always)]
-    fn is_enough(&self, wanted: Wanted) -> bool {
-        match wanted {
-            Wanted::Lit => self.lit,
-            Wanted::Visibility => self.lit && self.shadow,
-            Wanted::Certain => self.lit_for_certain && self.shadow,
+    fn is_enough(&self, query: Query) -> bool {
+        match query {
+            Query::Lit => self.lit,
+            Query::Visibility => self.lit && self.shadow,
+            Query::Certain => self.lit_for_certain && self.shadow,
         }
     }
 }
 
 impl<A> OcclusionTree<A> {
-    /// What the box alone tells; `None` where it is out of view.
-    pub(super) fn ask(&mut self, volume: &Volume, wanted: Wanted) -> Option<Found> {
+    /// Tests a box by its corners alone; `None` if it is outside the view.
+    pub(super) fn test_box(&mut self, volume: &Volume, query: Query) -> Option<LeafSummary> {
         let OcclusionTree {
             level,
             start,
@@ -75,34 +76,35 @@ impl<A> OcclusionTree<A> {
             ..
         } = self;
         *within = *start;
-        dispatch!(*level, simd => match wanted {
-            Wanted::Certain => tree.ask::<_, true>(simd, links, within, volume, wanted),
-            _ => tree.ask::<_, false>(simd, links, within, volume, wanted),
+        dispatch!(*level, simd => match query {
+            Query::Certain => tree.test_box::<_, true>(simd, links, within, volume, query),
+            _ => tree.test_box::<_, false>(simd, links, within, volume, query),
         })
     }
 
-    /// How much of the box can be seen, as far as the box alone tells.
+    /// Returns the visibility of a box as far as its corners tell.
     #[cfg(test)]
-    pub(super) fn sees_box(&mut self, volume: &Volume) -> Visibility {
-        self.ask(volume, Wanted::Visibility)
-            .map_or(Visibility::Hidden, |found| found.sight())
+    pub(super) fn box_visibility(&mut self, volume: &Volume) -> Visibility {
+        self.test_box(volume, Query::Visibility)
+            .map_or(Visibility::Hidden, |found| found.visibility())
     }
 }
 
 impl Tree {
-    /// `within` says where to begin, and then where what lies in the box may begin. `CERTAIN`: know corners for certain?
-    // No closures here: what runs in one does not run at the SIMD level.
+    /// Traverses the tree with a box. `within` is where to start, and returns where boxes inside this one may start.
+    /// `CERTAIN`: track the corners that are certainly in the current subtree.
+    // No closures here: code in a closure is not compiled for the SIMD level.
     #[inline(always)]
-    fn ask<S: Simd, const CERTAIN: bool>(
+    fn test_box<S: Simd, const CERTAIN: bool>(
         &self,
         simd: S,
-        links: &mut Vec<Waiting>,
+        links: &mut Vec<PendingLink>,
         within: &mut Start,
         volume: &Volume,
-        wanted: Wanted,
-    ) -> Option<Found> {
+        query: Query,
+    ) -> Option<LeafSummary> {
         let corners = Corners::new(simd, volume);
-        let mut found = Found::default();
+        let mut found = LeafSummary::default();
         let mut certain = ALL;
         if !within.in_view {
             let mut before = 0;
@@ -125,10 +127,10 @@ impl Tree {
         }
         links.clear();
         let mut next = within.link.unwrap_or(self.root);
-        // What lies in the box is where all its corners well are, so far.
+        // Whether all corners are well inside the current subtree, so that boxes inside this one can start there.
         let mut is_all_here = true;
         loop {
-            // Some of both is known: only a corner that is here for certain can tell more.
+            // Both kinds of leaf were reached: only a subtree with a certain corner can add information.
             let is_known = CERTAIN && certain == 0 && found.lit && found.shadow;
             match next {
                 _ if is_known => {}
@@ -174,7 +176,7 @@ impl Tree {
                     };
                     let inside = (node.inside, certain & inside);
                     let outside = (node.outside, certain & outside);
-                    // Where a corner certainly is, most is known soonest.
+                    // The side with a certain corner first: it decides the query sooner.
                     if inside.1 != 0 && outside.1 == 0 {
                         links.push(outside);
                         (next, certain) = inside;
@@ -185,11 +187,11 @@ impl Tree {
                     continue;
                 }
             }
-            if found.is_enough(wanted) {
+            if found.is_enough(query) {
                 return Some(found);
             }
             match links.pop() {
-                Some(waiting) => (next, certain) = waiting,
+                Some(pending) => (next, certain) = pending,
                 None => return Some(found),
             }
         }

@@ -1,6 +1,7 @@
-//! How a box is asked after by its faces: those it shows to the eye are filtered down the tree, cut by its planes.
+//! Tests a box by its faces: the front faces are filtered down the tree and split by its planes.
 //!
-//! All of them in shadow: the box is hidden. What comes to one lit leaf is seen, and the rest is not asked after.
+//! If all of them are in shadow, the box is hidden. As soon as a piece reaches a lit leaf, the box is visible and the
+//! traversal stops.
 
 use super::insert::clip;
 use super::line::SLIT;
@@ -9,38 +10,40 @@ use super::{Link, OcclusionTree, Plane};
 use crate::region::Volume;
 use glam::DVec3;
 
-/// What a number computed from three products of coordinates may be wrong by, as a part of the product of the greatest:
-/// some hundred units in the last place.
+/// Relative error of a triple product of coordinates, as a part of the product of the largest ones: some hundred units
+/// in the last place.
 const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
 
-/// Which faces of a box the eye sees.
+/// The faces of a box, and which of them are front faces.
 struct Faces {
-    /// Four corners each, around the face.
+    /// Four corners of each face, in order around it.
     corners: [[DVec3; 4]; 6],
-    /// May the face look toward the eye? The others certainly do not.
+    /// Whether the face may be a front face; `false` only for certain back faces.
     front: [bool; 6],
 }
 
 impl<A> OcclusionTree<A> {
-    /// Is anything seen of the faces that a box shows to the eye? Yes when unsure.
-    pub(super) fn sees_faces(&mut self, volume: &Volume) -> bool {
+    /// Returns `true` if any part of the box's front faces may be visible; `true` when unsure.
+    pub(super) fn is_any_face_visible(&mut self, volume: &Volume) -> bool {
         let Some(faces) = Faces::of(volume) else {
             return true;
         };
         self.pieces.clear();
         let shown = faces.corners.iter().zip(faces.front).filter(|face| face.1);
-        shown.into_iter().any(|(corners, _)| self.sees_face(*corners))
+        shown
+            .into_iter()
+            .any(|(corners, _)| self.is_face_visible(*corners))
     }
 
-    /// Does anything of a face come to a lit leaf?
-    fn sees_face(&mut self, corners: [DVec3; 4]) -> bool {
+    /// Returns `true` if any part of a face reaches a lit leaf.
+    fn is_face_visible(&mut self, corners: [DVec3; 4]) -> bool {
         let whole = self.pieces.add(corners);
         let Some(inside) = clip(&self.tree.aperture, &mut self.pieces, whole) else {
             return false;
         };
-        self.waiting.clear();
-        self.waiting.push((self.tree.root, inside));
-        while let Some((link, piece)) = self.waiting.pop() {
+        self.pending.clear();
+        self.pending.push((self.tree.root, inside));
+        while let Some((link, piece)) = self.pending.pop() {
             match link {
                 Link::Lit => return true,
                 Link::Shadow => {}
@@ -50,7 +53,7 @@ impl<A> OcclusionTree<A> {
         false
     }
 
-    /// Sends a piece of a face past a node.
+    /// Splits a piece of a face by a node's plane and pushes the halves.
     fn pass_face(&mut self, node: u32, piece: Piece) {
         let node = &self.tree.nodes[node as usize];
         match &node.plane {
@@ -60,7 +63,7 @@ impl<A> OcclusionTree<A> {
                 if reach.inside && reach.outside {
                     halves = self.pieces.split(piece);
                 } else if !reach.inside && !reach.outside {
-                    // Seen edge-on, or tiny: where it lies counts, be it ever so little off.
+                    // Edge-on or tiny: the exact side counts, however small the distance.
                     let Reach { inside, outside } =
                         self.pieces.measure(piece, 0.0, |corner| line.height(corner));
                     reach = Reach {
@@ -68,9 +71,9 @@ impl<A> OcclusionTree<A> {
                         outside: outside || !inside,
                     };
                 }
-                self.waiting
+                self.pending
                     .extend(reach.inside.then_some((node.inside, halves[0])));
-                self.waiting
+                self.pending
                     .extend(reach.outside.then_some((node.outside, halves[1])));
             }
             Plane::Back(back) => {
@@ -81,7 +84,7 @@ impl<A> OcclusionTree<A> {
                     } else {
                         piece
                     };
-                    self.waiting.push((node.outside, before));
+                    self.pending.push((node.outside, before));
                 }
             }
         }
@@ -89,7 +92,7 @@ impl<A> OcclusionTree<A> {
 }
 
 impl Faces {
-    /// `None` where the eye may be inside.
+    /// Computes the faces of a box; `None` if the eye may be inside.
     fn of(volume: &Volume) -> Option<Faces> {
         let Volume { origin, sides } = volume;
         let mut corners = [[DVec3::ZERO; 4]; 6];
@@ -101,9 +104,10 @@ impl Faces {
             let normal = along.cross(up);
             let off = ROUNDING * size(along) * size(up) * (size(*origin) + size(across));
             let heights = [normal.dot(*origin), normal.dot(*origin + across)];
-            // The eye has height 0: outside if both faces are certainly on one side of it, and then the nearer is
-            // seen. What is edge-on, as far as one can say, is asked after too. Of a box that is flat, as of a thing that
-            // was flattened, both lie in one plane, side by side or one partly over the other: neither is the nearer.
+            // The eye has height 0: it is outside if both faces are certainly on one side of it, and then the nearer
+            // face is the front one. Faces that are edge-on within rounding are tested too. In a flat box, for example
+            // of a flattened item, both faces are in one plane, side by side or partly overlapping, so neither of them
+            // is nearer.
             let beyond = heights.iter().all(|&h| h > off) || heights.iter().all(|&h| h < -off);
             is_outside |= beyond;
             let lead = heights[1].abs() - heights[0].abs();

@@ -1,10 +1,11 @@
-//! The eight corners of a box against a plane, all at once.
+//! Classifies the eight corners of a box against a plane, all at once.
 //!
-//! A box is on a side of a plane if a corner is. Which corners are certainly there is told too: a place of the box that
-//! is known to be in a leaf needs no more asking.
-//! Source: ours; `Corners::against` is specified by `sides_one_by_one` below, and gives the same bits at every SIMD level.
-//! Cost: some ten vector operations for a plane, and no branch.
-//! Conservative: what rounding leaves open, and what is no number, is on both sides and on none for certain.
+//! A box is on a side of a plane if one of its corners is. The result also has the corners that are certainly on a
+//! side: a point of the box that is known to be in a leaf needs no further test.
+//! Source: original to this library; `Corners::against` is specified by `sides_one_by_one` below, and gives the same
+//!     bits at every SIMD level.
+//! Cost: about ten vector operations per plane, without branches.
+//! Conservative: a corner that is undecided within rounding, or NaN, counts as on both sides and as certain on neither.
 
 use super::line::SLIT;
 use crate::region::Volume;
@@ -12,33 +13,33 @@ use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-/// What a height may be wrong by, as a part of the sum that it is; more than pieces of faces may be off by.
+/// Relative error of a height, as a part of the sum that it is; larger than the error of pieces of faces.
 const ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
 
-/// Corners as bits, in the order of [`Volume::corners`].
+/// Corners as a bit mask, in the order of [`Volume::corners`].
 pub(super) type Bits = u8;
 pub(super) const ALL: Bits = 0xff;
 
-/// Where the corners of a box are with respect to a plane n · p = d.
+/// Positions of the corners of a box relative to a plane n · p = d.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sides {
-    /// Certainly where n · p > d.
+    /// Corners certainly at n · p > d.
     pub(super) inside: Bits,
-    /// Certainly where n · p < d.
+    /// Corners certainly at n · p < d.
     pub(super) outside: Bits,
-    /// Of these, the ones that are more than a slit away.
+    /// The corners of `inside` (and of `outside`, in `well_outside`) that are more than a slit away from the plane.
     pub(super) well_inside: Bits,
     pub(super) well_outside: Bits,
 }
 
-/// The corners of a box in the space of (X, Y, W).
+/// Corners of a box in the space of (X, Y, W), one SIMD lane each.
 #[derive(Clone, Copy)]
 pub(super) struct Corners<S: Simd> {
     x: f64x8<S>,
     y: f64x8<S>,
     z: f64x8<S>,
     slit: f64x8<S>,
-    /// The greatest coordinates that a corner can have, and more.
+    /// Upper bounds of the absolute coordinates of the corners.
     sum: DVec3,
 }
 
@@ -59,9 +60,10 @@ impl<S: Simd> Corners<S> {
         }
     }
 
+    /// Classifies the corners against the plane `normal` · p = `distance`.
     #[inline(always)]
     pub(super) fn against(&self, simd: S, normal: DVec3, distance: f64) -> Sides {
-        // In this order it takes the least time until the sum is there: what to ask next waits for it.
+        // This order of additions has the shortest latency; the next step of the traversal waits for the result.
         let height = (self.x * normal.x + self.y * normal.y) + (self.z * normal.z - distance);
         let margin = margin(self.sum, normal, distance);
         let [above, below] = [f64x8::splat(simd, margin), f64x8::splat(simd, -margin)];
@@ -73,7 +75,8 @@ impl<S: Simd> Corners<S> {
         }
     }
 
-    /// Corners that certainly lie where n · p < d: planes that only bound the view, of which no rounding is asked.
+    /// Returns the corners at n · p < d, without an error margin: for planes that only bound the view, where rounding
+    /// does not matter.
     #[inline(always)]
     pub(super) fn before(&self, simd: S, normal: DVec3, distance: f64) -> Bits {
         let height = self.x * normal.x + self.y * normal.y + self.z * normal.z;
@@ -81,15 +84,15 @@ impl<S: Simd> Corners<S> {
     }
 }
 
-/// Which sides lead to which corners.
+/// For each side of the box, the corners that it leads to.
 const LEADS: [[f64; 8]; 3] = [
     [0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0],
     [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0],
     [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0],
 ];
 
-/// One coordinate of all corners, from that of the origin and those of the sides; summed as in [`Volume::corners`]. Of a
-/// side without end all are no numbers.
+/// Computes one coordinate of all corners from that of the origin and those of the sides, summed as in
+/// [`Volume::corners`]. If a side is infinite, all results are NaN.
 #[inline(always)]
 fn spread<S: Simd>(simd: S, origin: f64, [a, b, c]: [f64; 3]) -> f64x8<S> {
     let [to_a, to_b, to_c] = [
@@ -100,13 +103,14 @@ fn spread<S: Simd>(simd: S, origin: f64, [a, b, c]: [f64; 3]) -> f64x8<S> {
     (to_c * c + origin) + (to_a * a + to_b * b)
 }
 
-/// The greatest coordinates that a corner can have, and more.
+/// Returns upper bounds of the absolute coordinates of the corners.
 #[inline(always)]
 fn greatest(volume: &Volume) -> DVec3 {
     let [a, b, c] = volume.sides;
     volume.origin.abs() + (a.abs() + b.abs() + c.abs())
 }
 
+/// Returns the error bound of a corner's height above a plane.
 #[inline(always)]
 fn margin(sum: DVec3, normal: DVec3, distance: f64) -> f64 {
     ROUNDING * (normal.abs().dot(sum) + distance.abs())
@@ -118,7 +122,7 @@ mod tests {
     use crate::cover::occlusion_tree::tests::{levels, odd_numbers};
     use fearless_simd::dispatch;
 
-    /// What [`Corners::against`] must give.
+    /// Scalar specification of [`Corners::against`].
     fn sides_one_by_one(volume: &Volume, normal: DVec3, distance: f64) -> Sides {
         let margin = margin(greatest(volume), normal, distance);
         let mut sides = Sides {
@@ -129,17 +133,17 @@ mod tests {
         };
         let [a, b, c] = volume.sides;
         let is_finite = volume.sides.iter().all(|side| side.is_finite());
-        for (place, corner) in volume.corners().into_iter().enumerate() {
-            let [to_a, to_b, to_c] = LEADS.map(|to| to[place]);
+        for (index, corner) in volume.corners().into_iter().enumerate() {
+            let [to_a, to_b, to_c] = LEADS.map(|to| to[index]);
             let spread = (c * to_c + volume.origin) + (a * to_a + b * to_b);
             assert!(!is_finite || spread == corner || spread.is_nan() || corner.is_nan());
             let corner = spread;
             let height = (corner.x * normal.x + corner.y * normal.y) + (corner.z * normal.z - distance);
             let slit = corner.z * SLIT;
-            sides.inside |= Bits::from(height > margin) << place;
-            sides.outside |= Bits::from(height < -margin) << place;
-            sides.well_inside |= Bits::from(height - slit > margin) << place;
-            sides.well_outside |= Bits::from(height + slit < -margin) << place;
+            sides.inside |= Bits::from(height > margin) << index;
+            sides.outside |= Bits::from(height < -margin) << index;
+            sides.well_inside |= Bits::from(height - slit > margin) << index;
+            sides.well_outside |= Bits::from(height + slit < -margin) << index;
         }
         sides
     }

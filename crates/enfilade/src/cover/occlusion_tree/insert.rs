@@ -1,36 +1,36 @@
-//! How an occluder gets into the tree.
+//! Inserts an occluder into the tree.
 //!
-//! It is cut by the planes it meets; what comes to a lit leaf stands there from then on: a node for each edge that
-//! bounds the occluder there, one for its own plane, and a shadow behind that.
+//! The occluder is split by the planes it crosses. Wherever a piece reaches a lit leaf, the leaf is replaced: by a node
+//! for each edge that bounds the occluder there, then one for its own plane, with a shadow leaf behind it.
 
-use super::above::Above;
+use super::above::LinesAbove;
 use super::line::{Back, Line, SLIT};
 use super::pieces::{Piece, Pieces, Reach};
-use super::{Edge, Link, Location, MAX_NODES, OcclusionTree, Plane, Side, Tree};
+use super::{Edge, Link, MAX_NODES, OcclusionTree, Plane, Side, Slot, Tree};
 use crate::occluders::Occluder;
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-/// How much nearer than what an occluder lies behind it must be, relatively: nothing is worth a shadow before one in
-/// the same wall.
+/// Relative distance by which a piece must be in front of an occluder already in the tree to be inserted there: a
+/// shadow just in front of another one in the same wall is not worth its nodes.
 const NEARER: f64 = 1.0 / (1 << 20) as f64;
 
-/// How far inside its lines the middle of a piece must be for an edge to be left out, as a part of the piece's size.
+/// Minimum distance of the centre of a piece inside its lines for an edge to be left out, as a part of the piece's size.
 ///
-/// Say the lines that are left let something out of the occluder, at q. The way there from the middle leaves the
-/// occluder at some edge, still in the leaf. If that edge was not left out, its line stops q: so it was, and at that
-/// place it is within `SLIT` of a line above. That line, which the middle is inside of by this part of the size, has
-/// lost all but `SLIT` on the way: so q is farther by no more than `SLIT` over this part.
+/// Assume that the remaining lines include a point q outside the occluder. The segment from the centre to q leaves the
+/// occluder at some edge, still in the leaf. If that edge had a node, its line would exclude q; so it was left out, and
+/// at that point it is within `SLIT` of an ancestor line. The centre is inside that line by this part of the size, and
+/// all but `SLIT` of it is used up on the way: so q is farther by at most `SLIT` over this part.
 const THICK: f64 = 1.0 / (1 << 10) as f64;
 
-/// What is entered before this plane, n · p ≥ d, does not hide.
+/// Entry plane behind the last portal: geometry at n · p < d does not occlude.
 pub(super) type Entry = (DVec3, f64);
 
 impl<A> OcclusionTree<A> {
-    /// Lets what of an occluder is beyond `near` and the entry plane hide what is behind it.
+    /// Inserts the part of an occluder beyond `near` and the entry plane.
     ///
-    /// `rounding` is how far corners may be from where they were meant.
+    /// `rounding` is the maximum distance of the corners from their exact positions.
     pub(super) fn insert(&mut self, occluder: &Occluder, near: f64, entry: Option<Entry>, rounding: f64) {
         self.pieces.clear();
         self.edges.clear();
@@ -45,14 +45,14 @@ impl<A> OcclusionTree<A> {
             return;
         };
         let mut next = Some((None, piece));
-        while let Some((place, piece)) = next.take().or_else(|| self.entering.pop()) {
-            match self.tree.at(place) {
+        while let Some((slot, piece)) = next.take().or_else(|| self.entering.pop()) {
+            match self.tree.link_at(slot) {
                 Link::Shadow => {}
                 Link::Lit => {
                     if self.tree.nodes.len() + self.edges.len() < MAX_NODES {
                         let corners = self.pieces.corners(piece);
                         let (tree, edges) = (&mut self.tree, &self.edges);
-                        dispatch!(self.level, simd => settle(simd, tree, edges, back, place, corners));
+                        dispatch!(self.level, simd => insert_planes(simd, tree, edges, back, slot, corners));
                     }
                 }
                 Link::Node(node) => next = self.pass(node, piece),
@@ -60,7 +60,8 @@ impl<A> OcclusionTree<A> {
         }
     }
 
-    /// The occluder's edges, and its outline, beyond `near` and the entry plane; `None` where it hides nothing.
+    /// Collects the occluder's edges and returns its outline, clipped by `near` and the entry plane; `None` if it hides
+    /// nothing.
     fn outline(&mut self, occluder: &Occluder, near: f64, entry: Option<Entry>) -> Option<Piece> {
         let corners = occluder.corners;
         for (i, &from) in corners.iter().enumerate() {
@@ -71,7 +72,7 @@ impl<A> OcclusionTree<A> {
             }
         }
         if self.edges.len() < 3 {
-            // Nothing would bound what is behind it.
+            // Its shadow volume would be unbounded.
             return None;
         }
         let mut piece = self.pieces.add(corners.iter().copied());
@@ -92,9 +93,10 @@ impl<A> OcclusionTree<A> {
         Some(piece)
     }
 
-    /// Sends a piece past a node: where what of it is to go on with comes to. What else there is waits.
+    /// Splits a piece by a node's plane. Returns the slot and the piece to continue with, and pushes the other half if
+    /// there is one.
     #[inline]
-    fn pass(&mut self, node: u32, piece: Piece) -> Option<(Location, Piece)> {
+    fn pass(&mut self, node: u32, piece: Piece) -> Option<(Slot, Piece)> {
         let [inside, outside] = [Side::Inside, Side::Outside].map(|side| Some((node, side)));
         match &self.tree.nodes[node as usize].plane {
             Plane::Line(line) => {
@@ -110,7 +112,7 @@ impl<A> OcclusionTree<A> {
                     }
                     Reach { inside: true, .. } => Some((inside, piece)),
                     Reach { outside: true, .. } => Some((outside, piece)),
-                    // Too thin to hide anything.
+                    // Too thin to occlude.
                     _ => None,
                 }
             }
@@ -127,7 +129,7 @@ impl<A> OcclusionTree<A> {
     }
 }
 
-/// What of a piece is within the aperture; `None` where nothing is.
+/// Clips a piece by the aperture; `None` if nothing is left.
 pub(super) fn clip(aperture: &[Line], pieces: &mut Pieces, mut piece: Piece) -> Option<Piece> {
     for line in aperture {
         let reach = pieces.measure(piece, SLIT, |corner| line.height(corner));
@@ -141,30 +143,30 @@ pub(super) fn clip(aperture: &[Line], pieces: &mut Pieces, mut piece: Piece) -> 
     Some(piece)
 }
 
-/// Puts the occluder's planes where its piece came to a lit leaf.
-// No closures here: what runs in one does not run at the SIMD level.
+/// Replaces a lit leaf that a piece of the occluder reached by nodes for the occluder's planes.
+// No closures here: code in a closure is not compiled for the SIMD level.
 #[inline(always)]
-fn settle<S: Simd>(simd: S, tree: &mut Tree, edges: &[Edge], back: Back, place: Location, piece: &[DVec3]) {
+fn insert_planes<S: Simd>(simd: S, tree: &mut Tree, edges: &[Edge], back: Back, slot: Slot, piece: &[DVec3]) {
     if piece.len() < 3 {
         return;
     }
-    tree.gather_above(place);
+    tree.gather_bounds(slot);
     let thick = is_thick(simd, &tree.above, edges, piece);
-    let mut below = place;
+    let mut below = slot;
     for edge in edges {
         let above = &tree.above;
-        if above.contains(simd, &edge.line) || (thick && above.leave_nothing_of(simd, edge)) {
+        if above.contains(simd, &edge.line) || (thick && above.clip_away(simd, edge)) {
             continue;
         }
-        let node = tree.hang(below, Plane::Line(edge.line), Link::Lit);
+        let node = tree.attach(below, Plane::Line(edge.line), Link::Lit);
         below = Some((node, Side::Inside));
     }
-    tree.hang(below, Plane::Back(back), Link::Shadow);
+    tree.attach(below, Plane::Back(back), Link::Shadow);
 }
 
-/// Is the middle of a piece well inside of all that bounds it?
+/// Returns `true` if the centre of a piece is well inside all lines that bound it.
 #[inline(always)]
-fn is_thick<S: Simd>(simd: S, above: &Above, edges: &[Edge], piece: &[DVec3]) -> bool {
+fn is_thick<S: Simd>(simd: S, above: &LinesAbove, edges: &[Edge], piece: &[DVec3]) -> bool {
     let [mut min, mut max] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     let mut middle = DVec3::ZERO;
     for corner in piece {
@@ -180,5 +182,5 @@ fn is_thick<S: Simd>(simd: S, above: &Above, edges: &[Edge], piece: &[DVec3]) ->
     for edge in edges {
         is_inside &= edge.line.height(middle) >= least;
     }
-    is_inside && above.hold(simd, middle, least)
+    is_inside && above.contain_point(simd, middle, least)
 }

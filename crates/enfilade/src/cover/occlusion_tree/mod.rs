@@ -1,31 +1,35 @@
-//! Occlusion tree: what chosen occluders hide, merged into one tree of planes.
+//! Occlusion tree: a shadow volume BSP (SVBSP) tree of selected occluders, in object space.
 //!
-//! What an occluder hides is bounded by a plane through the eye for each of its edges, and by its own plane. It is
-//! filtered down the tree, cut by the planes it meets; where it comes to a place that nothing hides yet (a lit leaf),
-//! its planes stand from then on, with a shadow behind them. What lies in shadow leaves only is hidden.
+//! The eye takes the role of a point light, so there is no penumbra: each leaf is either lit (visible) or in shadow
+//! (hidden). The shadow volume of an occluder is bounded by one shadow plane through the eye for each of its edges, and
+//! by its own plane. An occluder is filtered down the tree and split by the planes it crosses; wherever a piece reaches
+//! a lit leaf, the occluder's planes become new nodes there, with a shadow leaf behind them. Geometry that reaches only
+//! shadow leaves is hidden.
 //! Source: Chin, Feiner, Fast Object-Precision Shadow Generation for Area Light Sources Using BSP Trees, I3D 1992 (and
 //!     Near Real-Time Shadow Generation Using BSP Trees, SIGGRAPH 1989); Bittner, Havran, Slavík, Hierarchical
 //!     Visibility Culling with Occlusion Trees, CGI 1998, section 3.
-//! Cost: inserting O(leaves reached · depth), a test O(leaves reached); nothing is allocated once warm.
-//! Strict: what is hidden is hidden at any place in any pixel. Occluders that meet leave no crack. See below.
+//! Cost: inserting O(leaves reached · depth), a test O(leaves reached); no allocation once warm.
+//! Strict: hidden geometry is hidden at every position in every pixel, whatever the resolution. Occluders that meet
+//! leave no crack. See below.
 //!
-//! # Why what is called hidden is hidden
+//! # Why hidden geometry is really hidden
 //!
-//! * **A shadow is behind one whole occluder.** Above each shadow leaf stand the planes of one occluder: its own, pushed
-//!   away by more than rounding, and those of all its edges. So however wrongly pieces were cut on the way there, they
-//!   only decide where shadows are made, never how large they are. A piece that is lost loses a shadow.
-//! * **An edge is left out only if it is nowhere in the leaf**: every place of it is outside of, or within `SLIT` of,
-//!   a plane above; and the piece is thick enough that what lies inside all other planes cannot leave the occluder by
-//!   more than 1,000 times that, which is 2⁻¹⁴ pixel. (`insert.rs`)
-//! * **A question is never cut short.** A polygon goes to each side of a line on which it has a corner more than `SLIT`
-//!   off; what is lost of it lies within `SLIT` of a line of the tree. Against planes of occluders it is only hidden
-//!   where all corners are certainly beyond: ties are visible.
+//! * **A shadow leaf is behind one whole occluder.** The ancestors of each shadow leaf include all planes of one
+//!   occluder: its own plane, pushed away by more than rounding, and the shadow planes of all its edges. So even if
+//!   pieces are split inaccurately on the way down, they only decide where shadow volumes are inserted, never how large
+//!   they are. A piece that is lost only loses a shadow.
+//! * **An edge gets no node only if it does not cross the leaf**: every point of it is outside an ancestor plane or
+//!   within `SLIT` of it, and the piece is so thick that a point inside all other planes is outside the occluder by at
+//!   most 1,000 times `SLIT`, which is 2⁻¹⁴ pixel. (`insert.rs`)
+//! * **A query loses at most a slit.** A polygon goes to each side of a line on which it has a corner more than `SLIT`
+//!   away; whatever is lost of it is within `SLIT` of a line of the tree. Against an occluder's plane it is hidden only
+//!   if all of its corners are certainly behind: ties are visible.
 //!
-//! So what is called hidden shows at most in slits of 2⁻²⁴ pixel along the lines of edges, and by what 2⁻¹⁴ pixel more
-//! or less of an occluder would show; two samples of the laws that must agree are 2⁻¹⁰ pixel apart. Without any such
-//! measure nothing would be hidden behind two walls of which one ends in the middle of the other's edge: in f64 that
-//! corner never lies on the line. Corners come rounded to f64; the answer is true of corners some units in the last
-//! place away.
+//! So hidden geometry could show at most in slits of 2⁻²⁴ pixel along the lines of edges, and where an occluder larger
+//! or smaller by 2⁻¹⁴ pixel would show it; the samples that the conformance suite requires to agree are 2⁻¹⁰ pixel
+//! apart. Without such a tolerance nothing would be hidden behind two walls if one ends in the middle of the other's
+//! edge (a T-junction): in f64 that corner is never exactly on the line. Corners are rounded to f64; the answer is
+//! exact for corners a few units in the last place away.
 
 mod above;
 mod by_box;
@@ -47,89 +51,104 @@ use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility, Volume};
 use crate::stats::Stats;
-use above::Above;
-use by_box::{Start, Waiting, Wanted};
+use above::LinesAbove;
+use by_box::{PendingLink, Query, Start};
 use fearless_simd::Level;
 use glam::{DAffine3, DVec3};
 use line::{Back, Line};
 use pieces::{Piece, Pieces};
 use std::marker::PhantomData;
 
-/// What chosen occluders hide, as one tree of planes; asked by `A`, [`ByFaces`] or [`ByBox`].
+/// Shadow volume BSP (SVBSP) tree of selected occluders; `A` chooses how boxes are tested, [`ByFaces`] or [`ByBox`].
+///
+/// Independent of the resolution. Holds up to 32,768 nodes, one per occluder edge and plane in each leaf that the
+/// occluder reaches; occluders that would exceed that are skipped.
+#[doc(alias = "SVBSP")]
+#[doc(alias = "shadow volume BSP")]
 pub struct OcclusionTree<A> {
     level: Level,
-    /// Where boxes are asked after from.
+    /// Starting point of the traversal for a box.
     start: Start,
-    /// Where those may be that lie in the box asked after last.
+    /// Starting point for boxes inside the box tested last.
     within: Start,
     tree: Tree,
-    /// Polygons at work.
+    /// Pieces of the polygon that is being filtered down the tree.
     pieces: Pieces,
+    /// Edges of the occluder that is being inserted.
     edges: Vec<Edge>,
-    entering: Vec<(Location, Piece)>,
-    waiting: Vec<(Link, Piece)>,
-    links: Vec<Waiting>,
+    /// Stack of its pieces that still have to be filtered.
+    entering: Vec<(Slot, Piece)>,
+    /// Stack of pieces of the face that is being tested.
+    pending: Vec<(Link, Piece)>,
+    /// Stack of links that the box being tested also reaches.
+    links: Vec<PendingLink>,
     asks: PhantomData<fn() -> A>,
 }
 
-/// Where the box itself does not tell, filters its faces down the tree, cut by its planes.
+/// Tests a box by its corners; if that is inconclusive, filters its front faces down the tree and splits them by its
+/// planes.
 #[derive(Default)]
 pub struct ByFaces;
 
-/// Only holds a box against the planes: cheaper, and more is called partly visible.
+/// Tests a box by its corners only: cheaper, but more hidden boxes are reported as partly visible.
 #[derive(Default)]
 pub struct ByBox;
 
-/// Nodes, at most. What would need more is not inserted: it hides less, and costs no more.
+/// Maximum number of nodes. Occluder pieces that would exceed it are not inserted: the tree then hides less, and costs
+/// no more.
 const MAX_NODES: usize = 1 << 15;
 
-/// By how many pixels the aperture is widened: more than rounding can move the lines of its edges.
+/// Margin in pixels by which the aperture is widened: more than rounding can move the lines of its edges.
 const WIDEN: f64 = 1.0 / (1 << 14) as f64;
 
-/// The planes, and the aperture above them all.
+/// The nodes of the tree, below the planes of the aperture.
 struct Tree {
-    /// What is before all of these, n · p < d, is not asked after: the near distance and the last portal.
+    /// Planes n · p = d of the near plane and the last portal; boxes entirely at n · p < d of any of them are outside
+    /// the view.
     before: Vec<(DVec3, f64)>,
-    /// What is outside of any of these is hidden.
+    /// Lines that bound the aperture; everything outside any of them is hidden.
     aperture: Vec<Line>,
-    /// The greatest |x| and |y| on the screen inside the aperture.
+    /// Maximum |x| and |y| on the screen inside the aperture, in pixels.
     far: [f64; 2],
     root: Link,
     nodes: Vec<Node>,
-    /// For each occluder, how many nodes there were before it came.
+    /// For each occluder, the number of nodes before it was inserted.
     firsts: Vec<u32>,
-    /// Lines that bound a place; see [`Tree::gather_above`].
-    above: Above,
+    /// Lines that bound a slot; see [`Tree::gather_bounds`].
+    above: LinesAbove,
 }
 
-/// A plane, and what hangs on either side of it.
+/// A plane and its two subtrees.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     plane: Plane,
-    /// Of a line inside, of an occluder's plane beyond.
+    /// For a line, the side inside it; for an occluder's plane, the side behind it.
     inside: Link,
     outside: Link,
-    above: Location,
+    /// The slot that links to this node.
+    above: Slot,
 }
 
+/// Plane of a node: a shadow plane through the eye, or the plane of an occluder.
 #[derive(Clone, Copy, Debug)]
 enum Plane {
     Line(Line),
     Back(Back),
 }
 
-/// What hangs below.
+/// A leaf or a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Link {
-    /// Nothing hides what is here.
+    /// Lit leaf: nothing hides this part of space.
     Lit,
-    /// An occluder hides all that is here.
+    /// Shadow leaf: an occluder hides this part of space.
     Shadow,
+    /// A node, by its index.
     Node(u32),
 }
 
-/// Where something hangs: on which node, and on which side; or at the top.
-type Location = Option<(u32, Side)>;
+/// The slot that holds a link: a node and one of its sides, or the root.
+type Slot = Option<(u32, Side)>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
@@ -137,7 +156,7 @@ enum Side {
     Outside,
 }
 
-/// An edge of the occluder that is being inserted.
+/// An edge of the occluder that is being inserted, and its line on the screen.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     from: DVec3,
@@ -145,26 +164,26 @@ struct Edge {
     line: Line,
 }
 
-/// How a tree is asked after a box.
+/// Strategy by which a tree tests a box: [`ByFaces`] or [`ByBox`].
 pub trait Asks: Default + Send + Sized + 'static {
-    /// How much of a box can be seen; `None` where it is out of view.
+    /// Returns how much of a box is visible; `None` if it is outside the view.
     fn sight(tree: &mut OcclusionTree<Self>, volume: &Volume) -> Option<Visibility>;
 }
 
 impl Asks for ByFaces {
     fn sight(tree: &mut OcclusionTree<ByFaces>, volume: &Volume) -> Option<Visibility> {
-        let found = tree.ask(volume, Wanted::Certain)?;
+        let found = tree.test_box(volume, Query::Certain)?;
         let unsure = found.lit && found.shadow && !found.lit_for_certain;
-        if unsure && !tree.sees_faces(volume) {
+        if unsure && !tree.is_any_face_visible(volume) {
             return Some(Visibility::Hidden);
         }
-        Some(found.sight())
+        Some(found.visibility())
     }
 }
 
 impl Asks for ByBox {
     fn sight(tree: &mut OcclusionTree<ByBox>, volume: &Volume) -> Option<Visibility> {
-        Some(tree.ask(volume, Wanted::Visibility)?.sight())
+        Some(tree.test_box(volume, Query::Visibility)?.visibility())
     }
 }
 
@@ -181,7 +200,7 @@ impl<A: Asks> Cover for OcclusionTree<A> {
         screen_from_local: &DAffine3,
         bounds: &Aabb,
     ) -> Option<Visibility> {
-        // Its lines are the aperture's too: neither the box's samples nor its reversed depth are needed.
+        // The tree includes the lines of the aperture, so neither the box's samples nor its reversed depth are needed.
         if bounds.is_empty() {
             return None;
         }
@@ -197,7 +216,7 @@ impl<A: Asks> Cover for OcclusionTree<A> {
     }
 
     fn needs_bytes(_size: [u32; 2]) -> u64 {
-        // The pieces of one occluder or face may come to every leaf.
+        // The pieces of one occluder or face may reach every leaf.
         (MAX_NODES * (size_of::<Node>() + 4 * size_of::<DVec3>())) as u64
     }
 
@@ -222,11 +241,12 @@ impl<A: Asks> Hides for OcclusionTree<A> {
     }
 
     fn hides(&mut self, _passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
-        // By its faces it would cost more than most occluders save; and so both kinds of tree take the same ones.
+        // Testing the faces would cost more than most occluders save; and this way both kinds of tree insert the same
+        // occluders.
         if bounds.is_empty() {
             return true;
         }
-        let found = self.ask(&Volume::new(screen_from_local, bounds), Wanted::Lit);
+        let found = self.test_box(&Volume::new(screen_from_local, bounds), Query::Lit);
         !found.is_some_and(|found| found.lit)
     }
 
@@ -255,7 +275,7 @@ impl<A> Default for OcclusionTree<A> {
             pieces: Pieces::default(),
             edges: Vec::new(),
             entering: Vec::new(),
-            waiting: Vec::new(),
+            pending: Vec::new(),
             links: Vec::new(),
             asks: PhantomData,
         }
@@ -271,13 +291,14 @@ impl Default for Tree {
             root: Link::Lit,
             nodes: Vec::new(),
             firsts: Vec::new(),
-            above: Above::default(),
+            above: LinesAbove::default(),
         }
     }
 }
 
 impl Tree {
-    /// Starts over with an aperture: its outline, counter-clockwise on the screen, and the rectangle of its samples.
+    /// Clears the tree and sets the aperture: its outline in pixels, counter-clockwise on the screen, and the bounding
+    /// rectangle of its samples.
     fn open(&mut self, mut outline: &[[f64; 2]], rect: &Rect) {
         self.nodes.clear();
         self.firsts.clear();
@@ -287,7 +308,7 @@ impl Tree {
         let mut min = [rect.x0, rect.y0].map(f64::from);
         let mut max = [rect.x1, rect.y1].map(f64::from);
         if outline.len() < 3 {
-            // Only its samples are known: all of their pixels.
+            // Only the samples are known: use all of their pixels.
             outline = &[];
         } else {
             for axis in 0..2 {
@@ -307,7 +328,8 @@ impl Tree {
         }
         for (i, &from) in outline.iter().enumerate() {
             let to = outline[(i + 1) % outline.len()];
-            // Upright edges are sides of the rectangle; short ones turn too far when their ends are rounded.
+            // Axis-aligned edges are sides of the rectangle; rounding the ends of a short edge would rotate its line
+            // too far.
             let upright = from[0] == to[0] || from[1] == to[1];
             let short = (from[0] - to[0]).abs() + (from[1] - to[1]).abs() < 1.0;
             if !upright && !short {
@@ -318,7 +340,7 @@ impl Tree {
         }
     }
 
-    /// What is asked after; nothing can be let in afterwards.
+    /// Copies the parts that queries read; nothing can be inserted afterwards.
     fn copy(&mut self, from: &Tree) {
         self.before.clone_from(&from.before);
         self.aperture.clone_from(&from.aperture);
@@ -327,24 +349,25 @@ impl Tree {
         self.nodes.clone_from(&from.nodes);
     }
 
-    fn at(&self, place: Location) -> Link {
-        match place {
+    /// Returns the link in a slot.
+    fn link_at(&self, slot: Slot) -> Link {
+        match slot {
             None => self.root,
             Some((node, Side::Inside)) => self.nodes[node as usize].inside,
             Some((node, Side::Outside)) => self.nodes[node as usize].outside,
         }
     }
 
-    /// Hangs a new node at a place; what hung there is forgotten.
-    fn hang(&mut self, place: Location, plane: Plane, inside: Link) -> u32 {
+    /// Adds a node with an empty outside to a slot, replacing the link there, and returns its index.
+    fn attach(&mut self, slot: Slot, plane: Plane, inside: Link) -> u32 {
         let number = self.nodes.len() as u32;
         self.nodes.push(Node {
             plane,
             inside,
             outside: Link::Lit,
-            above: place,
+            above: slot,
         });
-        let link = match place {
+        let link = match slot {
             None => &mut self.root,
             Some((node, Side::Inside)) => &mut self.nodes[node as usize].inside,
             Some((node, Side::Outside)) => &mut self.nodes[node as usize].outside,
@@ -353,10 +376,11 @@ impl Tree {
         number
     }
 
-    /// Gathers the lines that bound a place, turned so that the place is inside: the lowest first, the aperture's last.
-    fn gather_above(&mut self, place: Location) {
+    /// Collects the lines that bound a slot, oriented so that the slot is inside: ancestors from the lowest up, then
+    /// the aperture.
+    fn gather_bounds(&mut self, slot: Slot) {
         self.above.clear();
-        let mut next = place;
+        let mut next = slot;
         while let Some((number, side)) = next {
             let node = &self.nodes[number as usize];
             if let Plane::Line(line) = node.plane {

@@ -1,54 +1,55 @@
-//! Convex polygons at work, and how a plane cuts one in two.
+//! Splits convex polygons by planes.
 //!
-//! Corners as near to a plane as counts as on it belong to both halves, so together they are never less than the whole.
+//! Corners that count as on the plane belong to both halves, so together the halves are never less than the whole.
 //! Source: Sutherland, Hodgman. Reentrant Polygon Clipping. 1974; done for both sides at once.
 //! Cost: O(corners).
 
 use glam::DVec3;
 
-/// A polygon at work: a run of corners.
+/// A convex polygon: a run of corners in [`Pieces`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Piece {
     first: u32,
     count: u32,
 }
 
-/// On which sides of a plane a piece has corners that do not count as on it.
+/// The sides of a plane on which a piece has corners, apart from corners that count as on the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Reach {
     pub(super) inside: bool,
     pub(super) outside: bool,
 }
 
-/// The corners of all pieces at work.
+/// Storage for the corners of all pieces.
 #[derive(Default)]
 pub(super) struct Pieces {
     corners: Vec<DVec3>,
-    /// How far inside each corner of the piece is that was measured last; 0 where it counts as on the plane.
+    /// Height of each corner of the piece measured last; 0 if it counts as on the plane.
     heights: Vec<f64>,
-    /// Where, among its corners, the edge begins that the last half got by being cut off.
+    /// Index of the corner at which the edge begins that the last split added to the half.
     cut: Option<u32>,
 }
 
 impl Pieces {
-    /// Forgets all pieces.
+    /// Removes all pieces.
     pub(super) fn clear(&mut self) {
         self.corners.clear();
     }
 
-    /// Takes in a polygon.
+    /// Adds a polygon.
     pub(super) fn add(&mut self, corners: impl IntoIterator<Item = DVec3>) -> Piece {
         let first = self.corners.len() as u32;
         self.corners.extend(corners);
         self.since(first)
     }
 
+    /// Returns the corners of a piece.
     pub(super) fn corners(&self, of: Piece) -> &[DVec3] {
         &self.corners[of.first as usize..(of.first + of.count) as usize]
     }
 
-    /// On which sides of a plane a piece is, given how far inside a point is; corners no more than `slit` · W off count
-    /// as on it.
+    /// Classifies a piece against a plane. `height` is the height of a point above the plane; corners within `slit` · W
+    /// of it count as on it.
     pub(super) fn measure(&mut self, piece: Piece, slit: f64, height: impl Fn(DVec3) -> f64) -> Reach {
         let Pieces { corners, heights, .. } = self;
         heights.clear();
@@ -71,12 +72,12 @@ impl Pieces {
         reach
     }
 
-    /// What is inside, and what is outside, of the plane by which `piece` was measured last.
+    /// Returns the parts inside and outside the plane by which `piece` was measured last.
     pub(super) fn split(&mut self, piece: Piece) -> [Piece; 2] {
         [1.0, -1.0].map(|sign| self.half(piece, sign))
     }
 
-    /// What is inside of the plane by which `piece` was measured last, or with sign −1 what is outside.
+    /// Returns the part inside the plane by which `piece` was measured last; with `sign` −1, the part outside.
     pub(super) fn half(&mut self, piece: Piece, sign: f64) -> Piece {
         let Pieces {
             corners,
@@ -88,7 +89,7 @@ impl Pieces {
         let Some(&height) = heights.first() else {
             return self.since(first);
         };
-        // At most one corner more for each time the outline crosses.
+        // At most one additional corner for each crossing of the outline.
         corners.reserve(2 * piece.count as usize);
         let mut next_above = sign * height;
         for here in 0..piece.count as usize {
@@ -97,7 +98,7 @@ impl Pieces {
             } else {
                 here + 1
             };
-            let [at, to] = [here, next].map(|place| corners[piece.first as usize + place]);
+            let [at, to] = [here, next].map(|index| corners[piece.first as usize + index]);
             let above = next_above;
             next_above = sign * heights[next];
             if above >= 0.0 {
@@ -113,13 +114,14 @@ impl Pieces {
         self.since(first)
     }
 
-    /// The ends of the edge that the last half got by being cut off.
+    /// Returns the ends of the edge that the last split added to `half`.
     pub(super) fn cut_edge(&self, half: Piece) -> Option<[DVec3; 2]> {
         let corners = self.corners(half);
         let from = self.cut? as usize;
         Some([corners[from], corners[(from + 1) % corners.len()]])
     }
 
+    /// Returns the piece of all corners from index `first` on.
     fn since(&self, first: u32) -> Piece {
         Piece {
             first,
@@ -128,10 +130,10 @@ impl Pieces {
     }
 }
 
-/// Where an edge with ends on both sides of a plane meets it.
+/// Returns the intersection of a plane with an edge whose ends are on both sides of it.
 ///
-/// A sum of both ends with positive weights: where one is far off and the other at hand, what is near loses nothing. And
-/// the same bits whichever way the edge runs.
+/// It is a sum of both ends with positive weights, so a near end loses no precision if the other is far away; and it
+/// has the same bits in either direction of the edge.
 fn crossing([a, b]: [DVec3; 2], [a_above, b_above]: [f64; 2]) -> DVec3 {
     let [to_a, to_b] = [a_above.abs(), b_above.abs()];
     (a * to_b + b * to_a) / (to_a + to_b)
@@ -150,7 +152,7 @@ mod tests {
         let reach = pieces.measure(whole, 1e-6, |corner| corner.x - corner.z);
         assert!(reach.inside && reach.outside);
         let [right, left] = pieces.split(whole);
-        let [from, to] = pieces.cut_edge(left).expect("it was cut off");
+        let [from, to] = pieces.cut_edge(left).expect("the half was split off");
         assert!(from.x == 1.0 && to.x == 1.0 && from.y < to.y);
         let least = |piece: Piece| pieces.corners(piece).iter().map(|c| c.x).fold(9.0, f64::min);
         let greatest = |piece: Piece| pieces.corners(piece).iter().map(|c| c.x).fold(-9.0, f64::max);

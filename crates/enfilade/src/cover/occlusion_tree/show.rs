@@ -1,4 +1,4 @@
-//! Shows the leaves that the middles of pixels are in.
+//! Emits the leaf at each pixel centre, for debug pictures.
 
 use super::{Link, Plane, Tree};
 use crate::canvas::{Canvas, CoverSpan, HiddenBy};
@@ -7,6 +7,7 @@ use crate::passage::Passage;
 use glam::DVec3;
 
 impl Tree {
+    /// Emits the cells of the tree to a canvas, row by row.
     pub(super) fn show(&self, passage: &Passage, canvas: &mut dyn Canvas) {
         show_rows(passage, canvas, |y, [x0, x1], spans| {
             for x in x0..x1 {
@@ -15,7 +16,7 @@ impl Tree {
         });
     }
 
-    /// The nearest shadow at the middle of a pixel, or the lit leaf that reaches to infinity there.
+    /// Returns the nearest shadow at a pixel centre, or the lit leaf that extends to infinity there.
     fn at_sample(&self, x: u16, y: u16) -> CoverSpan {
         let sample = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
         let mut span = CoverSpan {
@@ -46,7 +47,7 @@ impl Tree {
                         rev_depth: [rev_depth.max(0.0); 2],
                         ..span
                     };
-                    // What is before it may hold a shadow that is nearer still.
+                    // The part in front of it may hold a nearer shadow.
                     node.outside
                 }
             };

@@ -7,14 +7,14 @@
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 2, statements 1 to 3. Statement 3 is
 //!     false without a condition: the third face must meet the shared edge, and not touch it.
 
-use super::face::{Face, Place};
+use super::face::{Face, PlaneSide};
 use super::rows::{COVERED, Span};
 use crate::cover::triangle::Row;
 use crate::stats::SpanStats;
 
 /// What is known of a kept face and the last face that was held against it.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Answer {
+pub(super) struct CachedOrder {
     /// That face's turn, from 1.
     by: u32,
     order: Order,
@@ -48,48 +48,48 @@ pub(super) enum Relation {
 }
 
 /// The face that is going in.
-pub(super) struct Newcomer<'a> {
+pub(super) struct NewFace<'a> {
     pub(super) face: &'a Face,
     /// Its turn, from 1.
     turn: u32,
     /// The turns of its neighbours across its edges; 0: not met.
     neighbours: [u32; 3],
     kept: &'a mut Vec<Face>,
-    answers: &'a mut Vec<Answer>,
+    cached_orders: &'a mut Vec<CachedOrder>,
     /// Its place among the kept, once it owns a sample.
-    place: Option<u32>,
+    index: Option<u32>,
     y: u16,
     row: Row,
     /// The span to the left, and how the newcomer lies to it.
     left: Option<(Span, Order)>,
 }
 
-impl<'a> Newcomer<'a> {
+impl<'a> NewFace<'a> {
     #[inline(always)]
     pub(super) fn new(
         face: &'a Face,
         turn: u32,
         neighbours: [u32; 3],
         kept: &'a mut Vec<Face>,
-        answers: &'a mut Vec<Answer>,
-        place: Option<u32>,
-    ) -> Newcomer<'a> {
-        Newcomer {
+        cached_orders: &'a mut Vec<CachedOrder>,
+        index: Option<u32>,
+    ) -> NewFace<'a> {
+        NewFace {
             y: 0,
             row: face.triangle.row(0),
             face,
             turn,
             neighbours,
             kept,
-            answers,
-            place,
+            cached_orders,
+            index,
             left: None,
         }
     }
 
     /// Its place among the kept, if it owns a sample.
-    pub(super) fn place(&self) -> Option<u32> {
-        self.place
+    pub(super) fn index(&self) -> Option<u32> {
+        self.index
     }
 
     #[inline(always)]
@@ -102,8 +102,8 @@ impl<'a> Newcomer<'a> {
     /// A span of its own in the row at hand.
     #[inline(always)]
     pub(super) fn span(&mut self, x0: u16, x1: u16) -> Span {
-        let place = match self.place {
-            Some(place) => place,
+        let index = match self.index {
+            Some(index) => index,
             None => self.keep(),
         };
         let [a, b] = [self.row.at(x0) as f32, self.row.at(x1 - 1) as f32];
@@ -111,7 +111,7 @@ impl<'a> Newcomer<'a> {
         Span {
             x0,
             x1,
-            face: place,
+            face: index,
             farthest: farthest.next_down(),
             nearest: nearest.next_up(),
         }
@@ -119,28 +119,28 @@ impl<'a> Newcomer<'a> {
 
     #[inline(never)]
     fn keep(&mut self) -> u32 {
-        let place = self.kept.len() as u32;
+        let index = self.kept.len() as u32;
         self.kept.push(*self.face);
-        self.answers.push(Answer::default());
-        self.place = Some(place);
-        place
+        self.cached_orders.push(CachedOrder::default());
+        self.index = Some(index);
+        index
     }
 
     /// How it lies to columns `x0..x1` of a span.
     #[inline(always)]
-    pub(super) fn beside(&mut self, span: &Span, x0: u16, x1: u16, stats: &mut SpanStats) -> Relation {
+    pub(super) fn compare(&mut self, span: &Span, x0: u16, x1: u16, stats: &mut SpanStats) -> Relation {
         if span.face == COVERED {
             self.left = None;
             return Relation::Behind;
         }
         stats.compared += 1;
-        let known = self.answers[span.face as usize];
+        let known = self.cached_orders[span.face as usize];
         let order = if known.by == self.turn {
             stats.by_cache += u64::from(known.order != Order::Unsure);
             known.order
         } else {
-            let order = self.find_out(span, known, stats);
-            self.answers[span.face as usize] = Answer { by: self.turn, order };
+            let order = self.compute_order(span, known, stats);
+            self.cached_orders[span.face as usize] = CachedOrder { by: self.turn, order };
             order
         };
         self.left = Some((*span, order));
@@ -155,16 +155,16 @@ impl<'a> Newcomer<'a> {
     }
 
     #[inline(never)]
-    fn find_out(&self, span: &Span, known: Answer, stats: &mut SpanStats) -> Order {
+    fn compute_order(&self, span: &Span, known: CachedOrder, stats: &mut SpanStats) -> Order {
         let new = self.face;
         let old = &self.kept[span.face as usize];
         let apart = new.is_apart_from(old);
         if apart {
-            if let Some(order) = self.like_the_left(span, old) {
+            if let Some(order) = self.order_from_left_span(span, old) {
                 stats.by_neighbour += 1;
                 return order;
             }
-            if let Some(order) = self.like_the_neighbour(old, known) {
+            if let Some(order) = self.order_from_neighbour(old, known) {
                 stats.by_adjacency += 1;
                 return order;
             }
@@ -177,12 +177,12 @@ impl<'a> Newcomer<'a> {
             stats.by_range += 1;
             return Order::Before { apart: true };
         }
-        let order = match new.place(old) {
-            Place::Before { apart: clear } => Order::Before { apart: apart | clear },
-            Place::Behind { apart: clear } => Order::Behind { apart: apart | clear },
-            Place::Level if new.triangle.owner < old.triangle.owner => Order::Before { apart: false },
-            Place::Level => Order::Behind { apart: false },
-            Place::Unsure => Order::Unsure,
+        let order = match new.side_of(old) {
+            PlaneSide::Before { apart: clear } => Order::Before { apart: apart | clear },
+            PlaneSide::Behind { apart: clear } => Order::Behind { apart: apart | clear },
+            PlaneSide::Level if new.triangle.owner < old.triangle.owner => Order::Before { apart: false },
+            PlaneSide::Level => Order::Behind { apart: false },
+            PlaneSide::Unsure => Order::Unsure,
         };
         stats.by_plane += u64::from(order != Order::Unsure);
         order
@@ -193,7 +193,7 @@ impl<'a> Newcomer<'a> {
     ///
     /// That they share an edge is not enough: of a fold, one hides part of the other, and ends before it.
     #[inline]
-    fn like_the_left(&self, span: &Span, old: &Face) -> Option<Order> {
+    fn order_from_left_span(&self, span: &Span, old: &Face) -> Option<Order> {
         let (left, order) = self.left?;
         let clear = matches!(
             order,
@@ -218,7 +218,7 @@ impl<'a> Newcomer<'a> {
     /// A neighbour of the newcomer was the last to be held against the old face, and the edge between both passes it:
     /// the newcomer passes it on the same side.
     #[inline]
-    fn like_the_neighbour(&self, old: &Face, known: Answer) -> Option<Order> {
+    fn order_from_neighbour(&self, old: &Face, known: CachedOrder) -> Option<Order> {
         let clear = matches!(
             known.order,
             Order::Before { apart: true } | Order::Behind { apart: true }
@@ -227,7 +227,7 @@ impl<'a> Newcomer<'a> {
             return None;
         }
         let edge = self.neighbours.iter().position(|&turn| turn == known.by)?;
-        old.is_met_by_edge(self.face, edge).then_some(known.order)
+        old.contains_edge_midpoint(self.face, edge).then_some(known.order)
     }
 
     /// Compares reversed depth at both ends; where they disagree, finds the column at which it turns.

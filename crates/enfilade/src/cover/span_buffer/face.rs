@@ -26,7 +26,7 @@ pub(super) struct Face {
 
 /// Where something lies, as seen from the eye.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum PlaneSide {
     /// Nowhere behind the other; `apart`: nor does it touch it.
     Before { apart: bool },
     /// Nowhere before the other.
@@ -37,12 +37,12 @@ pub(super) enum Place {
     Unsure,
 }
 
-impl Place {
+impl PlaneSide {
     /// Where the other lies.
-    fn turned(self) -> Place {
+    fn flipped(self) -> PlaneSide {
         match self {
-            Place::Before { apart } => Place::Behind { apart },
-            Place::Behind { apart } => Place::Before { apart },
+            PlaneSide::Before { apart } => PlaneSide::Behind { apart },
+            PlaneSide::Behind { apart } => PlaneSide::Before { apart },
             same => same,
         }
     }
@@ -90,24 +90,24 @@ impl Face {
     ///
     /// The plane of the higher is asked first, whoever came first: of two that are nearly in one plane, one may lie in
     /// the other's plane, and the other not in its.
-    pub(super) fn place(&self, other: &Face) -> Place {
+    pub(super) fn side_of(&self, other: &Face) -> PlaneSide {
         if self.triangle.owner <= other.triangle.owner {
-            self.place_of_lower(other)
+            self.side_of_higher(other)
         } else {
-            other.place_of_lower(self).turned()
+            other.side_of_higher(self).flipped()
         }
     }
 
-    fn place_of_lower(&self, higher: &Face) -> Place {
-        match self.beside_plane_of(higher) {
-            Place::Unsure => higher.beside_plane_of(self).turned(),
+    fn side_of_higher(&self, higher: &Face) -> PlaneSide {
+        match self.side_of_plane(higher) {
+            PlaneSide::Unsure => higher.side_of_plane(self).flipped(),
             sure => sure,
         }
     }
 
     /// Where the corners lie with respect to the other's plane.
     #[inline]
-    fn beside_plane_of(&self, other: &Face) -> Place {
+    fn side_of_plane(&self, other: &Face) -> PlaneSide {
         let origin = other.corners[0];
         let size = origin.abs();
         let toward_eye = if other.determinant < 0.0 { 1.0 } else { -1.0 };
@@ -120,15 +120,15 @@ impl Face {
             apart &= side.abs() > APART * rounding;
         }
         match (before, behind) {
-            (true, false) => Place::Before { apart },
-            (false, true) => Place::Behind { apart },
-            (true, true) => Place::Level,
-            (false, false) => Place::Unsure,
+            (true, false) => PlaneSide::Before { apart },
+            (false, true) => PlaneSide::Behind { apart },
+            (true, true) => PlaneSide::Level,
+            (false, false) => PlaneSide::Unsure,
         }
     }
 
     /// Does the middle of edge `edge` of another face lie on the screen within this one, and not on its outline?
-    pub(super) fn is_met_by_edge(&self, other: &Face, edge: usize) -> bool {
+    pub(super) fn contains_edge_midpoint(&self, other: &Face, edge: usize) -> bool {
         let middle = other.corners[edge] + other.corners[(edge + 1) % 3];
         if middle.z <= 0.0 {
             return false;
@@ -164,10 +164,10 @@ mod tests {
         let large = [[-1000.0, 0.0, 1.0], [1000.0, 0.0, 1.0], [0.0, 1000.0, 1.0]];
         let small = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0 + 1e-14]];
         let [a, b] = [face(0, large), face(1, small)];
-        assert_ne!(a.beside_plane_of(&b), b.beside_plane_of(&a).turned());
+        assert_ne!(a.side_of_plane(&b), b.side_of_plane(&a).flipped());
         for [lower, higher] in [[large, small], [small, large]] {
             let [lower, higher] = [face(0, lower), face(1, higher)];
-            assert_eq!(lower.place(&higher), higher.place(&lower).turned());
+            assert_eq!(lower.side_of(&higher), higher.side_of(&lower).flipped());
         }
     }
 }

@@ -28,7 +28,7 @@ use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::stats::{SpanStats, Stats};
-use compare::{Answer, Newcomer};
+use compare::{CachedOrder, NewFace};
 use face::Face;
 use glam::DVec3;
 use rows::{COVERED, Rows, mark_owners};
@@ -42,7 +42,7 @@ pub struct SpanBuffer {
     rows: Rows,
     /// Faces that owned a sample when they came; those that own none any more are dropped now and then.
     kept: Vec<Face>,
-    answers: Vec<Answer>,
+    cached_orders: Vec<CachedOrder>,
     /// Faces that owned a sample after the last dropping.
     owners: usize,
     /// Faces that went in, and batches.
@@ -51,12 +51,12 @@ pub struct SpanBuffer {
     /// The turns of the faces of the batch at hand, by their number there.
     turns: Vec<u32>,
     trace: Option<Trace>,
-    dropping: Dropping,
+    compaction: Compaction,
 }
 
 /// What dropping hidden faces works with.
 #[derive(Default)]
-struct Dropping {
+struct Compaction {
     owns: Vec<bool>,
     /// Where each face that owns a sample is afterwards.
     places: Vec<u32>,
@@ -96,7 +96,7 @@ impl Paints for SpanBuffer {
     fn clear(&mut self, passage: &Passage, trace: bool) {
         self.rows.clear(passage);
         self.kept.clear();
-        self.answers.clear();
+        self.cached_orders.clear();
         [self.turn, self.batch] = [0, 0];
         self.owners = 0;
         self.trace = trace.then(|| Trace::new(&self.rows.rect));
@@ -193,9 +193,9 @@ impl Coarse for SpanBuffer {
         self.turn += 1;
         // Of no corners: which of two is before the other is told by their reversed depth alone.
         let face = Face::new(*rev_depth, [DVec3::NAN; 3], 0);
-        let (kept, answers) = (&mut self.kept, &mut self.answers);
-        let mut new = Newcomer::new(&face, self.turn, [0; 3], kept, answers, None);
-        let places = self.rows.places(cells);
+        let (kept, cached_orders) = (&mut self.kept, &mut self.cached_orders);
+        let mut new = NewFace::new(&face, self.turn, [0; 3], kept, cached_orders, None);
+        let places = self.rows.insert_indices(cells);
         for (y, run) in cells.rows() {
             let place = places[usize::from(y - cells.y)];
             self.rows
@@ -207,7 +207,7 @@ impl Coarse for SpanBuffer {
 impl SpanBuffer {
     /// Drops the faces that own no sample any more.
     fn drop_hidden(&mut self) {
-        let Dropping { owns, places } = &mut self.dropping;
+        let Compaction { owns, places } = &mut self.compaction;
         mark_owners(&self.rows, &self.kept, owns);
         let mut left = 0;
         places.clear();
@@ -218,7 +218,8 @@ impl SpanBuffer {
         let mut owner = owns.iter();
         self.kept.retain(|_| owner.next().is_some_and(|&owns| owns));
         let mut owner = owns.iter();
-        self.answers.retain(|_| owner.next().is_some_and(|&owns| owns));
+        self.cached_orders
+            .retain(|_| owner.next().is_some_and(|&owns| owns));
         for row in &mut self.rows.rows[usize::from(self.rows.rect.y0)..usize::from(self.rows.rect.y1)] {
             for span in row.spans.iter_mut().filter(|span| span.face != COVERED) {
                 span.face = places[span.face as usize];
@@ -275,13 +276,13 @@ impl Sink for Insertion<'_> {
         let SpanBuffer {
             rows,
             kept,
-            answers,
+            cached_orders,
             turn,
             trace,
             ..
         } = self.buffer;
-        let mut new = Newcomer::new(face, *turn, *neighbours, kept, answers, *place);
-        let places = rows.places(band);
+        let mut new = NewFace::new(face, *turn, *neighbours, kept, cached_orders, *place);
+        let places = rows.insert_indices(band);
         for (y, run) in band.rows() {
             let place = places[usize::from(y - band.y)];
             rows.insert(y, run, place, &mut new, &mut self.counts);
@@ -289,6 +290,6 @@ impl Sink for Insertion<'_> {
                 trace.test(y, run[0], run[1]);
             }
         }
-        *place = new.place();
+        *place = new.index();
     }
 }

@@ -1,6 +1,6 @@
 //! Rows of spans, and how a run of samples goes in.
 
-use super::compare::{Newcomer, Relation};
+use super::compare::{NewFace, Relation};
 use super::face::Face;
 use crate::aperture::Rect;
 use crate::cover::raster::{BAND, Band};
@@ -41,7 +41,7 @@ pub(super) struct Rows {
     pub(super) rect: Rect,
     pub(super) rows: Vec<Row>,
     /// What takes the place of the spans that a run meets.
-    made: Vec<Span>,
+    replacement: Vec<Span>,
     runs: Vec<[u16; 2]>,
 }
 
@@ -100,7 +100,7 @@ impl Rows {
     ///
     /// Asked for all rows before any is changed: each lies somewhere else in memory, and so one waits for them together.
     #[inline(always)]
-    pub(super) fn places(&self, band: &Band) -> [u16; BAND] {
+    pub(super) fn insert_indices(&self, band: &Band) -> [u16; BAND] {
         let mut places = [0; BAND];
         for (y, [x0, _]) in band.rows() {
             let row = &self.rows[usize::from(y)];
@@ -118,13 +118,13 @@ impl Rows {
         y: u16,
         run: [u16; 2],
         place: u16,
-        new: &mut Newcomer,
+        new: &mut NewFace,
         stats: &mut SpanStats,
     ) {
         let [x0, x1] = run;
         let row = &mut self.rows[usize::from(y)];
-        let made = &mut self.made;
-        made.clear();
+        let replacement = &mut self.replacement;
+        replacement.clear();
         new.begin_run(y);
         let mut next = usize::from(place);
         // The spans before this one stay as they are; those from it to `next` become `made`.
@@ -132,17 +132,17 @@ impl Rows {
         let (mut x, mut changed) = (x0, false);
         while x < x1 {
             let Some(&span) = row.spans.get(next).filter(|span| span.x0 < x1) else {
-                push(made, new.span(x, x1));
+                push(replacement, new.span(x, x1));
                 changed = true;
                 break;
             };
             if span.x0 > x {
-                push(made, new.span(x, span.x0));
+                push(replacement, new.span(x, span.x0));
                 x = span.x0;
                 changed = true;
             }
             let end = span.x1.min(x1);
-            let relation = new.beside(&span, x, end, stats);
+            let relation = new.compare(&span, x, end, stats);
             if relation == Relation::Behind && !changed {
                 x = end;
                 next += 1;
@@ -151,45 +151,45 @@ impl Rows {
             }
             changed = true;
             if span.x0 < x {
-                made.push(Span { x1: x, ..span });
+                replacement.push(Span { x1: x, ..span });
             }
             let theirs = |x0, x1| Span { x0, x1, ..span };
             match relation {
-                Relation::Before => push(made, new.span(x, end)),
-                Relation::Behind => push(made, theirs(x, end)),
+                Relation::Before => push(replacement, new.span(x, end)),
+                Relation::Behind => push(replacement, theirs(x, end)),
                 Relation::Crosses { at, before_first } => {
                     if before_first {
-                        push(made, new.span(x, at));
-                        push(made, theirs(at, end));
+                        push(replacement, new.span(x, at));
+                        push(replacement, theirs(at, end));
                     } else {
-                        push(made, theirs(x, at));
-                        push(made, new.span(at, end));
+                        push(replacement, theirs(x, at));
+                        push(replacement, new.span(at, end));
                     }
                 }
             }
             if span.x1 > x1 {
-                push(made, theirs(x1, span.x1));
+                push(replacement, theirs(x1, span.x1));
             }
             x = end;
             next += 1;
         }
         if changed {
             row.stale = true;
-            row.replace(first, next, made);
+            row.replace(first, next, replacement);
         }
     }
 }
 
 /// Adds a span, or what it adds to the last of the same face.
 #[inline(always)]
-fn push(made: &mut Vec<Span>, span: Span) {
-    match made.last_mut() {
+fn push(replacement: &mut Vec<Span>, span: Span) {
+    match replacement.last_mut() {
         Some(last) if last.face == span.face && last.x1 == span.x0 => {
             last.x1 = span.x1;
             last.farthest = last.farthest.min(span.farthest);
             last.nearest = last.nearest.max(span.nearest);
         }
-        _ => made.push(span),
+        _ => replacement.push(span),
     }
 }
 
@@ -210,10 +210,10 @@ impl Row {
 
     /// Puts spans in the place of others.
     #[inline(always)]
-    fn replace(&mut self, first: usize, after: usize, made: &[Span]) {
-        let (old, new, length) = (after - first, made.len(), self.spans.len());
+    fn replace(&mut self, first: usize, after: usize, replacement: &[Span]) {
+        let (old, new, length) = (after - first, replacement.len(), self.spans.len());
         if new > old {
-            self.spans.resize(length + new - old, made[0]);
+            self.spans.resize(length + new - old, replacement[0]);
             self.ends.resize(length + new - old, 0);
         }
         if new != old && after < length {
@@ -225,9 +225,9 @@ impl Row {
             self.ends.truncate(length + new - old);
         }
         let places = self.spans[first..first + new].iter_mut();
-        for ((place, end), made) in places.zip(&mut self.ends[first..first + new]).zip(made) {
-            *place = *made;
-            *end = made.x1;
+        for ((place, end), replacement) in places.zip(&mut self.ends[first..first + new]).zip(replacement) {
+            *place = *replacement;
+            *end = replacement.x1;
         }
     }
 

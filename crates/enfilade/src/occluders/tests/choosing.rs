@@ -1,9 +1,9 @@
-//! The best occluders are chosen, and stand on the screen as they should.
+//! Tests of occluder selection and projection to the screen.
 
 use super::*;
 use glam::DAffine3;
 
-/// A room full of walls: turned, stretched, mirrored and flattened copies.
+/// Builds a room full of walls: rotated, stretched, mirrored and flattened copies.
 fn room(dice: &mut Dice, double_sided: bool) -> Geometry {
     let wall = Wall::of_squares(4, 3, |x, y| x != 1 || y != 1);
     let places: Vec<Transform> = (0..300)
@@ -35,7 +35,7 @@ fn the_chosen_are_the_best_of_all() {
             passage.entry = Some((DVec3::new(0.0, 0.0, 1.0), 15.0));
         }
         if round % 4 == 0 {
-            // As through a mirror.
+            // As viewed through a mirror.
             passage.screen_from_sector *= Transform::scaling([-1.0, 1.0, 1.0]).0;
         }
         for measure in [OccluderMeasure::AreaAngle, OccluderMeasure::ProjectedArea] {
@@ -43,7 +43,11 @@ fn the_chosen_are_the_best_of_all() {
                 let chosen = set.choose(&geometry, &passage, measure, budget, &mut choice);
                 let expected = set.choose_from_all(&geometry, &passage, measure, budget);
                 assert_eq!(chosen, expected, "{measure:?} {budget}");
-                assert!(budget < 10_000 || chosen.len() > 10, "{} are seen", chosen.len());
+                assert!(
+                    budget < 10_000 || chosen.len() > 10,
+                    "only {} selected",
+                    chosen.len()
+                );
             }
         }
     }
@@ -80,7 +84,7 @@ fn the_chosen_stand_in_order_on_the_screen_also_where_mirrored() {
             for [_, _, w] in occluder.corners() {
                 assert!(
                     w >= f64::from(passage.near),
-                    "a part nearer than the near distance hides"
+                    "geometry in front of the near plane occludes"
                 );
             }
             seen += 1;

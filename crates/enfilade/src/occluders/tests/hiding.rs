@@ -1,16 +1,16 @@
-//! What occluders hide is hidden by faces, and walls become few of them.
+//! Tests that everything hidden by occluders is hidden by faces, and that walls become few occluders.
 
 use super::*;
 
-/// By how much, relatively, the plane of a sliver is off where its corners are rounded to f64: far less than what the
-/// reference calls equally near.
+/// Relative error of the plane of a sliver whose corners are rounded to f64: far less than the depth difference that
+/// the reference counts as equal.
 const SLIVER: f64 = 1e-7;
 
-/// How near a face, seen along `ray` from the origin, is met: as a part of the ray. What f64 rounds is let pass.
+/// Returns the hit distance of a ray from the origin with a face, as a fraction of the ray. Tolerates f64 rounding.
 fn met(ray: DVec3, [a, b, c]: [DVec3; 3], double_sided: bool) -> Option<f64> {
     let far = ray.length() * a.length().max(b.length()).max(c.length());
     let sides = [(a, b), (b, c), (c, a)].map(|(from, to)| {
-        // From the lesser end, so that no ray slips between two faces.
+        // From the smaller end, so that no ray slips between two faces.
         let side = if from.to_array() < to.to_array() {
             from.cross(to)
         } else {
@@ -18,7 +18,7 @@ fn met(ray: DVec3, [a, b, c]: [DVec3; 3], double_sided: bool) -> Option<f64> {
         };
         ray.dot(side) / (far * (to - from).length())
     });
-    // Above zero all where the face looks away from the eye.
+    // All positive if the ray hits a back face.
     let front = sides.iter().all(|&side| side <= 1e-14);
     let back = double_sided && sides.iter().all(|&side| side >= -1e-14);
     let normal = (b - a).cross(c - a);
@@ -26,7 +26,7 @@ fn met(ray: DVec3, [a, b, c]: [DVec3; 3], double_sided: bool) -> Option<f64> {
     ((front || back) && part > 0.0).then_some(part)
 }
 
-/// Holds what an occluder hides from some eyes against the faces.
+/// Compares what an occluder hides from some eyes with the faces.
 fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize {
     let geometry = wall.geometry(double_sided, &[Transform::IDENTITY]);
     let set = OccluderSet::build(&geometry);
@@ -37,7 +37,7 @@ fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize 
     for place in 0..set.polygons.len() as u32 {
         let normal = set.polygons[place as usize].normal;
         for _ in 0..6 {
-            // From afar, from close by and at a grazing angle.
+            // From a distance, from nearby and at a grazing angle.
             let aside = DVec3::from(dice.point(1.0)).reject_from(normal) * size;
             let height = size * 10_f64.powf(dice.between(-5.0, 1.0)) * (dice.next() - 0.3).signum();
             let eye = (middle + aside + normal * height).as_vec3().as_dvec3();
@@ -58,7 +58,7 @@ fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize 
                 })
                 .collect();
             for _ in 0..40 {
-                // A point behind it: near to an edge more often than not.
+                // A point behind it, in most cases close to an edge.
                 let weights: Vec<f64> = occluder.corners.iter().map(|_| dice.next().powi(8)).collect();
                 let whole: f64 = weights.iter().sum();
                 let ray: DVec3 = occluder
@@ -89,7 +89,7 @@ fn what_an_occluder_hides_is_hidden_by_faces() {
     let mut held = 0;
     for round in 0..60 {
         for (what, wall) in walls(&mut dice) {
-            // As drawn, turned about an axis so that planes stay exact, and anywhere.
+            // Unchanged, rotated about an axis so that planes stay exact, and transformed arbitrarily.
             let to = match round % 3 {
                 0 => Transform::IDENTITY,
                 1 => {
@@ -101,7 +101,7 @@ fn what_an_occluder_hides_is_hidden_by_faces() {
             held += check(what, &wall.moved(&to), round % 2 == 0, &mut dice);
         }
     }
-    assert!(held > 2000, "only {held} looks had an occluder");
+    assert!(held > 2000, "only {held} views had an occluder");
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn a_wall_with_a_window_is_covered_around_it() {
 
 #[test]
 fn many_bad_faces_take_bounded_time() {
-    // 180,000 triangles of which every tenth square is missing, in one plane; a checkerboard; and a heap in one place.
+    // 180,000 triangles in one plane with every tenth square missing; a checkerboard; and many faces at one position.
     let mut dice = Dice(4);
     let holes: Vec<bool> = (0..90_000).map(|_| dice.next() < 0.1).collect();
     let holed = Wall::of_squares(300, 300, |x, y| !holes[y * 300 + x]);

@@ -1,4 +1,4 @@
-//! Walls to make occluders of.
+//! Test support: walls that occluders are built from.
 
 mod choosing;
 mod hiding;
@@ -10,7 +10,7 @@ use crate::passage::Passage;
 use crate::scene::SectorId;
 use crate::view::View;
 
-/// Numbers without pattern, always the same.
+/// Deterministic pseudo-random numbers.
 struct Dice(u64);
 
 impl Dice {
@@ -35,7 +35,7 @@ impl Dice {
     }
 }
 
-/// Faces as they come: corners and triangles.
+/// A triangle mesh as plain arrays: positions and corners.
 #[derive(Clone, Default)]
 struct Wall {
     corners: Vec<[f64; 3]>,
@@ -43,7 +43,7 @@ struct Wall {
 }
 
 impl Wall {
-    /// A wall of squares in the plane z = 0, seen from z > 0; `there` says which squares are.
+    /// Builds a wall of squares in the plane z = 0, front faces toward z > 0; `there` selects the squares.
     fn of_squares(columns: usize, rows: usize, there: impl Fn(usize, usize) -> bool) -> Wall {
         let mut wall = Wall::default();
         for row in 0..=rows {
@@ -68,7 +68,7 @@ impl Wall {
         wall
     }
 
-    /// A disk of `sides` triangles.
+    /// Builds a disk of `sides` triangles.
     fn fan(sides: usize) -> Wall {
         let rim = (0..sides).map(|side| {
             let angle = std::f64::consts::TAU * side as f64 / sides as f64;
@@ -83,7 +83,7 @@ impl Wall {
         }
     }
 
-    /// Squares under one long face whose lower edge has none of their corners.
+    /// Builds squares under one long face whose lower edge has none of their corners (T-junctions).
     fn with_t_junctions(columns: usize) -> Wall {
         let mut wall = Wall::of_squares(columns, 1, |_, _| true);
         let [left, right] = [columns as u32 + 1, 2 * columns as u32 + 1];
@@ -103,7 +103,7 @@ impl Wall {
             .sum()
     }
 
-    /// The same somewhere else, its corners rounded as they would be in a file.
+    /// Returns a transformed copy, with corners rounded as they would be in a file.
     fn moved(mut self, to: &Transform) -> Wall {
         for corner in &mut self.corners {
             let moved = to.0.transform_point3(DVec3::from(*corner));
@@ -123,12 +123,12 @@ impl Wall {
             .map(|corner| corner.map(|value| value as f32))
             .collect();
         let mesh = Mesh::triangles(&positions, self.triangles.as_flattened(), MaterialId(0))
-            .expect("finite corners");
+            .expect("the corners are finite");
         let mesh = geometry.mesh(mesh);
         for place in places {
             geometry.item("wall", mesh, *place);
         }
-        geometry.build().expect("a sound wall")
+        geometry.build().expect("the wall is valid")
     }
 }
 
@@ -144,7 +144,7 @@ fn passage(eye: [f64; 3], toward: [f64; 3]) -> Passage {
     Passage::at_the_eye(&View::new(eye, toward, [640, 360]), SectorId(0), false)
 }
 
-/// Every wall that is worth a test.
+/// Returns the walls of all test cases.
 fn walls(dice: &mut Dice) -> Vec<(&'static str, Wall)> {
     let (columns, rows) = (2 + dice.below(9), 2 + dice.below(7));
     let holes: Vec<bool> = (0..columns * rows).map(|_| dice.next() < 0.2).collect();
@@ -164,12 +164,12 @@ fn walls(dice: &mut Dice) -> Vec<(&'static str, Wall)> {
         ("an L", Wall::of_squares(columns, rows, |x, y| x == 0 || y == 0)),
         ("a fan", Wall::fan(3 + dice.below(60))),
         ("T-junctions", Wall::with_t_junctions(columns)),
-        ("faces there twice", twice),
+        ("duplicate faces", twice),
         ("slivers", slivers),
     ]
 }
 
-/// Is it as it says?
+/// Checks the documented invariants of an occluder.
 fn is_sound(occluder: &Occluder, what: &str) {
     let corners = occluder.corners;
     let (normal, distance) = occluder.plane;

@@ -1,4 +1,4 @@
-//! Whether portals are those of a map: by what they count, and by where they stand.
+//! Tests whether portals belong to a map: by their counts and by their positions.
 
 use super::BspError;
 use super::lumps::Map;
@@ -7,24 +7,25 @@ use crate::quake::PortalFile;
 use enfilade_bake::Portal;
 use glam::DVec3;
 
-/// How far before and behind a portal its two clusters are looked for, in units of the map: thin leafs are few.
+/// Distance in front of and behind a portal at which its two clusters are looked up, in map units; few leafs are
+/// thinner.
 const ASIDE: f64 = 0.5;
 
-/// Portals as they stand in a map.
+/// Result of matching the portals of a file with a map.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlacedPortals {
-    /// By cluster, how many leafs of the map it is.
+    /// For each cluster, its number of leafs in the map.
     pub leafs: Vec<u32>,
-    /// By portal, whether the map has its two clusters right before and behind it. Where leafs are thinner than half a unit
-    /// it has others there.
+    /// For each portal, whether its two clusters are directly in front of and behind it in the map. `false` for some
+    /// portals of the right map too: where leafs are thinner than half a unit.
     pub in_place: Vec<bool>,
 }
 
-/// Finds out where portals stand in the map that they are of.
+/// Matches portals with the map they were compiled from.
 ///
 /// # Errors
-/// Where the map is of no kind that is known, damaged, or not the one that the portals are of: it has another number of
-/// leafs or clusters, or less than half of the portals are in place.
+/// Returns a [`BspError`] if the format of the map is unknown, if the map is damaged, or if the portals belong to
+/// another map: the number of leafs or clusters differs, or less than half of the portals match.
 pub fn place_portals(map: &[u8], portals: &PortalFile) -> Result<PlacedPortals, BspError> {
     let map = Map::read(map)?;
     let tree = Tree::read(&map)?;
@@ -45,7 +46,8 @@ pub fn place_portals(map: &[u8], portals: &PortalFile) -> Result<PlacedPortals, 
         let cluster = |point| clusters[tree.leaf_at(point) as usize];
         [cluster(centre - aside), cluster(centre + aside)] == portal.cells.map(Some)
     };
-    // Those of another map stand anywhere; of this one all but those at leafs that are thinner than what is tried.
+    // Portals of another map match at random; those of this map all match, except at leafs thinner than the tested
+    // distance.
     let in_place: Vec<bool> = all.iter().map(stands).collect();
     let fit = in_place.iter().filter(|&&is_in_place| is_in_place).count();
     if fit * 2 < all.len() {
@@ -57,7 +59,8 @@ pub fn place_portals(map: &[u8], portals: &PortalFile) -> Result<PlacedPortals, 
     Ok(PlacedPortals { leafs, in_place })
 }
 
-/// For each leaf of the map its cluster, as numbered by the portals.
+/// Returns the cluster of each leaf of the map, in the numbering of the portals; `None` for solid leafs and for those
+/// outside the world model.
 pub(in crate::quake) fn clusters_of_leafs(
     map: &Map,
     portals: &PortalFile,
@@ -65,7 +68,7 @@ pub(in crate::quake) fn clusters_of_leafs(
     let count = portals.cells.count();
     let leafs = map.things(map.format.leafs, map.format.leaf_bytes)?;
     if map.format.is_quake3 {
-        // Solid leafs say −1.
+        // Solid leafs have cluster −1.
         let clusters: Vec<i32> = leafs.map(|leaf| int(leaf, 0)).collect();
         let has = clusters.iter().max().map_or(0, |&most| i64::from(most) + 1);
         if has != i64::from(count) {
@@ -76,14 +79,14 @@ pub(in crate::quake) fn clusters_of_leafs(
             .map(|&cluster| u32::try_from(cluster).ok())
             .collect());
     }
-    // Without leafs of its own each cluster is one.
+    // Without a leaf list, each leaf is a cluster.
     let of_leafs = portals.cluster_of_leaf.as_deref();
     let named = of_leafs.map_or(count as usize, <[u32]>::len);
     let world_leafs = i64::from(map.world_leafs()?);
     if world_leafs != named as i64 || leafs.len() <= named {
         return Err(other(world_leafs, named, "leafs"));
     }
-    // The first leaf is solid, and those after the world's are in doors and lifts.
+    // The first leaf is solid; those after the world's leafs belong to brush models such as doors and lifts.
     let mut clusters = vec![None; leafs.len()];
     for leaf in 0..named {
         clusters[leaf + 1] = Some(of_leafs.map_or(leaf as u32, |of_leafs| of_leafs[leaf]));
@@ -96,7 +99,7 @@ fn other(map: i64, portals: usize, what: &'static str) -> BspError {
 }
 
 impl Tree {
-    /// The leaf that a point is in; on a plane, the one before it.
+    /// Returns the leaf that contains a point; for a point on a plane, the leaf in front of it.
     fn leaf_at(&self, point: DVec3) -> u32 {
         let mut at = self.root;
         loop {

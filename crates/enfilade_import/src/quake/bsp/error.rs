@@ -1,148 +1,148 @@
-//! Why a compiled map is not read, or gets no visibility.
+//! Errors of compiled maps.
 
 use enfilade_bake::CellsError;
 use thiserror::Error;
 
-/// Why a compiled map is not read, or gets no visibility.
+/// The rule that a compiled map violates, or the reason why no visibility can be written into it.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BspError {
-    /// Another kind of file.
+    /// The file is not a compiled map.
     #[error(
-        "is no compiled map of a known kind (BSP29, BSP2 or IBSP46): it {begins}; name a .bsp of Quake or Quake 3"
+        "is not a compiled map of a known format (BSP29, BSP2 or IBSP46): it {begins}; name a .bsp of Quake or Quake 3"
     )]
     NotMap {
-        /// What it begins with: "begins with `…`", or "is empty".
+        /// How the file begins: "begins with `…`", or "is empty".
         begins: String,
     },
-    /// A part that should be there ends past the file's end.
-    #[error("is damaged: {part} ends after the file's end, which is at byte {has}; compile the map again")]
+    /// A lump or header exceeds the file.
+    #[error("is damaged: {part} ends after the end of the file at byte {has}; compile the map again")]
     CutShort {
-        /// Which part.
+        /// The lump or header.
         part: String,
-        /// Bytes that are there.
+        /// Length of the file, in bytes.
         has: usize,
     },
-    /// A lump that is not made of whole things.
+    /// The size of a lump is not a multiple of its record size.
     #[error(
-        "is damaged: its lump {lump} has {bytes} bytes, where each thing in it takes {of}; compile the map again"
+        "is damaged: its lump {lump} has {bytes} bytes, not a multiple of its record size {of}; compile the map again"
     )]
     OddLump {
-        /// Which lump, from 0.
+        /// Index of the lump, from 0.
         lump: usize,
-        /// Its bytes.
+        /// Size of the lump, in bytes.
         bytes: usize,
-        /// Those of a thing.
+        /// Size of a record, in bytes.
         of: usize,
     },
-    /// A number that names nothing.
+    /// An index is out of range.
     #[error(
         "is damaged: {what} {at} names {names} {number}, but there are {count}, counted from 0; compile the map again"
     )]
     NoSuch {
-        /// What names it.
+        /// Kind of the record that holds the index.
         what: &'static str,
-        /// Which of those, from 0.
+        /// Index of that record, from 0.
         at: usize,
-        /// What is named.
+        /// Kind of the referenced record.
         names: &'static str,
-        /// Which.
+        /// The index that is out of range.
         number: i64,
-        /// How many there are.
+        /// Number of records of that kind.
         count: usize,
     },
-    /// A plane that is none.
-    #[error("is damaged: plane {plane} has no direction, or is nowhere; compile the map again")]
+    /// A plane has no valid normal or distance.
+    #[error("is damaged: plane {plane} has an invalid normal or distance; compile the map again")]
     NoPlane {
-        /// Which plane, from 0.
+        /// Index of the plane, from 0.
         plane: usize,
     },
-    /// Nodes that lead back.
-    #[error("is damaged: node {node} is met twice on the way down; compile the map again")]
+    /// The nodes form a cycle or share a child.
+    #[error("is damaged: node {node} is reached twice from the root; compile the map again")]
     Loop {
-        /// Which node, from 0.
+        /// Index of the node, from 0.
         node: u32,
     },
-    /// A leaf in two parts of the world.
-    #[error("is damaged: leaf {leaf} stands in two places; compile the map again")]
+    /// A leaf has two parents.
+    #[error("is damaged: leaf {leaf} has two parent nodes; compile the map again")]
     LeafTwice {
-        /// Which leaf, from 0.
+        /// Index of the leaf, from 0.
         leaf: u32,
     },
-    /// Planes that no portal between them can be made of.
-    #[error("is damaged: no portals can be made of its planes ({0}); compile the map again")]
+    /// No valid portals can be generated from the planes.
+    #[error("is damaged: its planes give no valid portals ({0}); compile the map again")]
     NoPortals(#[from] CellsError),
-    /// Entities that are no `{ "key" "value" … }`.
+    /// The entity lump does not match `{ "key" "value" … }`.
     #[error(
-        "is damaged: its entities have {found} where {wanted} is wanted, in line {line}; compile the map again"
+        "is damaged: its entities have {found} where {wanted} is expected, in line {line}; compile the map again"
     )]
     BadEntities {
-        /// Which line of their text, from 1.
+        /// Line of the entity text, from 1.
         line: usize,
-        /// What stands there.
+        /// The text that was found.
         found: String,
-        /// What should.
+        /// The text that is expected.
         wanted: &'static str,
     },
-    /// A number that is NaN or infinite.
-    #[error("is damaged: {what} {at} is not at a finite place; compile the map again")]
+    /// A coordinate is NaN or infinite.
+    #[error("is damaged: {what} {at} has a coordinate that is not finite; compile the map again")]
     NotFinite {
-        /// What it is of.
+        /// Kind of the record.
         what: &'static str,
-        /// Which of those, from 0.
+        /// Index of the record, from 0.
         at: usize,
     },
-    /// A patch that is no grid of patches with three corners a side.
+    /// The control-point grid of a patch has an invalid size.
     #[error(
-        "is damaged: face {face} is a patch of {} by {} corners, which must be odd numbers from 3; compile the map again",
+        "is damaged: face {face} is a patch of {} by {} control points; both must be odd and at least 3; compile the map again",
         size[0], size[1]
     )]
     BadPatch {
-        /// Which face, from 0.
+        /// Index of the face, from 0.
         face: usize,
-        /// Corners in a row, and in a column.
+        /// Control points per row and per column.
         size: [i32; 2],
     },
-    /// A row of what is visible that ends after the lump.
+    /// A PVS row exceeds the visibility lump.
     #[error(
-        "is damaged: what is visible from {from} {at} ends after its lump, which has {has} bytes; run vis again"
+        "is damaged: the PVS row of {from} {at} ends after its lump, which has {has} bytes; run vis again"
     )]
     RowCutShort {
-        /// A leaf or a cluster.
+        /// "leaf" or "cluster".
         from: &'static str,
-        /// Which of those, from 0.
+        /// Its index, from 0.
         at: usize,
-        /// Bytes of the lump.
+        /// Size of the lump, in bytes.
         has: usize,
     },
-    /// The portals are of another map, or of another run of the compiler.
-    #[error("has {map} {what}, its portals are of {portals}: they are of another map; compile the map again")]
+    /// The portals belong to another map, or to another run of the compiler.
+    #[error(
+        "has {map} {what}, but its portals have {portals}: they are of another map; compile the map again"
+    )]
     OtherMap {
-        /// How many the map has.
+        /// The count in the map.
         map: i64,
-        /// How many the portals say.
+        /// The count in the portal file.
         portals: usize,
-        /// Leafs or clusters.
+        /// "leafs" or "clusters".
         what: &'static str,
     },
-    /// The portals are of another map, though of as many leafs or clusters.
-    #[error(
-        "has {fit} of its {portals} portals in their places: they are of another map; compile the map again"
-    )]
+    /// The portals belong to another map that has the same number of leafs or clusters.
+    #[error("matches only {fit} of its {portals} portals: they are of another map; compile the map again")]
     OtherPlaces {
-        /// Portals between the leafs that they say.
+        /// Portals that are between the leafs they name.
         fit: usize,
-        /// How many there are.
+        /// Number of portals.
         portals: usize,
     },
-    /// The pairs are of other portals.
+    /// The visible pairs belong to other portals.
     #[error(
-        "gets pairs of {pairs} cells, but its portals are of {clusters} clusters; compute the pairs of these portals"
+        "gets visible pairs of {pairs} cells, but its portals have {clusters} clusters; compute the pairs from these portals"
     )]
     OtherPairs {
-        /// Cells of the pairs.
+        /// Number of cells of the pairs.
         pairs: u32,
-        /// Clusters of the portals.
+        /// Number of clusters of the portals.
         clusters: u32,
     },
 }

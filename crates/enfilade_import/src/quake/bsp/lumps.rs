@@ -1,13 +1,13 @@
-//! The table of lumps: where in a compiled map what is.
+//! Reads the lump table of a compiled map.
 
 use super::BspError;
 use crate::gltf;
 use std::ops::Range;
 
-/// Where things stand in the files of a game, and how many bytes each takes.
+/// Layout of a map format: lump indices, and record sizes in bytes.
 #[derive(Debug)]
 pub(crate) struct Format {
-    /// Where the table of lumps begins, in bytes.
+    /// Offset of the lump table, in bytes.
     table: usize,
     lumps: usize,
     pub(crate) entities: usize,
@@ -20,7 +20,7 @@ pub(crate) struct Format {
     pub(crate) models: usize,
     pub(crate) model_bytes: usize,
     pub(crate) visibility: usize,
-    /// Numbers are of 16 bits where they may be.
+    /// Whether most indices are 16-bit (BSP29).
     pub(crate) is_short: bool,
     pub(crate) is_quake3: bool,
 }
@@ -65,7 +65,7 @@ const IBSP46: Format = Format {
 };
 
 impl Format {
-    /// How people call it.
+    /// Returns the name of the format, such as `BSP29`.
     pub(crate) fn name(&self) -> &'static str {
         match (self.is_quake3, self.is_short) {
             (true, _) => "IBSP46",
@@ -75,10 +75,10 @@ impl Format {
     }
 }
 
-/// Where in a model of Quake is the number of leafs that the world has.
+/// Offset of the number of world leafs in a Quake model record, in bytes.
 const WORLD_LEAFS: usize = 52;
 
-/// The bytes of a map, and its lumps among them.
+/// The bytes of a map and the ranges of its lumps.
 #[derive(Debug)]
 pub(crate) struct Map {
     pub(crate) format: &'static Format,
@@ -87,7 +87,7 @@ pub(crate) struct Map {
 }
 
 impl Map {
-    /// Which kind of map it is, and where its lumps are.
+    /// Detects the format and reads the lump table.
     pub(crate) fn read(bytes: &[u8]) -> Result<Map, BspError> {
         let format = if bytes.starts_with(&29u32.to_le_bytes()) {
             &BSP29
@@ -105,11 +105,11 @@ impl Map {
             let [start, length] = [at, at + 4].map(|at| word(bytes, at).map(i64::from));
             let (Some(start), Some(length)) = (start, length) else {
                 return Err(BspError::CutShort {
-                    part: "its table of lumps".to_owned(),
+                    part: "its lump table".to_owned(),
                     has: bytes.len(),
                 });
             };
-            // What is empty may be said to stand anywhere.
+            // An empty lump may have any offset.
             let start = if length == 0 { 0 } else { start };
             if start < 0 || length < 0 || start + length > bytes.len() as i64 {
                 return Err(BspError::CutShort {
@@ -126,12 +126,12 @@ impl Map {
         })
     }
 
-    /// The bytes of a lump.
+    /// Returns the bytes of a lump.
     pub(crate) fn lump(&self, number: usize) -> &[u8] {
         &self.bytes[self.lumps[number].clone()]
     }
 
-    /// Where in the file the things of a lump begin, one after another.
+    /// Returns the file offsets of the records of a lump, each `of` bytes long.
     pub(crate) fn places(
         &self,
         lump: usize,
@@ -142,7 +142,7 @@ impl Map {
         Ok((0..count).map(move |at| start + at * of))
     }
 
-    /// The things that a lump is made of, each of `of` bytes.
+    /// Returns the records of a lump, each `of` bytes long.
     pub(crate) fn things(&self, lump: usize, of: usize) -> Result<std::slice::ChunksExact<'_, u8>, BspError> {
         let bytes = self.lump(lump);
         if !bytes.len().is_multiple_of(of) {
@@ -152,7 +152,7 @@ impl Map {
         Ok(bytes.chunks_exact(of))
     }
 
-    /// Of a map of Quake, how many leafs the world has besides the first, which is solid.
+    /// Returns the number of world leafs of a Quake map, without the first, solid one.
     pub(crate) fn world_leafs(&self) -> Result<i32, BspError> {
         let lump = self.format.models;
         let of = self.format.model_bytes;
@@ -161,13 +161,13 @@ impl Map {
         leafs.ok_or(BspError::OddLump { lump, bytes: 0, of })
     }
 
-    /// All lumps in the order in which they stand, one of them another than before, and what follows them.
+    /// Returns the file with one lump replaced; all other lumps keep their order, and the bytes after them are kept.
     pub(crate) fn with_lump(&self, changed: usize, lump: &[u8]) -> Vec<u8> {
         let mut order: Vec<usize> = (0..self.lumps.len())
             .filter(|&at| !self.lumps[at].is_empty() || at == changed)
             .collect();
         let last = self.lumps.iter().map(|lump| lump.end).max().unwrap_or(0);
-        // An empty lump may be said to stand anywhere; a new one goes last.
+        // An empty lump may have any offset; a new one is written last.
         let place = |at: usize| {
             if self.lumps[at].is_empty() {
                 last
@@ -177,7 +177,7 @@ impl Map {
         };
         order.sort_by_key(|&at| place(at));
         let table_end = self.format.table + self.format.lumps * 8;
-        // Some compilers leave words of their own between the table and the first lump.
+        // Some compilers store extra data between the table and the first lump.
         let first = order
             .iter()
             .map(|&at| place(at))
@@ -211,7 +211,7 @@ impl Map {
     }
 }
 
-/// Four bytes as a number; `None` past the end.
+/// Reads a little-endian `i32`; `None` past the end.
 pub(crate) fn word(bytes: &[u8], at: usize) -> Option<i32> {
     let four = bytes.get(at..at + 4)?;
     Some(i32::from_le_bytes([four[0], four[1], four[2], four[3]]))

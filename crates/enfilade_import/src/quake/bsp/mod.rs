@@ -1,8 +1,8 @@
 //! Compiled maps: BSP29 and BSP2 of Quake, IBSP46 of Quake 3.
 //!
-//! *lumps* knows where in the file things stand, *tree* reads the planes that cut space into leafs, *belongs* finds out whether
-//! portals are of this map, and *visibility* writes the lump in which engines look up what is visible.
-//! Source: the sources of both engines, as published by id Software, and the files themselves.
+//! `lumps` locates the lumps and their records, `tree` reads the BSP tree, `belongs` tests whether portals belong to a
+//! map, and `visibility` writes the visibility lump.
+//! Source: the source code of both engines, published by id Software, and the files themselves.
 
 mod belongs;
 mod error;

@@ -1,19 +1,19 @@
-//! The tree of planes that cuts the space of a map into leafs.
+//! The BSP tree of a map: planes that split its space into leafs.
 //!
-//! A child is a node, or, if negative, a leaf: −1 is leaf 0. In BSP29 children are of 16 bits, and what names no node is
-//! one of the leafs from the top down.
-//! Hostile: every number is checked, and each node is met once, so that walks end.
+//! A child index is a node, or, if negative, a leaf: −1 is leaf 0. In BSP29, children are 16-bit; values beyond the
+//! last node are leafs, counted down from 0xFFFF.
+//! Hostile input: every index is checked, and each node is reached at most once, so traversals terminate.
 
 use super::BspError;
 use super::lumps::{Map, word};
 
-/// A map's planes, nodes and leafs.
+/// The planes, nodes and leafs of a map.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(crate) planes: Vec<SplitPlane>,
     pub(crate) nodes: Vec<Node>,
     pub(crate) leafs: Vec<Leaf>,
-    /// Where the world begins.
+    /// Root of the world model.
     pub(crate) root: Child,
 }
 
@@ -27,7 +27,7 @@ pub(crate) struct SplitPlane {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     pub(crate) plane: u32,
-    /// Before the plane, then behind it.
+    /// In front of the plane, behind it.
     pub(crate) children: [Child; 2],
 }
 
@@ -37,19 +37,21 @@ pub(crate) enum Child {
     Leaf(u32),
 }
 
-/// What is known of a leaf, whichever game it is of.
+/// The leaf data that both games have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leaf {
-    /// Quake: what it is filled with, −1 air, −2 solid, −3 to −5 liquids, −6 sky. Quake 3: its cluster, −1 for none.
+    /// Quake: contents; −1 air, −2 solid, −3 to −5 liquids, −6 sky. Quake 3: cluster, −1 for none.
     pub(crate) kind: i32,
-    /// Quake: where its row begins in the lump of what is visible, −1 for a leaf that sees all. Quake 3: its area.
+    /// Quake: offset of the PVS row in the visibility lump, −1 for a leaf from which everything is visible. Quake 3:
+    /// area.
     pub(crate) row: i32,
-    /// Its first face in the lump of leafs' faces, and how many.
+    /// First entry in the leaf-face lump, and number of entries.
     pub(crate) faces: [u32; 2],
 }
 
 impl Tree {
-    /// Of the world; nodes and leafs of doors and lifts are among the others, but not under the root.
+    /// Reads the tree and finds the root of the world. Nodes and leafs of brush models such as doors are in the same
+    /// lists, but not below this root.
     pub(crate) fn read(map: &Map) -> Result<Tree, BspError> {
         let format = map.format;
         let planes: Vec<SplitPlane> = map
@@ -121,7 +123,7 @@ impl Tree {
         Ok(tree)
     }
 
-    /// That no node is met twice.
+    /// Checks that no node is reached twice.
     fn is_a_tree(&self) -> Result<(), BspError> {
         let mut met = vec![false; self.nodes.len()];
         let mut waiting = vec![self.root];
@@ -136,7 +138,7 @@ impl Tree {
     }
 }
 
-/// Where in a model of Quake is its first node.
+/// Offset of the first node in a Quake model record, in bytes.
 const HEAD_NODE: usize = 36;
 
 fn child(what: &'static str, at: usize, number: i32, nodes: usize, leafs: usize) -> Result<Child, BspError> {
@@ -147,7 +149,7 @@ fn child(what: &'static str, at: usize, number: i32, nodes: usize, leafs: usize)
     }
 }
 
-/// A number that names one of `count` things.
+/// Checks that `number` is a valid index into `count` records.
 pub(crate) fn in_range(
     what: &'static str,
     at: usize,
@@ -168,7 +170,7 @@ pub(crate) fn in_range(
     }
 }
 
-/// Of a thing of known size.
+/// Reads a little-endian `i32` of a record.
 pub(crate) fn int(bytes: &[u8], at: usize) -> i32 {
     i32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
 }

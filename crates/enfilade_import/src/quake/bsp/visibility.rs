@@ -1,9 +1,10 @@
-//! What is visible, as engines look it up.
+//! Writes the visibility lump (PVS rows) of a map.
 //!
-//! Quake has a row of bits for each leaf but the first, which is solid: bit k is leaf k + 1, and runs of zero bytes are a
-//! zero and their number. Leafs of one cluster share a row; so do rows that are equal. Quake 3 has a row for each cluster,
-//! written out. A new lump takes the place of the old one; all other lumps, and what follows them, stay byte for byte.
-//! Source: the sources of both engines, as published by id Software, and the files themselves.
+//! Quake stores one bit row for each leaf except the first, which is solid: bit k is leaf k + 1, and a run of zero
+//! bytes is stored as a zero and its length. Leafs of one cluster share a row, as do all equal rows. Quake 3 stores one
+//! uncompressed row per cluster. The new lump replaces the old one; all other lumps, and the bytes after them, stay
+//! unchanged.
+//! Source: the source code of both engines, published by id Software, and the files themselves.
 //! Cost: O(bytes + clusters²).
 
 use super::BspError;
@@ -13,10 +14,11 @@ use crate::quake::PortalFile;
 use enfilade_bake::VisiblePairs;
 use std::collections::HashMap;
 
-/// The bytes of a map with what is visible written into it, in place of what was there.
+/// Returns a copy of a map with the visible pairs as its PVS, which replaces the old one.
 ///
 /// # Errors
-/// Where the map is of no such kind, damaged, or not the one that the portals and pairs are of.
+/// Returns a [`BspError`] if the format of the map is unknown, if the map is damaged, or if the portals or pairs belong
+/// to another map.
 pub fn with_visibility(map: &[u8], portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
     check_pairs(portals, pairs)?;
     let mut map = Map::read(map)?;
@@ -28,7 +30,7 @@ pub fn with_visibility(map: &[u8], portals: &PortalFile, pairs: &VisiblePairs) -
     Ok(map.with_lump(map.format.visibility, &lump))
 }
 
-/// Checks that the pairs are of as many cells as the portals.
+/// Checks that the pairs have as many cells as the portals have clusters.
 pub(in crate::quake) fn check_pairs(portals: &PortalFile, pairs: &VisiblePairs) -> Result<(), BspError> {
     let [pairs, clusters] = [pairs.cell_count(), portals.cells.count()];
     if pairs == clusters {
@@ -38,16 +40,16 @@ pub(in crate::quake) fn check_pairs(portals: &PortalFile, pairs: &VisiblePairs) 
     }
 }
 
-/// How many bytes of a map say what is visible; 0 where nobody has found it out yet.
+/// Returns the size of a map's visibility lump, in bytes; 0 if no PVS has been computed.
 ///
 /// # Errors
-/// Where the map is of no such kind, or damaged.
+/// Returns a [`BspError`] if the format of the map is unknown, or if the map is damaged.
 pub fn visibility_bytes(map: &[u8]) -> Result<usize, BspError> {
     let map = Map::read(map)?;
     Ok(map.lump(map.format.visibility).len())
 }
 
-/// Rows of leafs, zero bytes counted; and in each leaf where its row begins.
+/// Returns the compressed rows, and writes the offset of its row into each leaf.
 fn quake_lump(map: &mut Map, portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
     let clusters = clusters_of_leafs(map, portals)?;
     let places: Vec<usize> = map.places(map.format.leafs, map.format.leaf_bytes)?.collect();
@@ -76,7 +78,7 @@ fn quake_lump(map: &mut Map, portals: &PortalFile, pairs: &VisiblePairs) -> Resu
     Ok(lump)
 }
 
-/// Runs of zero bytes as a zero and how many.
+/// Compresses a row: replaces each run of up to 255 zero bytes by a zero and its length.
 fn packed(row: &[u8]) -> Vec<u8> {
     let mut packed = Vec::new();
     for run in row.chunk_by(|a, b| *a == 0 && *b == 0) {
@@ -91,11 +93,11 @@ fn packed(row: &[u8]) -> Vec<u8> {
     packed
 }
 
-/// How many clusters, the bytes of a row, and the rows.
+/// Returns the number of clusters, the bytes per row, and the rows.
 fn quake3_lump(map: &Map, portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
     clusters_of_leafs(map, portals)?;
     let count = pairs.cell_count();
-    // Engines read rows by words of eight bytes.
+    // Engines read rows in words of eight bytes.
     let row_bytes = count.div_ceil(64) * 8;
     let mut lump = [count.to_le_bytes(), row_bytes.to_le_bytes()].concat();
     for cluster in 0..count {

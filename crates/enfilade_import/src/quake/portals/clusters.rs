@@ -1,8 +1,8 @@
-//! Which leafs of a map are one cluster: the cells that sight is computed between.
+//! Groups the leafs of a map into clusters, the cells between which the PVS is computed.
 //!
-//! Quake 3 says it in each leaf. Quake says it nowhere but in what was made of it: leafs of a cluster share a row of what is
-//! visible. A cluster that is found so must be all of a part of the tree, but for what is solid there, for only then is it
-//! convex; leafs elsewhere that have an equal row are another. Without rows, each leaf is a cluster.
+//! Quake 3 stores the cluster of each leaf. Quake does not, but leafs of a cluster share a PVS row. A group found this
+//! way must be a complete subtree, apart from solid leafs, because only then is it convex; leafs elsewhere with an
+//! equal row form another cluster. Without PVS rows, each leaf is a cluster.
 //! Cost: O(nodes + leafs).
 
 use super::ClustersFrom;
@@ -10,24 +10,24 @@ use crate::quake::BspError;
 use crate::quake::bsp::{Child, Map, Tree, in_range};
 use std::collections::HashMap;
 
-/// What a part of the tree is to sight.
+/// Cluster of a subtree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     Solid,
-    /// All of one cluster.
+    /// All non-solid leafs belong to this cluster.
     Cluster(u32),
-    /// To be looked into.
+    /// Several clusters: visit the children.
     Mixed,
 }
 
-/// Which parts of a tree are which clusters.
+/// The clusters of a tree.
 #[derive(Debug)]
 pub(super) struct Clusters {
     nodes: Vec<Part>,
     leafs: Vec<Part>,
-    /// Of each cluster whether sight goes through it, and whether through its sky.
+    /// For each cluster, whether it contains open leafs, and whether it contains sky.
     fills: Vec<Fill>,
-    /// Of Quake, the cluster of each leaf but the first.
+    /// Quake: the cluster of each leaf except the first.
     pub(super) of_leaf: Vec<u32>,
     pub(super) from: ClustersFrom,
     in_sight: u32,
@@ -42,11 +42,11 @@ struct Fill {
 const SOLID: i32 = -2;
 const SKY: i32 = -6;
 
-/// What the leafs below a node say of the cluster that they are of.
+/// The clusters of the leafs below a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Says {
     Nothing,
-    /// A row, a leaf of its own, or a cluster of Quake 3.
+    /// A single cluster: a PVS row, a separate leaf, or a cluster of Quake 3.
     One(Name),
     Several,
 }
@@ -58,6 +58,7 @@ enum Name {
 }
 
 impl Clusters {
+    /// Groups the leafs of a map.
     pub(super) fn of(map: &Map, tree: &Tree) -> Result<Clusters, BspError> {
         let is_quake3 = map.format.is_quake3;
         let world_leafs = if is_quake3 {
@@ -73,7 +74,7 @@ impl Clusters {
             match is_quake3 {
                 true if of.kind < 0 => Says::Nothing,
                 true => Says::One(Name::Shared(of.kind)),
-                // What a compiler numbers among the leafs that see may look solid and be a fence.
+                // A compiler may count leafs among the visible ones that have solid contents, such as those of fences.
                 false if leaf == 0 || of.kind == SOLID && leaf > world_leafs => Says::Nothing,
                 false if has_rows && of.row >= 0 => Says::One(Name::Shared(of.row)),
                 false => Says::One(Name::Alone(leaf)),
@@ -114,7 +115,7 @@ impl Clusters {
                 }
                 (Says::One(_), Child::Node(node)) => {
                     let children = tree.nodes[node as usize].children;
-                    // What is solid above the cluster's parts is none of it.
+                    // If one child is solid, it is not part of the cluster: only the other child is.
                     let some = children.map(|child| of_child(&says, child) != Says::Nothing);
                     if some == [true, true] {
                         roots.push(child);
@@ -147,11 +148,11 @@ impl Clusters {
         Ok(clusters)
     }
 
-    /// Quake 3: leafs name clusters by their numbers.
+    /// Quake 3: uses the cluster numbers of the leafs.
     fn number_as_said(&mut self, tree: &Tree, parts: &[(u32, Child, Vec<u32>)]) -> Result<(), BspError> {
         let kinds = tree.leafs.iter().map(|leaf| leaf.kind).enumerate();
         let (at, most) = kinds.max_by_key(|&(_, kind)| kind).unwrap_or((0, -1));
-        // Compilers number clusters without gaps.
+        // Compilers number clusters without gaps, so there cannot be more clusters than leafs.
         if most >= 0 {
             in_range("leaf", at, "cluster", most.into(), tree.leafs.len())?;
         }
@@ -175,8 +176,8 @@ impl Clusters {
         Ok(())
     }
 
-    /// Quake: clusters are numbered as their first leafs are. Leafs of the world that stand nowhere are clusters too, for
-    /// the rows of a map are for all of them.
+    /// Quake: numbers clusters by their first leafs. World leafs that no node references become clusters too, because
+    /// the PVS rows of a map include them.
     fn number_by_leafs(
         &mut self,
         tree: &Tree,
@@ -216,17 +217,17 @@ impl Clusters {
         Ok(())
     }
 
-    /// How many there are.
+    /// Returns the number of clusters.
     pub(super) fn count(&self) -> u32 {
         self.fills.len() as u32
     }
 
-    /// How many leafs of the world are in one.
+    /// Returns the number of world leafs that belong to a cluster.
     pub(super) fn leafs_in_sight(&self) -> u32 {
         self.in_sight
     }
 
-    /// What a part of the tree is.
+    /// Returns the cluster of a subtree.
     pub(super) fn part(&self, child: Child) -> Part {
         match child {
             Child::Node(node) => self.nodes[node as usize],
@@ -234,15 +235,16 @@ impl Clusters {
         }
     }
 
-    /// Whether one sees from one cluster into another where they touch. Into water and out of it one does, as far as
-    /// anyone can tell from the map; sky is painted where it begins, and only sky is behind it.
+    /// Returns `true` if adjacent clusters can see each other. Water is treated as transparent, because a map does not
+    /// say. Sky is opaque from outside: only sky is visible from sky.
     pub(super) fn see_through(&self, a: u32, b: u32) -> bool {
         let [a, b] = [a, b].map(|cluster| self.fills[cluster as usize]);
         a.open && b.open || a.sky && b.sky
     }
 }
 
-/// The nodes of the world, each before those below it, and which leafs are met; one that is wanted is met once.
+/// Returns the nodes of the world, parents first, and which leafs are reached; an error if a leaf that `is_wanted` is
+/// reached twice.
 fn walk(tree: &Tree, is_wanted: impl Fn(u32) -> bool) -> Result<(Vec<u32>, Vec<bool>), BspError> {
     let mut order = Vec::new();
     let mut met = vec![false; tree.leafs.len()];
@@ -264,6 +266,7 @@ fn walk(tree: &Tree, is_wanted: impl Fn(u32) -> bool) -> Result<(Vec<u32>, Vec<b
     Ok((order, met))
 }
 
+/// Returns the leafs below a subtree that `is_wanted` accepts.
 fn leafs_below(tree: &Tree, root: Child, is_wanted: impl Fn(u32) -> bool) -> Vec<u32> {
     let mut leafs = Vec::new();
     let mut waiting = vec![root];

@@ -1,13 +1,15 @@
-//! The portals of a map, rebuilt from what was compiled of it: its tree of planes alone says where its leafs touch.
+//! Rebuilds the portals of a map from its compiled BSP tree, whose planes determine where its leafs touch.
 //!
-//! What a node's plane cuts of its part of the world is laid down both sides of the tree; where a piece comes to lie, two
-//! clusters touch, and if neither is solid one sees through.
-//! Source: the idea is that of all compilers of such maps; Naylor, Amanatides, Thibault. Merging BSP Trees Yields Polyhedral
-//! Set Operations. SIGGRAPH 1990, for what is laid down a tree.
-//! Cost: O(nodes · sides of their parts + pieces · depth).
-//! Never smaller than what one sees through: pieces are cut to 10⁻⁷ unit where compilers cut to 0.1, and kept down to a
-//! width of 0.001 where compilers let go what is thinner than 0.2. A hole too many costs time, one too few hides a room.
-//! Hostile: no recursion, memory is asked for before it is taken, and a leaf that stands in two places is refused.
+//! The plane of each node is clipped to the node's region and pushed down both subtrees; where a piece ends up between
+//! two clusters, they touch, and if light can pass between them, the piece is a portal.
+//! Source: the method of all compilers of such maps; for pushing polygons down a tree, Naylor, Amanatides, Thibault.
+//! Merging BSP Trees Yields Polyhedral Set Operations. SIGGRAPH 1990.
+//! Cost: O(nodes · sides of their regions + pieces · depth).
+//! Conservative: a portal is never smaller than the true opening. Pieces are clipped with a tolerance of 10⁻⁷ unit,
+//! where compilers use 0.1, and kept down to a width of 0.001, where compilers drop those thinner than 0.2. A surplus
+//! portal costs time; a missing one culls a visible room.
+//! Hostile input: no recursion; memory is reserved from the budget before it is allocated; a leaf with two parents is
+//! an error.
 
 mod clusters;
 mod outline;
@@ -26,47 +28,47 @@ use polygon::{Corner, HALF, Side};
 use region::Region;
 use std::path::Path;
 
-/// The portals of a map, rebuilt.
+/// Portals that were rebuilt from a compiled map.
 #[derive(Clone, Debug)]
 pub struct RebuiltPortals {
-    /// As a compiler would have left them.
+    /// The same data as in the compiler's portal file.
     pub file: PortalFile,
-    /// What said which leafs are one cluster.
+    /// How leafs were grouped into clusters.
     pub clusters_from: ClustersFrom,
-    /// Leafs of the world that are not solid.
+    /// Number of non-solid leafs of the world.
     pub leafs: u32,
-    /// Holes thinner than 0.001 unit, which are left out: the numbers of the file are too coarse to say whether they are
-    /// there.
+    /// Number of openings thinner than 0.001 unit, which are left out: the precision of the file is too low to decide
+    /// whether they exist.
     pub slivers: usize,
 }
 
-/// What said which leafs of a map are one cluster.
+/// How the leafs of a map were grouped into clusters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClustersFrom {
-    /// The map: leafs of Quake 3 have their clusters' numbers.
+    /// From the map: Quake 3 leafs store their cluster.
     Map,
-    /// Rows of what is visible, which the leafs of a cluster share.
+    /// By PVS rows, which the leafs of a cluster share.
     Rows,
-    /// Nothing: each leaf is a cluster. Finer than the compiler's where that had several leafs in one, and no less right.
+    /// Not grouped: each leaf is a cluster. Finer than the compiler's clusters, but equally correct.
     Leafs,
 }
 
-/// Thinner than this is no hole, in units: the planes of a file are numbers of 32 bits, which put what is 4,096 units from
-/// the middle up to 0.0007 beside its place, so that leafs that only meet along an edge overlap by as much.
+/// Minimum width of an opening, in units. The planes of a file are 32-bit floats, which are off by up to 0.0007 units
+/// at 4,096 units from the origin, so leafs that meet only along an edge may seem to overlap by that much.
 const NO_HOLE: f64 = 0.001;
 
 /// Rebuilds the portals of a compiled map: BSP29, BSP2 or IBSP46.
 ///
 /// # Errors
-/// An [`ImportError`] that names the file and the rule; the same one every time.
+/// Returns an [`ImportError`] that names the file and the rule, deterministically.
 pub fn rebuild_portals(path: &Path, options: &ReadOptions) -> Result<RebuiltPortals, ImportError> {
     read_file(path, options, |bytes, _, budget| rebuild(bytes, budget))
 }
 
-/// Rebuilds the portals of a compiled map out of its bytes.
+/// Rebuilds the portals of a compiled map in memory.
 ///
 /// # Errors
-/// As [`rebuild_portals`].
+/// The same as [`rebuild_portals`].
 pub fn rebuild_portals_bytes(map: &[u8], options: &ReadOptions) -> Result<RebuiltPortals, ImportError> {
     let rebuilt = rebuild(map, Budget::new(options.limit_bytes));
     rebuilt.map_err(|rule| ImportError {
@@ -76,7 +78,7 @@ pub fn rebuild_portals_bytes(map: &[u8], options: &ReadOptions) -> Result<Rebuil
 }
 
 fn rebuild(map: &[u8], mut budget: Budget) -> Result<RebuiltPortals, BrokenRule> {
-    // The bytes once more, the tree, and what its parts are.
+    // A copy of the bytes, the tree, and the cluster of each of its subtrees.
     budget.take(map.len() as u64 * 6, || "its tree".to_owned())?;
     let map = Map::read(map)?;
     let tree = Tree::read(&map)?;
@@ -114,10 +116,10 @@ fn rebuild(map: &[u8], mut budget: Budget) -> Result<RebuiltPortals, BrokenRule>
     })
 }
 
-/// How far the world goes, from its least to its greatest corner.
+/// Returns the minimum and maximum corner of the world.
 ///
-/// Maps of Quake are closed, so that it does not matter. Maps of Quake 3 may be open to what is around them; that ends where
-/// the first node says, eight units and more beyond what is drawn.
+/// Quake maps are closed, so any large enough box works. Quake 3 maps may be open to the void; there, the bounds of the
+/// first node end the world, at least eight units beyond the drawn geometry.
 fn world(map: &Map) -> [DVec3; 2] {
     let all = [DVec3::splat(-HALF), DVec3::splat(HALF)];
     let first = map.lump(map.format.nodes).get(..map.format.node_bytes);
@@ -130,12 +132,12 @@ fn world(map: &Map) -> [DVec3; 2] {
     if is_box { [least, most] } else { all }
 }
 
-/// A walk through the tree that finds them.
+/// A traversal of the tree that collects the portals.
 #[derive(Debug)]
 struct Portals<'a> {
     tree: &'a Tree,
     clusters: &'a Clusters,
-    /// Of each plane the side before it.
+    /// For each plane, its front side.
     sides: Vec<Side>,
     found: Vec<Portal>,
     slivers: usize,
@@ -143,6 +145,7 @@ struct Portals<'a> {
 }
 
 impl Portals<'_> {
+    /// Traverses the tree from its root and adds the portals at each node.
     fn find(&mut self, world: Region) -> Result<(), BrokenRule> {
         let mut waiting = vec![(self.tree.root, world)];
         let [mut bytes, mut most] = [0u64, 0u64];
@@ -175,7 +178,7 @@ impl Portals<'_> {
         Ok(())
     }
 
-    /// The pieces of a node's polygon that lie between two clusters.
+    /// Adds the portals among the pieces of a node's polygon.
     fn lay_down(&mut self, side: &Side, children: [Child; 2], across: &[Corner]) -> Result<(), BrokenRule> {
         for (front, piece) in self.spread(children[0], across) {
             for (back, mut corners) in self.spread(children[1], &piece) {
@@ -198,7 +201,7 @@ impl Portals<'_> {
         Ok(())
     }
 
-    /// The clusters below a part of the tree that a polygon comes to lie in, with the piece that does.
+    /// Pushes a polygon down a subtree; returns the clusters that it ends up in, each with its piece.
     fn spread(&self, child: Child, polygon: &[Corner]) -> Vec<(u32, Vec<Corner>)> {
         let mut pieces = Vec::new();
         let mut waiting = vec![(child, polygon.to_vec())];

@@ -1,14 +1,14 @@
-//! A portal's outline: its width, and as much larger as the numbers of a file leave open.
+//! Portal outlines: width, and enlargement by the rounding error of the file.
 //!
-//! A file has its planes in numbers of 32 bits, its compiler had them in more; an edge between two planes is as far beside
-//! its place as rounding can have moved both. So far it is moved outwards, for a portal may be larger than the hole that it
-//! stands for, but not smaller: a hole too large costs time, one too small hides a room. Planes along an axis stand where they
-//! are said to stand, so that what touches on a grid touches to the last digit.
+//! A file stores planes as 32-bit floats, but its compiler computed them with more digits, so an edge between two
+//! planes may be off by the rounding error of both. Each edge is moved outwards by that amount: a portal may be larger
+//! than its opening, but not smaller. A larger one costs time; a smaller one culls a visible room. Axis-aligned planes
+//! are exact and are not moved, so portals on a grid still touch bit-exactly.
 
 use super::polygon::{Corner, Side};
 use glam::DVec3;
 
-/// The width of the narrowest strip that a convex polygon fits in, in units.
+/// Returns the width of the narrowest strip that contains a convex polygon, in units.
 pub(super) fn width(corners: &[Corner]) -> f64 {
     let Some(normal) = normal(corners) else {
         return 0.0;
@@ -21,8 +21,8 @@ pub(super) fn width(corners: &[Corner]) -> f64 {
     widths.fold(f64::INFINITY, f64::min)
 }
 
-/// Takes out edges as short as rounding makes them: corners in one place become one, and where the edges on both sides of a
-/// short one meet not far beyond it, they are led on to there, so that the outline does not become smaller.
+/// Removes edges that are mere rounding noise: merges coincident corners. If the neighbours of a short edge intersect
+/// not far beyond it, it is replaced by that intersection, so that the outline does not shrink.
 pub(super) fn tidy(corners: &mut Vec<Corner>) {
     const SAME: f64 = 1e-6;
     const SHORT: f64 = 1e-3;
@@ -47,14 +47,14 @@ pub(super) fn tidy(corners: &mut Vec<Corner>) {
         };
         corners[nth] = Corner { at, edge: c.edge };
         corners.remove((nth + 1) % count);
-        // Its neighbours have changed.
+        // The neighbouring edges have changed, so start again.
         nth = 0;
     }
 }
 
-/// The outline in the plane of `side`, with each edge as far out as rounding can have moved it.
+/// Returns the outline with each edge moved outwards, in the plane of `side`, by its rounding error.
 pub(super) fn enlarged(corners: &[Corner], side: &Side) -> Vec<DVec3> {
-    /// Planes that nearly coincide meet anywhere; what they leave open is not more than compilers take for nothing.
+    /// Limit of the move: planes that nearly coincide can intersect anywhere. Compilers ignore openings of this width.
     const MOST: f64 = 0.05;
     let Some(normal) = normal(corners) else {
         return corners.iter().map(|corner| corner.at).collect();
@@ -77,16 +77,18 @@ pub(super) fn enlarged(corners: &[Corner], side: &Side) -> Vec<DVec3> {
         };
         corners[nth].at + moved.clamp_length_max(MOST)
     };
-    // What is so short that its direction says little may have been moved across its neighbours.
+    // A very short edge has an unreliable direction and may have been moved across its neighbours; the convex hull of
+    // old and new corners repairs that.
     let moved = (0..count).map(corner);
     let all = corners.iter().map(|corner| corner.at).chain(moved);
-    // −0 becomes 0, which it would be sorted before.
+    // Adding 0 turns −0 into 0; otherwise −0 would be sorted before 0.
     convex(all.map(|at| at + DVec3::ZERO).collect(), normal)
 }
 
-/// The least convex outline around points in one plane, counter-clockwise about its normal. Its corners are some of them.
+/// Returns the convex hull of coplanar points, counter-clockwise about the normal. Its corners are a subset of the
+/// points.
 fn convex(mut points: Vec<DVec3>, normal: DVec3) -> Vec<DVec3> {
-    /// Nearer than this to the line between its neighbours, in units, a point is no corner.
+    /// A corner closer than this to the line between its neighbours, in units, is removed.
     const STRAIGHT: f64 = 1e-9;
     let flat = normal.abs().max_position();
     let turned = usize::from(normal[flat] < 0.0);
@@ -125,11 +127,11 @@ fn convex(mut points: Vec<DVec3>, normal: DVec3) -> Vec<DVec3> {
     outline
 }
 
-/// How far rounding can have moved an edge in the plane of `side`, in units.
+/// Returns how far rounding may have moved an edge in the plane of `side`, in units.
 fn out_by(corners: &[Corner], nth: usize, side: &Side) -> f64 {
     let edge = corners[nth].edge;
     let ends = [corners[nth].at, corners[(nth + 1) % corners.len()].at];
-    // Each number of a plane is off by up to 2⁻²⁴ of itself.
+    // Each coefficient of a plane has a relative error of up to 2⁻²⁴.
     let far = ends
         .map(|end| end.abs().element_sum())
         .into_iter()

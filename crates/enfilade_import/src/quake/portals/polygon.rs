@@ -1,38 +1,40 @@
-//! Convex polygons, and what planes leave of them.
+//! Clips convex polygons by planes.
 //!
-//! Planes along an axis cut to the very number that the file has, so that portals of grid-aligned maps touch where they
-//! touch, to the last digit. What rounding cannot decide stays on both sides: nothing that light goes through is cut off.
+//! Axis-aligned planes cut at exactly the offset in the file, so portals of grid-aligned maps touch bit-exactly.
+//! Corners within the rounding tolerance of a plane stay on both sides, so nothing that light passes through is cut
+//! off.
 
 use crate::quake::bsp::SplitPlane;
 use glam::DVec3;
 
-/// Where a polygon turns.
+/// A vertex of a polygon.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
     pub(super) at: DVec3,
-    /// The plane that cut the edge from here to the next corner.
+    /// The plane of the edge from this corner to the next.
     pub(super) edge: Side,
 }
 
-/// The side of a plane where `normal · x ≥ offset`.
+/// The half-space where `normal · x ≥ offset`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
-    /// Of length one.
+    /// Unit length.
     pub(super) normal: DVec3,
     offset: f64,
-    /// Along which axis it looks, where it looks along one.
+    /// The axis of an axis-aligned plane.
     pub(super) axis: Option<usize>,
 }
 
-/// Corners closer than this to a plane are on it, in units: a thousand times what rounding does in a world as large as
-/// [`HALF`], a ten-thousandth of what compilers take for nothing.
+/// Corners closer than this to a plane are on it, in units: a thousand times the rounding error in a world of size
+/// [`HALF`], and far below the tolerance of map compilers.
 pub(super) const ON: f64 = 1e-7;
 
-/// The world is a cube from −`HALF` to `HALF` on each axis, in units; the largest maps that engines load are half as large.
+/// The world is a cube from −`HALF` to `HALF` on each axis, in units; the largest maps that engines load are half that
+/// size.
 pub(super) const HALF: f64 = 131_072.0;
 
 impl Side {
-    /// The side that the plane of a map looks to.
+    /// Returns the front side of a plane of the map.
     pub(super) fn before(plane: &SplitPlane) -> Side {
         let normal = DVec3::from(plane.normal);
         let axis = (0..3).find(|&axis| normal[axis].abs() == 1.0 && normal.abs().element_sum() == 1.0);
@@ -44,7 +46,7 @@ impl Side {
         }
     }
 
-    /// The side that lies behind the plane.
+    /// Returns the opposite side.
     pub(super) fn behind(&self) -> Side {
         Side {
             normal: -self.normal,
@@ -53,12 +55,12 @@ impl Side {
         }
     }
 
-    /// How far in a point is, in units; below 0 outside.
+    /// Returns the signed distance of a point, in units; negative outside.
     pub(super) fn inside(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.offset
     }
 
-    /// The most and the least that corners are inside.
+    /// Returns the maximum and the minimum signed distance of corners.
     fn range(&self, corners: &[Corner]) -> [f64; 2] {
         let start = [f64::NEG_INFINITY, f64::INFINITY];
         corners.iter().fold(start, |[most, least], corner| {
@@ -67,7 +69,7 @@ impl Side {
         })
     }
 
-    /// What of a polygon lies inside; empty where it only touches. A polygon in the plane is on both of its sides.
+    /// Clips a polygon to this side; returns no corners if it only touches. A polygon in the plane is on both sides.
     pub(super) fn cut(&self, polygon: Vec<Corner>) -> Vec<Corner> {
         let [most, least] = self.range(&polygon);
         if least >= -ON {
@@ -81,7 +83,7 @@ impl Side {
             let next = polygon[(nth + 1) % polygon.len()];
             let [here, there] = [corner.at, next.at].map(|at| self.inside(at));
             if here >= -ON {
-                // From the plane on, the edge to the next corner that is kept lies in it.
+                // When the outline leaves through the plane, the next kept edge is in the plane.
                 let leaves = here <= ON && there < -ON;
                 let edge = if leaves { *self } else { corner.edge };
                 kept.push(Corner { edge, ..corner });
@@ -95,7 +97,7 @@ impl Side {
         kept
     }
 
-    /// Where the line from one end to the other meets the plane. The same point whichever end is named first.
+    /// Returns the intersection of a line segment with the plane; bit-identical for both directions of the segment.
     fn between(&self, ends: [DVec3; 2], inside: [f64; 2]) -> DVec3 {
         let first = usize::from(inside[0] < inside[1]);
         let [from, to] = [ends[first], ends[1 - first]];
@@ -112,7 +114,8 @@ impl Side {
         point
     }
 
-    /// The whole plane, as far as the world goes; empty where the plane lies outside. Counter-clockwise seen from inside.
+    /// Returns a polygon that covers the plane across the whole world; empty if the plane is outside it.
+    /// Counter-clockwise seen from the front.
     pub(super) fn sheet(&self) -> Vec<Corner> {
         if self.offset.abs() > 2.0 * HALF {
             return Vec::new();
@@ -136,7 +139,7 @@ impl Side {
     }
 }
 
-/// The six sides of a box, from its least to its greatest corner, which look into it.
+/// Returns the six sides of a box, given its minimum and maximum corner; their fronts point into it.
 pub(super) fn sides_of([least, most]: [DVec3; 2]) -> [Side; 6] {
     std::array::from_fn(|at| {
         let axis = at / 2;

@@ -1,7 +1,7 @@
-//! The convex part of the world that a node of the tree divides.
+//! The convex region of a node: the part of the world that it splits.
 //!
-//! Kept are the planes that bound it and what of each does so: a plane of which nothing is left is dropped, so that a node
-//! costs as much as its part of the world has sides, however deep it stands.
+//! A region stores its bounding planes, each with its face polygon. Planes without a remaining face are dropped, so a
+//! node costs as much as its region has faces, however deep it is in the tree.
 
 use super::polygon::{Corner, Side, sides_of};
 use glam::DVec3;
@@ -14,13 +14,13 @@ pub(super) struct Region {
 
 #[derive(Clone, Debug)]
 struct Face {
-    /// It looks into the region.
+    /// Its front points into the region.
     side: Side,
     corners: Vec<Corner>,
 }
 
 impl Region {
-    /// A box, from its least to its greatest corner.
+    /// Creates a box from its minimum and maximum corner.
     pub(super) fn of_box(corners: [DVec3; 2]) -> Region {
         let sides = sides_of(corners);
         let faces = sides.iter().map(|&side| Face {
@@ -34,7 +34,7 @@ impl Region {
         }
     }
 
-    /// What of a plane is in the region; empty where it is all on one side.
+    /// Returns the cross-section of the region with a plane; empty if the region is on one side of it.
     pub(super) fn across(&self, side: &Side) -> Vec<Corner> {
         let sheet = side.sheet();
         self.faces
@@ -42,7 +42,7 @@ impl Region {
             .fold(sheet, |corners, face| cut(&face.side, corners))
     }
 
-    /// The part on one side of a plane, of which `across` is in the region.
+    /// Returns the part of the region on one side of a plane, whose cross-section is `across`.
     pub(super) fn part(&self, side: &Side, across: &[Corner]) -> Region {
         let kept = self.faces.iter().filter_map(|face| {
             let corners = cut(side, face.corners.clone());
@@ -61,12 +61,12 @@ impl Region {
         Region { faces }
     }
 
-    /// Nothing is in it.
+    /// Returns `true` if the region has no faces.
     pub(super) fn is_empty(&self) -> bool {
         self.faces.is_empty()
     }
 
-    /// Bytes of memory that it takes.
+    /// Returns its size in memory, in bytes.
     pub(super) fn bytes(&self) -> u64 {
         let faces = self.faces.iter().map(|face| {
             let corners = face.corners.len() * size_of::<Corner>();

@@ -1,4 +1,4 @@
-//! Houses whose rooms know what can be seen from them.
+//! Houses with baked PVS cells.
 
 mod plan;
 
@@ -35,14 +35,14 @@ const ANNEX: [&str; 6] = [
     "#########",
 ];
 
-/// Where the annex stands: its door `Y` is the house's door `X`.
+/// Position of the annex: its door `Y` coincides with the house's door `X`.
 const ANNEX_FROM: [f32; 2] = [18.0, 5.0];
 
-/// A house of six rooms and an annex of two, each with cells: what can be seen from each room was computed ahead.
+/// A house of six rooms and an annex of two, each with baked PVS cells.
 ///
-/// In every room stand a box, a ball and a pillar. A carpet reaches through a door, a pane of glass stands in another, a bush
-/// in a third, and a block in the rock between two rooms, where no one sees it. A door leads from the house into the annex
-/// and back; a mirror hangs in room `c`; a gate in room `h` leads into room `d`, turned and one way.
+/// Every room contains a box, a ball and a pillar. A carpet extends through one door, a pane of glass is in another, a
+/// bush in a third, and an invisible block in the rock between two rooms. A door leads from the house into the annex
+/// and back; a mirror hangs in room `c`; a one-way gate in room `h` leads into room `d`, rotated.
 pub(crate) fn house() -> BuiltIn {
     let [mut house, mut annex] = [Stage::new(), Stage::new()];
     for (stage, plan) in [
@@ -108,7 +108,7 @@ pub(crate) fn house() -> BuiltIn {
     )
 }
 
-/// A box, a ball and a pillar in every room.
+/// Adds a box, a ball and a pillar to every room.
 fn furnish(stage: &mut Stage, plan: &Plan) {
     for room in plan.open.iter().filter(|open| !open.is_doorway) {
         let [low, high] = plan.bounds(room);
@@ -127,8 +127,9 @@ fn furnish(stage: &mut Stage, plan: &Plan) {
     }
 }
 
-/// A house made by chance, the same for the same number: rooms in rows and columns, doors between neighbours, all of it in
-/// one sector with cells. Items whose names end in `box`, `ball` or `pillar` stand free; all others are its walls.
+/// Creates a random house: rooms in rows and columns with doors between neighbours, all in one sector with baked cells.
+/// The same seed gives the same house. Items whose names end in `box`, `ball` or `pillar` are free-standing; all others
+/// are walls, floors and ceilings.
 pub fn random_house(seed: u64) -> BuiltIn {
     let mut random = Random::new(seed);
     let mut ends = || -> Vec<usize> {

@@ -1,4 +1,4 @@
-//! Floor plans drawn in squares of a metre: their walls, and what can be seen from where.
+//! Floor plans drawn in squares of a metre: their walls, and their PVS.
 
 use super::super::stage::{BROWN, GREY, Stage, WHITE, sheet};
 use crate::shape::Shape;
@@ -11,12 +11,12 @@ use std::ops::Range;
 /// Heights of rooms and of doorways.
 const HIGH: [f32; 2] = [3.0, 2.0];
 
-/// A rectangle of the plan that is open: a room, or a doorway through a wall.
+/// An open rectangle of the plan: a room, or a doorway through a wall.
 #[derive(Clone, Debug)]
 pub(crate) struct Open {
     pub(crate) name: String,
     pub(crate) is_doorway: bool,
-    /// Columns and rows, from the first to the one after the last.
+    /// Columns and rows, half-open.
     pub(crate) x: Range<usize>,
     pub(crate) z: Range<usize>,
 }
@@ -24,10 +24,10 @@ pub(crate) struct Open {
 /// Rooms and doorways in solid rock.
 pub(crate) struct Plan {
     size: [usize; 2],
-    /// Where its first column and row stand.
+    /// Position of the first column and row.
     from: [f32; 2],
     pub(crate) open: Vec<Open>,
-    /// By row and column: what is open there.
+    /// By row and column: index of the open rectangle there.
     squares: Vec<Option<usize>>,
 }
 
@@ -35,9 +35,9 @@ pub(crate) struct Plan {
 #[derive(Clone, Copy)]
 struct Edge {
     name: &'static str,
-    /// To the square beyond.
+    /// Step to the square beyond.
     way: [i32; 2],
-    /// From the middle to its ends, left and right as seen from within.
+    /// Offsets of its ends from the square's centre, left and right as seen from within.
     ends: [[f32; 2]; 2],
 }
 
@@ -65,7 +65,7 @@ const EDGES: [Edge; 4] = [
 ];
 
 impl Plan {
-    /// A letter is a room, a figure or a capital a doorway; each fills a rectangle. `#` is rock.
+    /// Parses a plan: a letter is a room, a digit or a capital a doorway; each fills a rectangle. `#` is rock.
     pub(crate) fn drawn(from: [f32; 2], rows: &[&str]) -> Plan {
         let mut open: BTreeMap<char, Open> = BTreeMap::new();
         for (z, row) in rows.iter().enumerate() {
@@ -98,13 +98,13 @@ impl Plan {
         }
     }
 
-    /// The least and the greatest x and z of a room.
+    /// Returns the minimum and maximum x and z of a room.
     pub(crate) fn bounds(&self, room: &Open) -> [[f32; 2]; 2] {
         let at = |x: usize, z: usize| [self.from[0] + x as f32, self.from[1] + z as f32];
         [at(room.x.start, room.z.start), at(room.x.end, room.z.end)]
     }
 
-    /// What is open in a square; `None` outside.
+    /// Returns the index of the open rectangle at a square; `None` in rock or outside.
     fn at(&self, [x, z]: [i32; 2]) -> Option<usize> {
         let [x, z] = [usize::try_from(x).ok()?, usize::try_from(z).ok()?];
         let inside = x < self.size[0] && z < self.size[1];
@@ -116,8 +116,8 @@ impl Plan {
         !((0..width).contains(&x) && (0..depth).contains(&z))
     }
 
-    /// Builds the walls: an item for each side of a room, and one for each floor and ceiling. A doorway that ends at the edge
-    /// of the plan stays open there.
+    /// Builds the walls: an item for each side of a room, and one for each floor and ceiling. A doorway at the edge of
+    /// the plan stays open there.
     pub(crate) fn build(&self, stage: &mut Stage) {
         let mut shapes: BTreeMap<String, Shape> = BTreeMap::new();
         for (number, room) in self.open.iter().enumerate() {
@@ -143,7 +143,7 @@ impl Plan {
                     }
                     let middle = corner + vec3(0.5, 0.0, 0.5);
                     let [start, end] = ends.map(|[x, z]| middle + vec3(x, 0.0, z));
-                    // Up to the height of doorways, and above: neighbours share their corners.
+                    // Split at the height of doorways, so that neighbours share their corners.
                     if other.is_none() {
                         add(name, wall, start, end - start, Vec3::Y * HIGH[1]);
                     }
@@ -160,7 +160,7 @@ impl Plan {
         }
     }
 
-    /// The cells: one for each room and each doorway, in order, and what is seen between them.
+    /// Bakes the cells: one for each room and each doorway, in order, and the PVS between them.
     pub(crate) fn bake(&self) -> BakedCells {
         let cells = Cells::new(self.open.len() as u32, self.portals()).expect("doorways are flat and convex");
         let pairs = VisiblePairs::compute(&cells, &PairsOptions::default()).expect("little memory");
@@ -177,7 +177,7 @@ impl Plan {
         BakedCells::new(tree, &row_of, rows).expect("a tree over squares is sound")
     }
 
-    /// Where doorways border rooms.
+    /// Returns the portals between doorways and rooms.
     fn portals(&self) -> Vec<Portal> {
         let mut portals = Vec::new();
         for (number, door) in self.open.iter().enumerate().filter(|(_, open)| open.is_doorway) {
@@ -189,7 +189,7 @@ impl Plan {
                 let middle = [self.from[0] + x as f32 + 0.5, self.from[1] + z as f32 + 0.5];
                 let [start, end] = ends.map(|[x, z]| [middle[0] + x, middle[1] + z].map(f64::from));
                 let corner = |[x, z]: [f64; 2], y: f32| [x, f64::from(y), z];
-                // As walls, counter-clockwise from within.
+                // As for walls, counter-clockwise as seen from within.
                 let [low, high] = [0.0, HIGH[1]];
                 portals.push(Portal {
                     corners: vec![
@@ -205,7 +205,7 @@ impl Plan {
         portals
     }
 
-    /// The tree over a part of the plan.
+    /// Builds the cell tree over a part of the plan.
     fn part(&self, tree: &mut CellTree, [x, z]: [Range<usize>; 2]) -> CellSide {
         let here = |[x, z]: [usize; 2]| self.at([x as i32, z as i32]);
         let first = here([x.start, z.start]);
@@ -223,7 +223,7 @@ impl Plan {
                 CellSide::Cell(CellId(open as u32)),
             );
         }
-        // Where something ends, near the middle.
+        // Split where a room or doorway ends, near the middle.
         let is_end = |axis: usize, at: usize| {
             let before = |k: usize| {
                 if axis == 0 {
@@ -257,7 +257,7 @@ impl Plan {
     }
 }
 
-/// Adds a plane, and gives the side that it is.
+/// Adds a plane to the tree, and returns the new node as a side.
 fn add(tree: &mut CellTree, normal: Vec3, distance: f32, front: CellSide, back: CellSide) -> CellSide {
     tree.nodes.push(CellNode {
         normal: normal.to_array().map(f64::from),

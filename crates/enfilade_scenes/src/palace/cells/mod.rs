@@ -1,8 +1,7 @@
-//! The painted gallery: bays along the garden whose walls are flat and bound convex spaces, so that they are seen by the
-//! method `cell`.
+//! The painted gallery: bays along the garden with flat walls and convex interiors, rendered by the method `cell`.
 //!
-//! Panels, frames and pictures are painted, or flush with the walls; what stands in the bays is cut out or of glass.
-//! Between each two there is the thickness of a wall, a small cell of its own.
+//! Panels, frames and pictures are painted or flush with the walls; items in the bays are alpha-tested or
+//! alpha-blended. Between two bays the thickness of the wall is a small separate cell.
 
 mod shell;
 
@@ -20,7 +19,7 @@ use enfilade::{GeometryBuilder, MaterialId, OpeningId, Transform};
 use glam::Vec2;
 use shell::{Painted, Vaulting};
 
-/// Height of the walls of the bays, as high as the panels painted on them.
+/// Height of the bays' walls, equal to the height of the panels painted on them.
 const HEIGHT: f32 = 4.4;
 
 /// A bay, or the thickness of a wall between two.
@@ -41,7 +40,7 @@ enum Kind {
         rug: ([f32; 2], Rug),
         curtains: MaterialId,
     },
-    /// Between the doors at both of its ends.
+    /// The passage through a wall, between the doors at both ends.
     Threshold,
 }
 
@@ -138,7 +137,7 @@ pub(crate) const CELLS: [Cell; 9] = [
 ];
 
 impl Cell {
-    /// Makes it; gives its openings too, each with the number of its door.
+    /// Builds the cell; also returns its openings, each with the index of its door.
     pub(crate) fn build(&self, shop: &mut Workshop) -> (Closed, Vec<(usize, OpeningId)>) {
         let mut geometry = palette::geometry();
         let ends = self.ends();
@@ -174,7 +173,7 @@ impl Cell {
         (Closed::of(geometry, lamps), openings)
     }
 
-    /// The doors and windows that are holes in its walls.
+    /// Returns the doors and windows in its walls.
     fn ends(&self) -> Vec<shell::End> {
         (DOORS.iter().enumerate())
             .filter(|(_, door)| door.from == self.name || door.to == self.name)
@@ -190,7 +189,7 @@ impl Cell {
         }
     }
 
-    /// What is cut out or of glass: a rug, curtains at the windows, a lustre.
+    /// Adds the alpha-tested and alpha-blended items: a rug, curtains at the windows, a lustre.
     fn furnish(
         &self,
         geometry: &mut GeometryBuilder,
@@ -222,7 +221,7 @@ impl Cell {
             let wide = 0.42 * window.gate.width;
             let cloth = drapery::curtain(shop, wide, top + 0.1, curtains, LACE);
             let [x, z] = window.gate.at;
-            // Windows look north: their walls' frames look south.
+            // Windows are in the northern wall, whose frames face south.
             for side in [-1.0_f32, 1.0] {
                 let mirrored = Transform::scaling([side, 1.0, 1.0]);
                 let reach = 0.5 * window.gate.width + 0.45;
@@ -243,7 +242,7 @@ impl Cell {
     }
 }
 
-/// A lustre of nothing but glass, its lowest point at the origin.
+/// A lustre of glass, its lowest point at the origin.
 fn lustre() -> Shape {
     let stem = [
         [0.0, 0.0],

@@ -1,7 +1,7 @@
 //! The closed surface of a convex cell: every wall is one plane, with openings, frames and pictures in it.
 //!
-//! What meets is made of the same corners, bit for bit, as in [`envelope`](crate::envelope); but holes have no depth, and
-//! each is filled by an opening or by a picture.
+//! Adjacent surfaces share their corners bit for bit, as in [`envelope`](crate::envelope). Unlike there, holes have no
+//! depth, and each is filled by an opening or a picture.
 
 use super::HEIGHT;
 use crate::envelope::{Plan, Side, inwards};
@@ -12,25 +12,25 @@ use enfilade::{ConvexPolygon, MaterialId};
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::f64::consts::FRAC_PI_2;
 
-/// How broad the flat frames are round openings and pictures.
+/// Width of the flat frames around openings and pictures.
 const FRAME: f32 = 0.16;
 const GILT: f32 = 0.11;
-/// A picture's size, as pictures are painted, and the height of its foot.
+/// Size of a picture, in the aspect ratio of the paintings, and the height of its foot.
 const PICTURE: [f32; 2] = [2.0, 1.5];
 const PICTURE_FOOT: f32 = 1.55;
-/// Panels are about so broad.
+/// Approximate width of a panel.
 const PANEL: f32 = 1.1;
 
-/// What is over the walls, none of it hollow seen from inside.
+/// The ceiling; convex as seen from inside.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Vaulting {
-    /// How far it reaches inwards, and how far up.
+    /// Horizontal and vertical extent of the curve.
     Cove(f32, f32),
-    /// Its height.
+    /// Height.
     Dome(f32),
 }
 
-/// A picture in a wall, and how far its middle is from the wall's left end.
+/// A picture in a wall, and the distance of its middle from the wall's left end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Painted {
     side: Side,
@@ -46,19 +46,19 @@ impl Painted {
 
 /// One side of a door or window.
 pub(crate) struct End {
-    /// Of the door, in its list.
+    /// Index of the door.
     pub(crate) number: usize,
     pub(crate) gate: Gate,
-    /// The wall it is in.
+    /// The wall that contains it.
     side: Side,
-    /// Its outline, counter-clockwise seen from inside, from the lower left corner.
+    /// Outline, counter-clockwise as seen from inside, from the lower left corner.
     pub(crate) corners: Vec<Vec3>,
-    /// The same of the frame round it.
+    /// Outline of its frame.
     frame: Vec<Vec3>,
 }
 
 impl End {
-    /// `near`: is this the side from which one looks as the gate says?
+    /// Creates one side of a gate: with `near` the side of the gate's near room, else that of its far room.
     pub(crate) fn new(number: usize, gate: &Gate, near: bool) -> End {
         let wider = Gate {
             width: gate.width + 2.0 * FRAME,
@@ -98,7 +98,7 @@ impl End {
     }
 }
 
-/// The outline that one sees from the other side, again from the lower left corner.
+/// Returns the outline as seen from the other side, again from the lower left corner.
 fn from_behind(outline: &[Vec3]) -> Vec<Vec3> {
     let mut turned = vec![outline[1], outline[0]];
     turned.extend(outline[2..].iter().rev());
@@ -205,7 +205,7 @@ impl Wall {
         self.holes.push(frame.to_vec());
     }
 
-    /// The wall round all that: as many panels as go into it.
+    /// Fills the rest of the wall with as many panels as fit.
     fn finished(mut self, panels: MaterialId) -> Shape {
         let length = self.left.distance(self.right);
         let count = (length / PANEL).round().max(1.0);
@@ -226,7 +226,7 @@ impl Wall {
 /// Rings over the walls, and the flat middle.
 fn ceiling(plan: Plan, corners: &[Vec2], vaulting: Vaulting) -> Shape {
     const STEPS: usize = 6;
-    // No two sides show the same clouds; and about so far they are from ring to ring.
+    // Shifted, so that no two sides show the same clouds; also the approximate distance between rings.
     const SHIFT: f32 = 1.7;
     const RISE: f32 = 1.0;
     let ring = |step: usize| -> Vec<Vec3> {
@@ -237,7 +237,7 @@ fn ceiling(plan: Plan, corners: &[Vec2], vaulting: Vaulting) -> Shape {
         let (plan, up) = match vaulting {
             Vaulting::Cove(inset, rise) => (inwards(corners, inset * (1.0 - cos as f32)), rise * sin as f32),
             Vaulting::Dome(rise) => {
-                // Not quite to its top, where an eye is left.
+                // Stops below the top, where an oculus remains.
                 let (sin, cos) = (0.86 * FRAC_PI_2 * step as f64 / STEPS as f64).sin_cos();
                 let center = plan.center();
                 let scaled = corners.iter().map(|&at| center + (at - center) * cos as f32);
@@ -256,7 +256,7 @@ fn ceiling(plan: Plan, corners: &[Vec2], vaulting: Vaulting) -> Shape {
         for i in 0..below.len() {
             let next = (i + 1) % below.len();
             let face = [below[i], below[next], above[next], above[i]];
-            // As it is along the wall and up from it: the same all over a face, however it narrows.
+            // Texture coordinates along the wall and upwards, uniform over a face even where it narrows.
             let right = (below[next] - below[i]).normalize();
             let up = (above[i] - below[i]).reject_from(right).normalize();
             let middle = 0.5 * (below[i] + below[next]);
@@ -279,12 +279,12 @@ fn ceiling(plan: Plan, corners: &[Vec2], vaulting: Vaulting) -> Shape {
     shape
 }
 
-/// The sides of a hole through a wall, between the two openings at its ends.
+/// Creates the sides of a hole through a wall, between the two openings at its ends.
 pub(crate) fn threshold(ends: &[End]) -> Vec<Shape> {
     let [a, b] = ends else {
         return Vec::new();
     };
-    // Both run as they are seen from within; seen from before the wall, the nearer one runs the other way.
+    // Both outlines are as seen from within; the near one is reversed here.
     let [near, far] = [from_behind(&a.corners), b.corners.clone()];
     let mut pieces = Vec::new();
     let mut shape = Shape::new();

@@ -1,4 +1,4 @@
-//! The palace as it is seen from the garden: the end of the enfilade in the east, the wing of the painted gallery in the
+//! The palace's facades towards the garden: the end of the enfilade in the east, the wing of the painted gallery in the
 //! south.
 
 use super::AXIS;
@@ -11,11 +11,11 @@ use crate::shape::{Shape, block, moulding, prism};
 use enfilade::{MaterialId, Transform};
 use glam::{Vec2, Vec3, vec2, vec3};
 
-/// Height of the walls: above them is the roof.
+/// Height of the walls, below the roof.
 pub(super) const HEIGHT: f32 = 9.0;
 
-/// In the eastern wall: middles of bays, as z, and between which of them pilasters stand. Where no window looks out, one is
-/// painted black.
+/// Bays of the eastern wall: middles as z, and which of them have pilasters between. Bays without a window get a blind
+/// one.
 const EAST_BAYS: [f32; 15] = [
     -95.1, -99.9, -104.65, -109.35, -114.27, AXIS, -119.77, -124.7, -129.7, -134.7, -139.7, -144.7, -149.7,
     -154.7, -159.0,
@@ -25,7 +25,7 @@ const EAST_PILASTERS: [f32; 14] = [
     -161.4,
 ];
 
-/// The same in the southern wall, as x.
+/// Bays of the southern wall, as x.
 const SOUTH_BAYS: [f32; 14] = [
     -9.6, -12.5, -17.0, -21.0, -25.0, -27.75, -30.5, -34.5, -38.5, -43.5, -48.5, -53.5, -58.5, -63.5,
 ];
@@ -33,7 +33,7 @@ const SOUTH_PILASTERS: [f32; 11] = [
     -14.9, -19.0, -23.2, -32.3, -36.5, -41.0, -46.0, -51.0, -56.0, -61.0, -65.4,
 ];
 
-/// The middle of the eastern wall, under a pediment: where it begins and ends, as z.
+/// Extent of the pedimented middle of the eastern wall, as z.
 const MIDDLE: [f32; 2] = [-122.6, -111.4];
 
 pub(super) fn build(room: &mut Room) {
@@ -80,10 +80,10 @@ const CORNICE: [[f32; 2]; 8] = [
 ];
 const RAIL_FOOT: [[f32; 2]; 4] = [[0.0, 0.0], [0.34, 0.0], [0.34, 0.1], [0.0, 0.1]];
 const RAIL: [[f32; 2]; 5] = [[0.0, 0.0], [0.3, 0.0], [0.36, 0.08], [0.3, 0.2], [0.0, 0.2]];
-/// Steep, for half of the wall's depth is all there is for it.
+/// Steep, because the roof has only half of the wall's depth.
 const ROOF: [[f32; 2]; 4] = [[0.0, 0.0], [-0.28, 2.3], [-0.24, 2.32], [-0.36, 2.5]];
 
-/// Pilasters, and windows where none look out.
+/// Adds pilasters and blind windows.
 fn bays(room: &mut Room, side: Side, bays: &[f32], pilasters: &[f32]) {
     let [upper, lower] = [upper_window(room.shop), lower_window(room.shop)];
     let giant = column::pilaster(room.shop, 7.4, PALE_STONE, STONE);
@@ -114,7 +114,7 @@ fn bays(room: &mut Room, side: Side, bays: &[f32], pilasters: &[f32]) {
     }
 }
 
-/// Posts along the top of the walls, but for where the pediment stands, and blocks between their rows.
+/// Adds a balustrade along the top of the walls, except at the pediment.
 fn parapet(room: &mut Room, path: &[Vec2; 3]) {
     const BAY: f32 = 4.0;
     let row = room.shop.piece("row of balusters".to_owned(), || {
@@ -194,7 +194,7 @@ fn pediment(room: &mut Room) {
     room.put("pediment", &mesh, wall.at(middle, 0.0));
 }
 
-/// On the roof, as thin as it is.
+/// The roof, as thin as the walls' depth allows.
 fn chimneys(room: &mut Room) {
     let mut shape = Shape::new();
     for z in [-98.0, -108.0, -126.0, -138.0, -150.0] {

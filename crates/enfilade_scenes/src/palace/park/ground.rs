@@ -1,7 +1,7 @@
-//! The ground of the garden: how high it is, and what lies on it.
+//! Terrain of the garden, and paving on it.
 //!
-//! A terrace along the walls, a bank down to a lawn with a basin in it, a knoll for the pavilion, a dry valley north of it; at
-//! the edges it rises to hills, so that nobody looks over them, nor walks past.
+//! A terrace along the walls, a bank down to a lawn with a basin, a knoll for the pavilion, a dry valley north of it.
+//! At the edges it rises to hills that block view and movement.
 
 use super::{AXIS, BASIN, BASIN_RADII, KNOLL};
 use crate::palace::palette::MEADOW;
@@ -11,21 +11,21 @@ use enfilade::{HeightField, MaterialId, Transform};
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::sync::Arc;
 
-/// Where the first sample stands, how far they are apart, and how many there are from west to east and from north to south.
-/// The last ones stand within the walls.
+/// Position of the first sample, their spacing, and their numbers from west to east and from north to south. The last
+/// samples are within the walls.
 const CORNER: Vec2 = vec2(-119.2, -176.2);
 const CELL: f32 = 0.875;
 const SAMPLES: [u32; 2] = [129, 97];
 
-/// The terrace, just above the foot of the walls, and the lawn below it.
+/// Height of the terrace, just above the foot of the walls, and of the lawn below it.
 pub(super) const TERRACE: f32 = 0.04;
 pub(super) const LAWN_LEVEL: f32 = -1.5;
-/// Where the bank begins and ends: so far from the walls in the east, and from those in the south.
+/// Distances from the walls at which the bank begins and ends, in the east and in the south.
 pub(super) const BANK: [[f32; 2]; 2] = [[17.0, 20.6], [9.0, 12.6]];
-/// How high hills are at the edges, and how far in they reach.
+/// Height of the hills at the edges, and their width.
 const HILLS: [f32; 2] = [10.8, 22.0];
 
-/// The edges that no wall stands at, each from one end to the other.
+/// Edges without walls, as end points.
 const EDGES: [[Vec2; 2]; 4] = [
     [vec2(-119.2, -92.2), vec2(-70.0, -92.2)],
     [vec2(-119.2, -92.2), vec2(-119.2, -176.2)],
@@ -33,7 +33,7 @@ const EDGES: [[Vec2; 2]; 4] = [
     [vec2(-7.2, -176.2), vec2(-7.2, -166.0)],
 ];
 
-/// Heights on a grid, and the triangles between them.
+/// A height field and its triangles.
 pub(super) struct Ground {
     field: Arc<HeightField>,
 }
@@ -51,13 +51,13 @@ impl Ground {
         }
     }
 
-    /// Puts it in.
+    /// Adds the terrain to a room.
     pub(super) fn lay(&self, room: &mut Room) {
         let at = Transform::translation([CORNER.x, 0.0, CORNER.y]);
         room.ground(Arc::clone(&self.field), MEADOW, at);
     }
 
-    /// How high the ground is at (x, z).
+    /// Returns the height of the ground at (x, z).
     pub(super) fn height(&self, at: Vec2) -> f32 {
         let most = vec2(SAMPLES[0] as f32 - 1.001, SAMPLES[1] as f32 - 1.001);
         let on_grid = ((at - CORNER) / CELL).clamp(Vec2::ZERO, most);
@@ -74,12 +74,12 @@ impl Ground {
         }
     }
 
-    /// Where something stands on it.
+    /// Returns a point on the ground.
     pub(super) fn on(&self, at: Vec2) -> Vec3 {
         vec3(at.x, self.height(at), at.y)
     }
 
-    /// A convex piece of the plan laid on the ground, `over` it.
+    /// Projects a convex polygon of the plan onto the ground, raised by `over`.
     pub(super) fn laid(&self, material: MaterialId, outline: &[Vec2], over: f32) -> Shape {
         let least = outline.iter().copied().fold(Vec2::INFINITY, Vec2::min);
         let most = outline.iter().copied().fold(Vec2::NEG_INFINITY, Vec2::max);
@@ -108,13 +108,13 @@ impl Ground {
     }
 }
 
-/// The height of the plane through three points over a place of the plan.
+/// Returns the height of the plane through three points at a plan position.
 fn plane_at([a, b, c]: [Vec3; 3], at: Vec2) -> f32 {
     let normal = (b - a).cross(c - a);
     a.y - (normal.x * (at.x - a.x) + normal.z * (at.y - a.z)) / normal.y
 }
 
-/// How far a place is from the nearest edge without a wall.
+/// Returns the distance to the nearest edge without a wall.
 pub(super) fn to_the_edge(at: Vec2) -> f32 {
     let to = |[from, to]: [Vec2; 2]| {
         let along = to - from;
@@ -124,18 +124,18 @@ pub(super) fn to_the_edge(at: Vec2) -> f32 {
     EDGES.into_iter().map(to).fold(f32::INFINITY, f32::min)
 }
 
-/// How far a place is from the middle of the basin, where its edge is 1 away.
+/// Returns the distance from the middle of the basin, relative to the distance of its edge.
 pub(super) fn to_the_basin(at: Vec2) -> f32 {
     ((at - BASIN) / BASIN_RADII).length()
 }
 
-/// The height of the ground at (x, z).
+/// Returns the designed height at (x, z), before it is sampled.
 fn relief(at: Vec2) -> f32 {
     let [west, north] = [-7.45 - at.x, -92.45 - at.y];
     let below = rise(BANK[0][0], BANK[0][1], west) * rise(BANK[1][0], BANK[1][1], north);
     let mut height = TERRACE + (LAWN_LEVEL - TERRACE) * below;
     let knoll = 1.0 - rise(9.0, 24.0, at.distance(KNOLL));
-    // The lawn is even along the axis, and rolls beside it.
+    // The lawn is flat along the axis, and undulates beside it.
     let wild = below * rise(12.0, 24.0, (at.y - AXIS).abs()) * (1.0 - knoll);
     height += wild * 0.55 * ((0.19 * at.x + 0.6).sin() * (0.16 * at.y).sin() + (0.11 * (at.x - at.y)).sin());
     // A dry valley, bending north.
@@ -150,7 +150,7 @@ fn relief(at: Vec2) -> f32 {
     height + HILLS[0] * hill * uneven
 }
 
-/// 0 up to `from`, 1 from `to` on, smooth in between.
+/// Smoothstep: 0 up to `from`, 1 from `to` on.
 fn rise(from: f32, to: f32, value: f32) -> f32 {
     let part = ((value - from) / (to - from)).clamp(0.0, 1.0);
     part * part * (3.0 - 2.0 * part)

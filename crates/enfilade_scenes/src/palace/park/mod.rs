@@ -1,5 +1,5 @@
-//! The garden before the last rooms of the enfilade: ground with relief, woods, a basin, and a pavilion that is seen from
-//! the windows, and from which they are seen.
+//! The garden before the last rooms of the enfilade: terrain, woods, a basin, and a pavilion. Pavilion and windows are
+//! visible from each other.
 
 mod facade;
 mod ground;
@@ -15,7 +15,7 @@ use crate::envelope::{Ceiling, Plan, Side};
 use glam::{Vec2, vec2};
 use ground::Ground;
 
-/// As large as its walls are long; the ground reaches farther.
+/// Extent of its walls; the terrain is larger.
 pub(crate) const GARDEN: Design = Design {
     name: "Garden",
     plan: Plan::Rectangle([-66.0, -HALF - WALL], [-162.0, -92.0 - WALL]),
@@ -29,17 +29,17 @@ pub(crate) const GARDEN: Design = Design {
     },
 };
 
-/// Where it has walls.
+/// The sides that have walls.
 pub(crate) const WALLS: [Side; 2] = [Side::East, Side::South];
 
-/// The middle window of the throne room looks along this line, as z.
+/// Axis of the middle window of the throne room, as z.
 const AXIS: f32 = -117.02;
-/// Where the pavilion stands, and the basin; x and z.
+/// Positions of the pavilion and the basin; x and z.
 const KNOLL: Vec2 = vec2(-90.0, AXIS);
 const BASIN: Vec2 = vec2(-52.0, AXIS);
 const BASIN_RADII: Vec2 = vec2(12.0, 7.5);
 
-/// Lays the ground, and puts on it what stands there.
+/// Builds the ground and everything on it.
 pub(crate) fn furnish(room: &mut Room) {
     under_the_sky(room);
     let ground = Ground::new();

@@ -1,4 +1,4 @@
-//! What gardeners keep in order: the terrace with its beds, stairs down to the lawn, gravel paths, the basin.
+//! Formal parts of the garden: the terrace with its beds, stairs down to the lawn, gravel paths, the basin.
 
 use super::ground::{BANK, Ground, LAWN_LEVEL, TERRACE};
 use super::{AXIS, BASIN, BASIN_RADII, KNOLL};
@@ -12,11 +12,11 @@ use enfilade::Transform;
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::f64::consts::TAU;
 
-/// Gravel and lawns lie so high over the ground.
+/// Height of gravel and lawns above the ground.
 const GRAVEL_OVER: f32 = 0.025;
 const LAWN_OVER: f32 = 0.05;
 
-/// Half the width of the stairs and of the way along the axis.
+/// Half the width of the stairs and of the path along the axis.
 const STAIRS: f32 = 3.2;
 const WAY: f32 = 1.5;
 
@@ -38,7 +38,7 @@ fn rectangle(x: [f32; 2], z: [f32; 2]) -> [Vec2; 4] {
     ]
 }
 
-/// On the terrace and along the axis, round the basin.
+/// Gravel on the terrace, along the axis, and around the basin.
 fn gravel(room: &mut Room, ground: &Ground) {
     let mut shape = Shape::new();
     for outline in [
@@ -66,7 +66,7 @@ fn gravel(room: &mut Room, ground: &Ground) {
     room.make("gravel", &shape);
 }
 
-/// Beds of the terrace as x and z: between paths along the walls, the axis, and the balustrade.
+/// Beds of the terrace, as x and z: between paths along the walls, the axis, and the balustrade.
 const BEDS: [([f32; 2], [f32; 2]); 5] = [
     ([-21.6, -11.2], [-113.3, -104.2]),
     ([-21.6, -11.2], [-130.0, -120.8]),
@@ -75,7 +75,7 @@ const BEDS: [([f32; 2], [f32; 2]); 5] = [
     ([-47.0, -38.6], [-99.2, -95.6]),
 ];
 
-/// Grass in the beds, and on the lawn that the terrace looks on.
+/// Grass in the beds, and on the lawn below the terrace.
 fn lawns(room: &mut Room, ground: &Ground) {
     let mut shape = Shape::new();
     for (x, z) in BEDS {
@@ -97,7 +97,7 @@ fn lawns(room: &mut Room, ground: &Ground) {
             &rectangle([-28.0, -24.4], z(STAIRS + 0.8, 15.6)),
             GRAVEL_OVER,
         ));
-        // Mown to and fro.
+        // Mowing stripes in alternating directions.
         const STRIPE: f32 = 2.0;
         for (from, count) in [(before, 3), (beyond - 6.0 * STRIPE, 6)] {
             for stripe in 0..count {
@@ -184,13 +184,13 @@ fn stairs(room: &mut Room) {
     }
 }
 
-/// Water within a kerb of stone, and a fountain in its middle.
+/// Water within a stone kerb, and a fountain in its middle.
 fn basin(room: &mut Room) {
     const SIDES: usize = 64;
     let ring: Vec<Vec2> = crate::shape::around(SIDES)
         .map(|at| BASIN + BASIN_RADII * at)
         .collect();
-    // As a moulding's path: the room on the right, which is the outside of the kerb.
+    // Moulding paths have the room on the right, which here is the outside of the kerb.
     let kerb = [
         [-0.4, -1.6],
         [-0.4, 0.2],
@@ -212,7 +212,7 @@ fn basin(room: &mut Room) {
     );
 }
 
-/// Along the edge of the terrace, open where the stairs go down.
+/// A balustrade along the edge of the terrace, open at the stairs.
 fn balustrades(room: &mut Room) {
     const BAY: f32 = 5.0;
     let piece = room.shop.piece("garden balustrade".to_owned(), || {

@@ -11,7 +11,7 @@ use enfilade::Transform;
 use glam::{Vec3, vec3};
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
 
-/// Its floor over the ground, the height of its columns, and how far they stand from its middle.
+/// Height of its floor above the ground, height of its columns, and their distance from its middle.
 pub(super) const FLOOR: f32 = 0.54;
 const COLUMNS: f32 = 4.2;
 const RING: f32 = 3.6;
@@ -26,19 +26,19 @@ pub(super) fn build(room: &mut Room, ground: &Ground) {
     room.put("pavilion", &body, place);
     let shaft = column::plain_column(room.shop, COLUMNS, WHITE_MARBLE, PALE_STONE);
     for i in 0..8 {
-        // One looks out between two of them to all four sides.
+        // The gaps between columns face the four directions.
         let turn = Transform::rotation([0.0, 1.0, 0.0], FRAC_PI_8 + FRAC_PI_4 * f64::from(i));
         room.put("pavilion column", &shaft, place * turn * shift(RING, FLOOR, 0.0));
     }
     let base = column::pedestal(room.shop, 0.8, 1.1, PALE_STONE, STONE);
     let statue = statue::figure(room.shop, Pose::Torch, WHITE_MARBLE, GOLD);
     let turn = Transform::rotation([0.0, 1.0, 0.0], 2.0 * FRAC_PI_4);
-    // At the back, so that nothing stands between the middle and the palace.
+    // At the back, so that it does not block the view from the middle to the palace.
     room.put("pedestal", &base, place * shift(-2.6, FLOOR, 0.0) * turn);
     room.put("statue", &statue, place * shift(-2.6, FLOOR + 1.1, 0.0) * turn);
 }
 
-/// Three steps all round, and an inlaid floor on them.
+/// Three steps all around, and an inlaid floor on them.
 fn steps() -> Shape {
     const SIDES: usize = 48;
     let profile = [
@@ -58,7 +58,7 @@ fn steps() -> Shape {
     shape
 }
 
-/// What the columns carry, seen from outside and from inside.
+/// The entablature, visible from outside and inside.
 fn roof() -> Shape {
     let foot = FLOOR + COLUMNS;
     let over = |profile: &[[f32; 2]]| -> Vec<[f32; 2]> {

@@ -1,4 +1,4 @@
-//! Trees as cut-outs: boughs on cards about a trunk.
+//! Alpha-tested trees: boughs on cards around a trunk.
 
 use super::ground::{Ground, to_the_basin, to_the_edge};
 use super::{AXIS, KNOLL};
@@ -15,8 +15,8 @@ use glam::{Vec2, Vec3, vec2, vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// How a tree grows, for one a metre tall: half the breadth and half the height of its crown, where the middle of that is, how
-/// large its boughs are, and how many it has.
+/// Shape of a tree one metre tall: half width and half height of its crown, height of the crown's middle, size of its
+/// boughs, and their number.
 struct Habit {
     kind: &'static str,
     leaves: MaterialId,
@@ -26,7 +26,7 @@ struct Habit {
     count: usize,
 }
 
-/// Those that there are; the last one is slim.
+/// The kinds of trees; the last one is slim.
 const HABITS: [Habit; 4] = [
     Habit {
         kind: "lime",
@@ -62,14 +62,14 @@ const HABITS: [Habit; 4] = [
     },
 ];
 
-/// A tree of such a habit, one metre tall. Light falls on its boughs as on something round.
+/// A tree one metre tall. Normals follow the crown's ellipsoid.
 fn grown(shop: &mut Workshop, habit: &Habit) -> Arc<Mesh> {
     shop.mesh(habit.kind.to_owned(), || {
         let mut random = Random::new(habit.count as u64 + u64::from(habit.leaves.0));
         let mut boughs = Boughs::default();
         let [wide, high] = habit.crown;
         for number in 0..habit.count {
-            // Evenly about the crown, as the seeds of a sunflower are.
+            // Evenly distributed over the crown by the golden angle.
             let up = 1.0 - 2.0 * (number as f32 + 0.5) / habit.count as f32;
             let (sin, cos) = (2.399_963_f64 * number as f64).sin_cos();
             let level = (1.0 - up * up).sqrt();
@@ -83,7 +83,7 @@ fn grown(shop: &mut Workshop, habit: &Habit) -> Arc<Mesh> {
     })
 }
 
-/// Cards, each of two faces, back to back.
+/// Cards, each of two faces back to back.
 #[derive(Default)]
 struct Boughs {
     positions: Vec<[f32; 3]>,
@@ -96,7 +96,7 @@ impl Boughs {
     fn add(&mut self, at: Vec3, facing: Vec3, out: Vec3, half: f32) {
         let right = Vec3::Y.cross(facing).normalize_or(Vec3::X);
         let up = facing.cross(right);
-        // What is drawn turns a normal that points away from the eye: so each side has one that does not.
+        // Shading flips a normal that points away from the eye, so each side has its normal on its own side.
         for front in [facing, -facing] {
             let first = self.positions.len() as u32;
             let round = out + Vec3::Y * 0.55;
@@ -115,7 +115,7 @@ impl Boughs {
         }
     }
 
-    /// With a trunk that reaches into the crown.
+    /// Adds a trunk that reaches into the crown.
     fn mesh(&self, habit: &Habit) -> Arc<Mesh> {
         let sides = vec![4; self.corners.len() / 4];
         let part = Part {
@@ -187,7 +187,7 @@ pub(super) fn plant(room: &mut Room, ground: &Ground) {
     wild_flowers(room, ground);
 }
 
-/// Single trees in the meadows: x and z.
+/// Solitary trees in the meadows: x and z.
 const SINGLE: [[f32; 2]; 14] = [
     [-36.0, -140.0],
     [-44.5, -136.5],
@@ -205,19 +205,20 @@ const SINGLE: [[f32; 2]; 14] = [
     [-48.0, -157.0],
 ];
 
-/// Is it kept clear of trees: the views along the axis and from the hill, and what stands at the walls?
+/// Returns `true` for positions kept clear of trees: the views along the axis and from the hill, and the strip along
+/// the walls.
 fn is_cleared(at: Vec2) -> bool {
     let view = HILL_VIEW[1] - HILL_VIEW[0];
     let off = at - HILL_VIEW[0];
     let part = off.dot(view) / view.length_squared();
     let beside = off.perp_dot(view).abs() / view.length();
     let in_view = part > -0.05 && beside < 3.0 + 14.0 * part.max(0.0);
-    // Crowns must not reach beyond the walls.
+    // Crowns must not extend beyond the walls.
     let at_the_walls = at.x > -14.5 || at.y > -98.5;
     in_view || at_the_walls || at.distance(KNOLL) < 10.0
 }
 
-/// From where one looks down on the garden, and to where.
+/// A viewpoint above the garden, and its target.
 const HILL_VIEW: [Vec2; 2] = [vec2(-104.0, -158.0), vec2(-60.0, -122.0)];
 
 fn stand(room: &mut Room, thing: &str, mesh: &Arc<Mesh>, at: Vec3, degrees: f32, size: f32) {
@@ -229,7 +230,7 @@ fn stand(room: &mut Room, thing: &str, mesh: &Arc<Mesh>, at: Vec3, degrees: f32,
     );
 }
 
-/// Tufts of long grass in the meadows, gathered by squares.
+/// Tufts of long grass in the meadows, grouped by squares.
 fn long_grass(room: &mut Room, ground: &Ground) {
     const SQUARE: f32 = 14.0;
     let mut random = Random::new(523);
@@ -274,7 +275,7 @@ fn wild_flowers(room: &mut Room, ground: &Ground) {
     }
 }
 
-/// Two cards across each other.
+/// Two intersecting cards.
 fn tuft(shape: &mut Shape, at: Vec3, turn: f32, high: f32) {
     for quarter in [0.0, 0.25] {
         let (sin, cos) = (TAU * f64::from(turn + quarter)).sin_cos();

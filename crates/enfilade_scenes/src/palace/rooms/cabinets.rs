@@ -131,7 +131,7 @@ pub(super) fn chapel(room: &mut Room) {
     light::chandelier(room, [11.7, -47.0], 4.2, 8, 1.2, OLD_GOLD);
 }
 
-/// Windows of colored glass in the apse and between the columns, before which it is day; none is looked through.
+/// Windows of colored glass in the apse and between the columns, lit from behind and opaque.
 fn stained_windows(room: &mut Room) {
     let apse = room.design.plan.wall(Side::East);
     let walls = room.walls();
@@ -165,7 +165,7 @@ fn stained_window(room: &mut Room, wall: usize, along: f32, [wide, foot, spring]
 }
 
 pub(super) fn winter_garden(room: &mut Room) {
-    // The vault is of glass: the sun shines through it, and the sky.
+    // The vault is of glass: sunlight and sky light enter through it.
     room.lamps.push(Lamp::sun(1.6));
     room.lamps
         .push(Lamp::daylight([12.2, 6.6, -61.5], [9.0, 10.0, 11.0], 16.0));

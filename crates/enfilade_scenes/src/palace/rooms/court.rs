@@ -1,9 +1,9 @@
-//! The court: a garden under the sky, which the gallery's windows look on.
+//! The court: an open garden beside the gallery.
 
 use super::*;
 use crate::palace::workshop::Workshop;
 
-/// The middle of the court, where the fountain stands.
+/// The middle of the court, at the fountain.
 const MIDDLE: Vec2 = vec2(-28.0, -51.5);
 
 pub(super) fn court(room: &mut Room) {
@@ -65,7 +65,7 @@ pub(super) fn court(room: &mut Room) {
     }
 }
 
-/// Gravel all over, lawns in its four quarters.
+/// Gravel everywhere, lawns in the four quarters.
 fn ground(room: &mut Room) {
     let mut shape = Shape::new();
     for a in [-1.0, 1.0] {
@@ -132,7 +132,7 @@ fn facades(room: &mut Room) {
         let bays = (wall.length() / 5.0).round();
         let step = wall.length() / bays;
         for bay in 0..bays as usize {
-            // The gallery's own windows stand in the eastern wall, five metres apart.
+            // The eastern wall has the gallery's windows, five metres apart.
             let middle = if side == Side::East {
                 wall.along(vec2(wall.left.x, -31.5 - 5.0 * bay as f32))
             } else {
@@ -160,7 +160,7 @@ fn facades(room: &mut Room) {
     balustrade(room, &corners, height - 1.0);
 }
 
-/// A window of the upper storey, behind which it is dark; its lower edge at the origin.
+/// A dark window of the upper storey; its lower edge at the origin.
 pub(crate) fn upper_window(shop: &mut Workshop) -> Arc<Mesh> {
     shop.piece("blind window".to_owned(), || {
         let mut shape = block(NIGHT_BLUE, [-0.55, 0.0, 0.0], [0.55, 1.5, 0.02]);
@@ -177,7 +177,7 @@ pub(crate) fn upper_window(shop: &mut Workshop) -> Arc<Mesh> {
     })
 }
 
-/// An arched window like those of the gallery, behind which it is dark.
+/// A dark arched window like those of the gallery.
 pub(crate) fn lower_window(shop: &mut Workshop) -> Arc<Mesh> {
     shop.piece("blind door".to_owned(), || {
         let outline = arched(2.0, 0.9, 3.2, 1.0);
@@ -198,7 +198,7 @@ pub(crate) fn lower_window(shop: &mut Workshop) -> Arc<Mesh> {
     })
 }
 
-/// Frames of stone round the doors and windows of a garden.
+/// Stone frames around the doors and windows of a garden.
 pub(crate) fn window_cases(room: &mut Room) {
     for door in room.doorways.clone() {
         let case = room
@@ -218,7 +218,7 @@ pub(crate) fn window_cases(room: &mut Room) {
     }
 }
 
-/// Pilasters, windows and urns about the arch of the grotto, which stands where two bays would meet.
+/// Pilasters, windows and urns around the arch of the grotto, where two bays would meet.
 fn grotto_front(room: &mut Room, pilaster: &Arc<Mesh>, window: &Arc<Mesh>) {
     let wall = room.wall(Side::West);
     let middle = 0.5 * wall.length();

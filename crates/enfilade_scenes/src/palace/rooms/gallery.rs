@@ -70,7 +70,7 @@ pub(super) fn gallery(room: &mut Room) {
     }
 }
 
-/// The place along a wall that lies at z.
+/// Returns the distance along a wall of the point at z.
 fn along(room: &Room, side: Side, z: f32) -> f32 {
     let wall = room.wall(side);
     wall.along(vec2(wall.left.x, z))

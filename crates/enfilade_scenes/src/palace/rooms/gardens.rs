@@ -18,7 +18,7 @@ pub(crate) const TERRACE: Design = Design {
     },
 };
 
-/// How bright the sun is.
+/// Brightness of the sun.
 const SUNSHINE: f32 = 2.4;
 
 /// Lawns with statues, clipped yew and urns.
@@ -48,7 +48,7 @@ pub(super) fn terrace(room: &mut Room) {
         let on_top = spot(middle[0], middle[1], turn) * shift(0.0, 1.1, 0.0) * scaled(1.1);
         room.put("statue", &statue, on_top);
     }
-    // Crowns must not reach through the walls.
+    // Crowns must not extend through the walls.
     trees(
         room,
         &[
@@ -65,7 +65,7 @@ pub(super) fn terrace(room: &mut Room) {
     }
 }
 
-/// The sun over it, hedges along the walls and a cornice on them, frames round the windows.
+/// Adds the sun, hedges along the walls, a cornice on them, and window frames.
 fn enclose(room: &mut Room) {
     under_the_sky(room);
     let corners = room.design.plan.corners();

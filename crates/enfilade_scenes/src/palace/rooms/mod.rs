@@ -1,4 +1,4 @@
-//! What stands in each room, and where.
+//! Furnishes the rooms.
 
 mod arts;
 mod cabinets;
@@ -29,7 +29,7 @@ use glam::{Vec2, Vec3, vec2, vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-/// Furnishes a room, then dresses its walls round what stands there.
+/// Adds a room's items, then decorates its walls around them.
 pub(crate) fn furnish(room: &mut Room, name: Name) {
     let (furnish, border): (fn(&mut Room), MaterialId) = match name {
         Name::Vestibule => (state::vestibule, STONE),
@@ -66,14 +66,14 @@ pub(crate) fn furnish(room: &mut Room, name: Name) {
             park::furnish(room);
             return;
         }
-        // What is not in the plan's list is made elsewhere.
+        // Rooms outside the plan's list are built elsewhere.
         _ => return,
     };
     furnish(room);
     finish(room, border);
 }
 
-/// Paves a furnished room and dresses its walls.
+/// Paves a furnished room and decorates its walls.
 pub(crate) fn finish(room: &mut Room, border: MaterialId) {
     let design = room.design;
     let size = 0.1 * design.height.min(6.4);
@@ -87,7 +87,7 @@ pub(crate) fn finish(room: &mut Room, border: MaterialId) {
     room.make("paving", &paving);
 }
 
-/// Hangs a mirror: a shallow hole in the wall, whose far end is an opening back into the room, and a gilded frame.
+/// Adds a mirror: a shallow hole in the wall, whose far end is an opening back into the room, and a gilded frame.
 fn mirror(room: &mut Room, side: Side, along: f32, foot: f32, [wide, spring]: [f32; 2], rise: f32) {
     let gilt = room.design.style.gilt;
     let wall = room.design.plan.wall(side);
@@ -115,7 +115,7 @@ fn mirror(room: &mut Room, side: Side, along: f32, foot: f32, [wide, spring]: [f
     room.take(wall, along - 0.5 * wide - 0.2, along + 0.5 * wide + 0.2);
 }
 
-/// Cuts an arched niche into a wall; returns the place on its floor, looking into the room.
+/// Cuts an arched niche into a wall; returns the transform of its floor, facing the room.
 fn niche(
     room: &mut Room,
     wall: usize,
@@ -145,7 +145,7 @@ fn niche(
     place * shift(0.0, foot, -0.5 * depth)
 }
 
-/// A painting whose middle is `along` a wall, its lower edge `foot` above the floor.
+/// Adds a painting with its middle `along` a wall, its lower edge `foot` above the floor.
 fn painting(room: &mut Room, side: Side, along: f32, foot: f32, size: [f32; 2]) {
     let gilt = room.design.style.gilt;
     let place = room.wall(side).at(along - 0.5 * size[0], foot) * shift(0.0, 0.0, 0.04);

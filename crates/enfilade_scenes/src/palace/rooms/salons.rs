@@ -1,8 +1,8 @@
-//! The rooms one is received in: red, green and blue, and the one with the mirrors.
+//! The reception rooms: red, green and blue salon, and the mirror room.
 
 use super::*;
 
-/// A hearth with a mirror over it, candelabra and a clock's place between them.
+/// A hearth with a mirror over it, candelabra, and space for a clock between them.
 fn chimney(room: &mut Room, side: Side, along: f32, marble: MaterialId) {
     let gilt = room.design.style.gilt;
     mirror(room, side, along, hearth::MANTEL + 0.12, [1.5, 1.9], 0.45);
@@ -15,7 +15,7 @@ fn chimney(room: &mut Room, side: Side, along: f32, marble: MaterialId) {
     room.put("vase", &vase, shelf * shift(0.0, 0.0, 0.16));
 }
 
-/// A round table with chairs about it and something on top.
+/// A round table with chairs around it and an item on top.
 fn circle(room: &mut Room, at: Vec2, radius: f32, chair: &Arc<Mesh>, count: usize, first: f64) {
     let table = table::round_table(room.shop, radius, MAHOGANY, GOLD);
     room.put("round table", &table, spot(at.x, at.y, 0.0));
@@ -184,7 +184,7 @@ pub(super) fn mirror_room(room: &mut Room) {
         mirror(room, Side::East, along, 0.5, [1.7, 3.1], 0.85);
     }
     let bay = room.design.plan.wall(Side::West);
-    // Face to face with the one in the east.
+    // Opposite the one in the east.
     mirror(room, Side::West, 4.05, 0.5, [1.7, 3.1], 0.85);
     for (i, along) in [1.35, 6.75].into_iter().enumerate() {
         niche(room, bay, along, 0.5, [1.5, 2.6, 0.38], BLUE_SILK);

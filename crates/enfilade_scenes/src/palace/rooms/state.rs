@@ -225,7 +225,7 @@ pub(super) fn rotunda(room: &mut Room) {
             rosette: GOLD,
         },
     );
-    // The columns carry a ring that the dome rests on.
+    // The columns carry the ring under the dome.
     let corners = inwards(&room.design.plan.corners(), 1.0);
     let outer = room.design.plan.corners();
     let [foot, top] = [height, room.design.height];

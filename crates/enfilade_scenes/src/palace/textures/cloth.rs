@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3, vec2};
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Is a place part of the flower of a damask? `at` is off its middle, in parts of the pattern's width; 0 to 1.
+/// Returns the coverage of a damask flower, 0 to 1. `at` is relative to its middle, in units of the pattern's width.
 fn flower(at: Vec2) -> f32 {
     let at = vec2(at.x.abs(), at.y);
     let soft = |inside: f32| step(-0.008, 0.008, inside);
@@ -36,10 +36,10 @@ fn flower(at: Vec2) -> f32 {
     .fold(0.0, f32::max)
 }
 
-/// Silk woven with flowers between wavy bands: two tones of any color.
+/// Silk woven with flowers between wavy bands, in two tones of a color.
 pub(super) fn damask() -> Arc<Texture> {
     tile("damask", 256, |at| {
-        // Each flower, and those half a pattern off.
+        // Each flower, and those offset by half a pattern.
         let near = |middle: Vec2| {
             let off = at - middle;
             off - off.round()
@@ -60,19 +60,19 @@ pub(super) fn damask() -> Arc<Texture> {
     })
 }
 
-/// Velvet, or any thick cloth: soft, with a nap that was brushed.
+/// Velvet or other thick cloth: soft, with a brushed nap.
 pub(super) fn velvet() -> Arc<Texture> {
     tile("velvet", 128, |at| {
         Vec3::splat(0.86 + 0.12 * clouds(at, [3, 5], 3, 211) + 0.06 * clouds(at, [48, 48], 1, 212))
     })
 }
 
-/// A curtain from its hem up, four metres: velvet, gold braid near the lower edge, a fringe that ends in tassels. Across
-/// it repeats every half metre.
+/// A curtain from its hem up, four metres: velvet, gold braid near the lower edge, a fringe with tassels. Repeats every
+/// half metre horizontally.
 pub(super) fn curtain(name: &str, cloth: Vec3) -> Arc<Texture> {
     let gold = Vec3::new(0.62, 0.40, 0.10);
     painted(name, [64, 512], [Wrap::Repeat, Wrap::Clamp], |at| {
-        // In metres over the hem.
+        // In metres above the hem.
         let up = 4.0 * (1.0 - at.y);
         let nap = 0.85 + 0.13 * clouds(vec2(at.x, at.y * 4.0), [4, 16], 2, 221);
         let thread = (at.x * 16.0).fract();

@@ -1,13 +1,13 @@
-//! Glass in lead.
+//! Leaded glass.
 
-use super::noise::{chance, clouds, step};
+use super::noise::{clouds, random_unit, step};
 use super::sheet::painted;
 use enfilade::{Texture, Wrap};
 use glam::{Vec2, Vec3, vec2};
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-/// Clear glass in lozenges of lead, which repeat: the lead hides what is behind, the glass little.
+/// Clear glass in repeating lozenges; the lead is opaque, the glass nearly transparent.
 pub(super) fn leaded() -> Arc<Texture> {
     painted("leaded glass", [128; 2], [Wrap::Repeat; 2], |at| {
         let turned = vec2(at.x + at.y, at.x - at.y) * 2.0;
@@ -15,7 +15,7 @@ pub(super) fn leaded() -> Arc<Texture> {
         let lead = step(0.030, 0.018, off.min_element());
         let cell = turned.floor();
         let id = [cell.x as i32, cell.y as i32].map(|c| c.rem_euclid(4));
-        let tint = 0.85 + 0.15 * chance(id, 501);
+        let tint = 0.85 + 0.15 * random_unit(id, 501);
         let ripple = 0.03 * clouds(at, [6, 6], 2, 502);
         let glass = Vec3::new(0.80, 0.90, 0.88) * (tint + ripple);
         (
@@ -25,7 +25,7 @@ pub(super) fn leaded() -> Arc<Texture> {
     })
 }
 
-/// A church window: a rose of petals over an upright lattice, in the colors of jewels; what it sends out.
+/// A stained-glass window: a rose of petals over an upright lattice. Returns the emitted color.
 pub(super) fn stained() -> Arc<Texture> {
     const JEWELS: [Vec3; 6] = [
         Vec3::new(0.75, 0.06, 0.05),
@@ -38,13 +38,13 @@ pub(super) fn stained() -> Arc<Texture> {
     painted("stained glass", [128, 256], [Wrap::Repeat; 2], |at| {
         let place = vec2(at.x, 2.0 * at.y);
         let (cell, lead) = rose(place - vec2(0.5, 0.5)).unwrap_or_else(|| lattice(place));
-        let color = JEWELS[(6.0 * chance(cell, 511)) as usize % 6];
-        let light = 0.65 + 0.35 * chance(cell, 512) + 0.25 * clouds(at, [6, 12], 3, 513);
+        let color = JEWELS[(6.0 * random_unit(cell, 511)) as usize % 6];
+        let light = 0.65 + 0.35 * random_unit(cell, 512) + 0.25 * clouds(at, [6, 12], 3, 513);
         (color * light * lead, 1.0)
     })
 }
 
-/// Which pane of the rose a place is in, and how far it is from the lead, 0 to 1; `None` outside.
+/// Returns the index of the rose's pane at a point, and the distance from the lead, 0 to 1; `None` outside.
 fn rose(at: Vec2) -> Option<([i32; 2], f32)> {
     let away = at.length();
     let turn = at.y.atan2(at.x) / TAU;

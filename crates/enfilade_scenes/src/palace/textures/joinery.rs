@@ -1,4 +1,4 @@
-//! What is painted flat where joiners and masons would build: panelled walls, inlaid floors, a sky on a ceiling.
+//! Painted architecture: panelled walls, inlaid floors, a sky on a ceiling.
 
 use super::noise::{clouds, step, veins};
 use super::sheet::{painted, tile};
@@ -13,11 +13,11 @@ fn beyond(at: Vec2, middle: Vec2, half: Vec2) -> f32 {
     off.max(Vec2::ZERO).length() + off.max_element().min(0.0)
 }
 
-/// One panel of a wall from the floor to the cornice, `field` framed in ivory and gold; across, the next one follows.
+/// One wall panel from floor to cornice, `field` framed in ivory and gold; repeats horizontally.
 pub(super) fn panelled_wall(name: &str, field: Vec3, seed: u32) -> Arc<Texture> {
     let [ivory, gold] = [Vec3::new(0.66, 0.60, 0.48), Vec3::new(0.62, 0.40, 0.10)];
     painted(name, [128, 512], [Wrap::Repeat, Wrap::Clamp], |at| {
-        // In parts of the height; a panel is a quarter of it wide.
+        // In units of the height; a panel is a quarter of it wide.
         let at = vec2(0.25 * at.x, 1.0 - at.y);
         let middle = 0.125;
         let grain = 1.0 + 0.04 * clouds(vec2(at.x * 4.0, at.y), [6, 24], 2, seed);
@@ -111,7 +111,7 @@ pub(super) fn inlaid_floor() -> Arc<Texture> {
     })
 }
 
-/// Clouds on a blue sky, as they are painted on ceilings; it repeats, but not so soon that one would notice.
+/// Clouds on a blue sky, as on painted ceilings; repeats with a long period.
 pub(super) fn painted_sky() -> Arc<Texture> {
     tile("painted sky", 256, |at| {
         let cloud = clouds(at, [3, 3], 5, 530);

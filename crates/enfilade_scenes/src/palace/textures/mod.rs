@@ -1,4 +1,4 @@
-//! What is painted on the palace's faces: images made of noise and numbers, once for all palaces.
+//! Procedural textures of the palace, generated once per process.
 
 mod cloth;
 mod glass;
@@ -56,19 +56,19 @@ pub(crate) const GRASS_TUFT: TextureId = TextureId(29);
 pub(crate) const PANELLED: [TextureId; 2] = [TextureId(30), TextureId(31)];
 pub(crate) const INLAID: TextureId = TextureId(32);
 pub(crate) const PAINTED_CLOUDS: TextureId = TextureId(33);
-/// The first painting; the others follow, broad ones before high ones.
+/// The first painting; the others follow, wide ones before tall ones.
 pub(crate) const FIRST_PAINTING: u32 = 34;
 
-/// How many there are.
+/// Number of textures.
 const COUNT: usize = FIRST_PAINTING as usize + BROAD + HIGH;
 
-/// All of them, by number; every geometry of the palace has them.
+/// Returns all textures by index, which every geometry of the palace contains.
 pub(crate) fn textures() -> Arc<[Arc<Texture>]> {
     static ALL: LazyLock<Arc<[Arc<Texture>]>> = LazyLock::new(|| all().into());
     Arc::clone(&ALL)
 }
 
-/// Paints them, on all cores.
+/// Generates all textures on all cores.
 fn all() -> Vec<Arc<Texture>> {
     let made: [OnceLock<Arc<Texture>>; COUNT] = std::array::from_fn(|_| OnceLock::new());
     let next = AtomicUsize::new(0);
@@ -89,7 +89,7 @@ fn all() -> Vec<Arc<Texture>> {
     made.into_iter().filter_map(OnceLock::into_inner).collect()
 }
 
-/// Paints the one of a number.
+/// Generates the texture with an index.
 fn texture(number: u32) -> Arc<Texture> {
     let gray = Vec3::splat;
     let [red, blue, green] = [
@@ -162,7 +162,7 @@ mod tests {
     use super::*;
     use enfilade::Wrap;
 
-    /// How much neighbours differ on average, in bytes: inside, and across the side where the image comes round.
+    /// Returns the mean difference between neighbouring texels, in bytes: inside, and across the repeat.
     fn steps(texture: &Texture, axis: usize) -> [f32; 2] {
         let [wide, high] = texture.size().map(|side| side as usize);
         let texel = |x: usize, y: usize| texture.texels()[(y % high) * wide + x % wide].map(f32::from);

@@ -1,12 +1,12 @@
-//! Noise that repeats: clouds, grain and veins are made of it.
+//! Tileable noise, the base of clouds, grain and veins.
 //!
-//! Slopes at the points of a lattice, blended in between; the lattice comes round after a whole number of cells.
+//! Gradient noise on a lattice that repeats after a whole number of cells.
 //! Source: Perlin, Improving noise, 2002. Cost: O(1) each.
 
 use glam::{Vec2, vec2};
 
-/// Numbers from 0 to 1, by chance but always the same, for a cell.
-pub(super) fn chance(cell: [i32; 2], seed: u32) -> f32 {
+/// Returns a hash of a cell as a number from 0 to 1.
+pub(super) fn random_unit(cell: [i32; 2], seed: u32) -> f32 {
     scrambled(cell, seed) as f32 / (u32::MAX as f32 + 1.0)
 }
 
@@ -20,7 +20,7 @@ fn scrambled([x, y]: [i32; 2], seed: u32) -> u32 {
     bits ^ (bits >> 15)
 }
 
-/// Slopes of noise at the points of its lattice.
+/// Gradients at the lattice points.
 const SLOPES: [[f32; 2]; 8] = {
     const D: f32 = std::f32::consts::FRAC_1_SQRT_2;
     [
@@ -35,7 +35,7 @@ const SLOPES: [[f32; 2]; 8] = {
     ]
 };
 
-/// From about -1 to 1, mostly near 0; `at` is in cells, and after `period` of them it repeats.
+/// Returns noise from about −1 to 1, mostly near 0; `at` is in cells and repeats after `period` of them.
 pub(super) fn noise(at: Vec2, period: [i32; 2], seed: u32) -> f32 {
     let [x, y] = [floor(at.x), floor(at.y)];
     let off = vec2(at.x - x as f32, at.y - y as f32);
@@ -54,14 +54,14 @@ pub(super) fn noise(at: Vec2, period: [i32; 2], seed: u32) -> f32 {
     1.6 * mix(near, far, ease.y)
 }
 
-/// The whole number below; without the call into a library that `f32::floor` is on older processors.
+/// Returns the floor, without the library call that `f32::floor` compiles to on older processors.
 #[inline]
 fn floor(value: f32) -> i32 {
     let whole = value as i32;
     whole - i32::from(whole as f32 > value)
 }
 
-/// The same cell in the first period; most are in it or right beside it, where no division is needed.
+/// Wraps a cell into the first period. Most cells are in it or adjacent to it, where no division is needed.
 #[inline]
 fn wrapped(cell: i32, period: i32) -> i32 {
     if (0..period).contains(&cell) {
@@ -73,7 +73,7 @@ fn wrapped(cell: i32, period: i32) -> i32 {
     }
 }
 
-/// Noise with ever finer noise on it; `at` runs from 0 to 1 over the whole, which has so many cells at the coarsest.
+/// Returns fractal noise; `at` runs from 0 to 1 over the whole, which has `cells` cells at the coarsest octave.
 pub(super) fn clouds(at: Vec2, cells: [i32; 2], octaves: u32, seed: u32) -> f32 {
     let mut sum = 0.0;
     let mut size = 1.0;
@@ -87,18 +87,18 @@ pub(super) fn clouds(at: Vec2, cells: [i32; 2], octaves: u32, seed: u32) -> f32 
     sum
 }
 
-/// A place nearby, so that what is drawn there is bent. It comes round as the place does.
+/// Displaces a point by noise (domain warping); it repeats as the point does.
 pub(super) fn bent(at: Vec2, seed: u32) -> Vec2 {
     at + 0.09 * vec2(clouds(at, [3, 3], 4, seed), clouds(at, [3, 3], 4, seed + 10))
 }
 
-/// 1 along thin lines that wander like veins, falling to 0 beside them.
+/// Returns 1 along thin wandering lines like veins, falling to 0 beside them.
 pub(super) fn veins(at: Vec2, cells: [i32; 2], sharpness: f32, seed: u32) -> f32 {
     let line = clouds(at, cells, 2, seed).abs();
     (1.0 - sharpness * line).max(0.0).powi(2)
 }
 
-/// 0 up to `from`, 1 from `to` on, smooth in between.
+/// Smoothstep: 0 up to `from`, 1 from `to` on.
 pub(super) fn step(from: f32, to: f32, value: f32) -> f32 {
     let part = ((value - from) / (to - from)).clamp(0.0, 1.0);
     part * part * (3.0 - 2.0 * part)

@@ -1,20 +1,20 @@
-//! Paintings: hills, the sea, ruins, a bunch of flowers and people before a dark ground, with the strokes of a brush.
+//! Paintings with visible brush strokes: landscapes, the sea, ruins, a bunch of flowers, portraits.
 
-use super::noise::{chance, clouds, step};
+use super::noise::{clouds, random_unit, step};
 use super::sheet::painted;
 use enfilade::{Texture, Wrap};
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-/// How many are broad, and how many high.
+/// Numbers of wide and of tall paintings.
 pub(crate) const BROAD: usize = 7;
 pub(crate) const HIGH: usize = 4;
 
-/// Width by height of the broad ones; high ones are the other way round.
+/// Width by height of wide paintings; tall ones are transposed.
 pub(crate) const ASPECT: f32 = 4.0 / 3.0;
 
-/// One of them, broad ones first.
+/// Generates one painting; wide ones first.
 pub(super) fn painting(number: usize) -> Arc<Texture> {
     if number < BROAD {
         broad(number)
@@ -52,7 +52,7 @@ fn high(which: usize) -> Arc<Texture> {
     })
 }
 
-/// Colors of an hour: the sky above and at the horizon, the light on things, what is far.
+/// Colors of a time of day: sky at zenith and horizon, light, distance haze.
 struct Hour {
     above: Vec3,
     horizon: Vec3,
@@ -79,7 +79,7 @@ const EVENING: Hour = Hour {
     far: Vec3::new(0.26, 0.14, 0.24),
 };
 
-/// Paints by strokes: short ones, that pull colors along, under a varnish that darkens the corners.
+/// Applies brush strokes, which smear colors along short lines, and a varnish that darkens the corners.
 fn brushed(name: &str, size: [u32; 2], seed: u32, color: impl Fn(Vec2) -> Vec3) -> Arc<Texture> {
     painted(name, size, [Wrap::Clamp; 2], |at| {
         let pull = vec2(
@@ -112,12 +112,12 @@ fn sky(at: Vec2, horizon: f32, seed: u32, hour: &Hour) -> Vec3 {
         .lerp(Vec3::new(1.0, 0.92, 0.7), disc)
 }
 
-/// The upper edge of hills at a place across.
+/// Returns the upper edge of hills at a horizontal position.
 fn ridge(x: f32, base: f32, high: f32, cells: i32, seed: u32) -> f32 {
     base - high * clouds(vec2(x, 0.5), [cells, 3], 3, seed)
 }
 
-/// A valley with a river, hills behind it, and trees if wanted.
+/// A valley with a river, hills behind it, and optional trees.
 fn land(at: Vec2, seed: u32, hour: &Hour, trees: bool) -> Vec3 {
     let horizon = 0.5;
     let mut color = sky(at, horizon, seed, hour);
@@ -149,7 +149,7 @@ fn land(at: Vec2, seed: u32, hour: &Hour, trees: bool) -> Vec3 {
     }
     if trees {
         for i in 0..4 {
-            let own = |what: i32| chance([i, what], seed);
+            let own = |what: i32| random_unit([i, what], seed);
             let foot = vec2(
                 [0.10, 0.20, 0.80, 0.93][i as usize] + 0.05 * own(0),
                 0.80 + 0.12 * own(1),
@@ -189,7 +189,7 @@ fn sea(at: Vec2, seed: u32, hour: &Hour) -> Vec3 {
     color
 }
 
-/// A ship, its water line at 0; one long, one high.
+/// A ship with its water line at 0, of length and height 1.
 fn ship(at: Vec2) -> Option<Vec3> {
     let hull = at.y > -0.13 - 0.10 * at.x * at.x && at.y < 0.02 && at.x.abs() < 0.42 + 0.6 * (-at.y);
     if hull {
@@ -218,7 +218,7 @@ fn ship(at: Vec2) -> Option<Vec3> {
     None
 }
 
-/// Columns of a temple that fell down, before a plain.
+/// Columns of a ruined temple before a plain.
 fn ruin(at: Vec2, seed: u32, hour: &Hour) -> Vec3 {
     let mut color = land(at, seed, hour, false);
     let stone = |lit: f32| vec3(0.62, 0.52, 0.38) * hour.light * lit;
@@ -265,7 +265,7 @@ fn flowers(at: Vec2, seed: u32) -> Vec3 {
         color = vec3(0.62 * pattern, 0.66 * pattern.max(0.5), 0.72) * light;
     }
     for i in 0..46 {
-        let own = |what: i32| chance([i, what], seed);
+        let own = |what: i32| random_unit([i, what], seed);
         let (sin, cos) = (TAU * own(0)).sin_cos();
         let middle = vec2(0.5, 0.40) + vec2(cos * 0.36, sin * 0.27) * own(1).sqrt();
         let reach = 0.045 + 0.06 * own(2);
@@ -289,7 +289,7 @@ fn flowers(at: Vec2, seed: u32) -> Vec3 {
     color
 }
 
-/// Somebody who sat for a painter: head and shoulders before a dark ground.
+/// A portrait: head and shoulders before a dark ground.
 fn person(at: Vec2, cloth: Vec3, wig: bool, seed: u32) -> Vec3 {
     let glow = step(0.6, 0.1, at.distance(vec2(0.62, 0.35)));
     let mut color = vec3(0.085, 0.065, 0.045) * (0.5 + 1.3 * glow + 0.5 * clouds(at, [3, 4], 3, seed));

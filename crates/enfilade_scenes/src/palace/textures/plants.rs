@@ -1,13 +1,13 @@
-//! What grows: leaves, clipped hedges, grass, boughs of trees.
+//! Plants: leaves, clipped hedges, grass, boughs of trees.
 
-use super::noise::{chance, clouds, step};
+use super::noise::{clouds, random_unit, step};
 use super::sheet::{painted, tile};
 use enfilade::{Texture, Wrap};
 use glam::{Vec2, Vec3, vec2};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-/// A leaf from its stalk at the left to its tip at the right; round it is nothing.
+/// A leaf from its stalk at the left to its tip at the right; transparent around it.
 pub(super) fn leaf() -> Arc<Texture> {
     painted("leaf", [64; 2], [Wrap::Clamp; 2], |at| {
         let off = (at.y - 0.5).abs();
@@ -22,19 +22,19 @@ pub(super) fn leaf() -> Arc<Texture> {
     })
 }
 
-/// Many small leaves over dark gaps, a quarter of a metre of them or more: a hedge, or grass from above.
+/// Many small leaves over dark gaps, a quarter of a metre or more: a hedge, or grass from above.
 fn leaves(name: &str, cells: i32, slim: f32, dark: f32, seed: u32) -> Arc<Texture> {
     tile(name, 128, |at| {
         let scaled = at * cells as f32;
         let floor = scaled.floor();
-        // The topmost leaf that covers the place, by a height of its own.
+        // The topmost leaf that covers the point, by the leaf's random height.
         let mut top = (-1.0_f32, 0.0, 0.0);
         for dy in -1..=1 {
             for dx in -1..=1 {
                 let cell = [floor.x as i32 + dx, floor.y as i32 + dy];
                 let id = cell.map(|c| c.rem_euclid(cells));
                 for layer in 0..2 {
-                    let own = |what: u32| chance(id, seed + 10 * layer + what);
+                    let own = |what: u32| random_unit(id, seed + 10 * layer + what);
                     let middle = vec2(cell[0] as f32, cell[1] as f32) + vec2(own(0), own(1));
                     let (sin, cos) = (2.0 * PI * own(2)).sin_cos();
                     let off = scaled - middle;
@@ -75,19 +75,19 @@ pub(super) fn lawn() -> Arc<Texture> {
     })
 }
 
-/// A bough: leaves in a heap about the middle, the upper ones lighter; round it is nothing.
+/// A bough: a cluster of leaves around the middle, the upper ones lighter; transparent around it.
 pub(super) fn bough() -> Arc<Texture> {
     const CELLS: i32 = 14;
     painted("bough", [128; 2], [Wrap::Clamp; 2], |at| {
         let scaled = at * CELLS as f32;
         let floor = scaled.floor();
-        // The topmost leaf that covers the place, by a height of its own.
+        // The topmost leaf that covers the point, by the leaf's random height.
         let mut top = (-1.0_f32, 0.0, 0.0);
         for dy in -1..=1 {
             for dx in -1..=1 {
                 let cell = [floor.x as i32 + dx, floor.y as i32 + dy];
                 for layer in 0..3 {
-                    let own = |what: u32| chance(cell, 440 + 10 * layer + what);
+                    let own = |what: u32| random_unit(cell, 440 + 10 * layer + what);
                     let middle = vec2(cell[0] as f32 + own(0), cell[1] as f32 + own(1));
                     let off_middle = middle / CELLS as f32 - Vec2::splat(0.5);
                     let turn = off_middle.y.atan2(off_middle.x);
@@ -121,7 +121,7 @@ pub(super) fn tuft() -> Arc<Texture> {
         let up = 1.0 - at.y;
         let mut best = (0.0_f32, 0.0);
         for blade in 0..34 {
-            let own = |what: u32| chance([blade, 0], 480 + what);
+            let own = |what: u32| random_unit([blade, 0], 480 + what);
             let tall = (0.35 + 0.62 * own(1)) * (1.0 - (2.0 * own(0) - 1.0).powi(4) * 0.6);
             let foot = 0.08 + 0.84 * own(0);
             let lean = 0.22 * (own(2) - 0.5);

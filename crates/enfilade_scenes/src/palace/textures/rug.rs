@@ -1,28 +1,29 @@
-//! Rugs: a quarter of one, which is mirrored.
+//! Rugs: a quarter of one, to be mirrored.
 //!
-//! The first half of the texture is the border, so many metres broad ([`BORDER`]), the second a quarter of the figure that
-//! fills the field over and over. The ends, at the top, have a fringe.
+//! The first half of the texture is the border, [`BORDER`] metres wide, the second a quarter of the figure that fills
+//! the field repeatedly. The ends, at the top, have a fringe.
 
-use super::noise::{chance, clouds, step};
+use super::noise::{clouds, random_unit, step};
 use super::sheet::painted;
 use enfilade::{Texture, Wrap};
 use glam::{Vec2, Vec3, vec2};
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-/// How broad the border is, in metres: half the texture.
+/// Width of the border, in metres: half the texture.
 pub(crate) const BORDER: f32 = 0.6;
 
-/// A rug by the colors of its ground, its border and its figures.
+/// A rug with the colors of its ground, its border and its figures.
 pub(super) fn rug(name: &str, [ground, border, figure]: [Vec3; 3], seed: u32) -> Arc<Texture> {
     painted(name, [256; 2], [Wrap::Mirror; 2], |at| {
-        // Knots, as wide as a texel or two.
+        // Knots, one or two texels wide.
         let knot = (at * 128.0).floor();
-        let wool =
-            0.80 + 0.25 * chance([knot.x as i32, knot.y as i32], seed) + 0.10 * clouds(at, [5, 5], 2, seed);
+        let wool = 0.80
+            + 0.25 * random_unit([knot.x as i32, knot.y as i32], seed)
+            + 0.10 * clouds(at, [5, 5], 2, seed);
         if at.y < 0.055 {
             let thread = (at.x * 64.0).fract();
-            let loose = 0.02 * chance([(at.x * 64.0) as i32, 1], seed);
+            let loose = 0.02 * random_unit([(at.x * 64.0) as i32, 1], seed);
             let coverage = step(0.42, 0.30, (thread - 0.5).abs()) * f32::from(at.y > loose);
             return (Vec3::new(0.62, 0.54, 0.38) * wool, coverage);
         }
@@ -56,7 +57,7 @@ fn bordered(from_edge: f32, along: f32, [ground, border, figure]: [Vec3; 3]) -> 
         let dot = (2.0 * (2.0 * phase).abs().fract() - 1.0).abs() * 0.06 + (from_edge - middle).abs();
         return if dot < 0.045 { figure } else { ground };
     }
-    // A vine that winds through the broad stripe, with a flower in every bend.
+    // A vine that winds through the wide stripe, with a flower in every bend.
     let vine = 0.5 + 0.12 * (TAU * phase).sin();
     let off = vec2(phase.abs() - 0.25, (from_edge - 0.5) * 1.2);
     let petals = 0.13 + 0.035 * (6.0 * off.y.atan2(off.x)).cos();

@@ -1,10 +1,10 @@
-//! A texture while it is painted.
+//! A texture under construction.
 
 use enfilade::{Texture, Wrap};
 use glam::{Vec2, Vec3, vec2};
 use std::sync::{Arc, LazyLock};
 
-/// sRGB bytes of linear values, so finely that no byte is missed where it counts.
+/// sRGB bytes of linear values, in steps fine enough for every dark byte.
 static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
     const STEPS: usize = 8192;
     let encode = |linear: f32| {
@@ -19,8 +19,8 @@ static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Paints a texture: `color` is asked at the middle of each texel, from 0 to 1 across and down, for linear red, green
-/// and blue and for coverage.
+/// Generates a texture: `color` is called for the centre of each texel, from 0 to 1 across and down, and returns linear
+/// red, green, blue and coverage.
 pub(super) fn painted(
     name: &str,
     [wide, high]: [u32; 2],
@@ -42,7 +42,7 @@ pub(super) fn painted(
     Arc::new(texture)
 }
 
-/// One that repeats and has no holes.
+/// Generates a repeating opaque texture.
 pub(super) fn tile(name: &str, side: u32, color: impl Fn(Vec2) -> Vec3) -> Arc<Texture> {
     painted(name, [side; 2], [Wrap::Repeat; 2], |at| (color(at), 1.0))
 }

@@ -1,12 +1,12 @@
-//! Marble, masonry, plaster, gravel; each repeats.
+//! Repeating textures: marble, masonry, plaster, gravel.
 
-use super::noise::{bent, chance, clouds, step, veins};
+use super::noise::{bent, clouds, random_unit, step, veins};
 use super::sheet::tile;
 use enfilade::Texture;
 use glam::{Vec2, Vec3, vec2};
 use std::sync::Arc;
 
-/// Marble: what it is between its veins, clouded from one color to another, and two kinds of veins.
+/// Marble: ground clouded from one color to another, and two kinds of veins.
 pub(super) fn marble(name: &str, seed: u32, ground: [Vec3; 2], vein: [Vec3; 2]) -> Arc<Texture> {
     tile(name, 256, |at| {
         let cloud = step(-0.7, 0.7, clouds(at, [3, 3], 4, seed));
@@ -20,7 +20,7 @@ pub(super) fn marble(name: &str, seed: u32, ground: [Vec3; 2], vein: [Vec3; 2]) 
     })
 }
 
-/// Blocks of hewn stone, two metres of them: four courses, each shifted by half a block, with joints between.
+/// Hewn blocks, two metres of them: four courses, each shifted by half a block, with joints between.
 pub(super) fn ashlar() -> Arc<Texture> {
     tile("ashlar", 512, |at| {
         let course = (at.y * 4.0).floor();
@@ -32,8 +32,8 @@ pub(super) fn ashlar() -> Arc<Texture> {
         let joint = step(0.004, 0.016, across.min(down));
         let lit =
             1.0 + 0.10 * step(0.05, 0.0, 0.5 * inside.y) - 0.12 * step(0.05, 0.0, 0.5 * (1.0 - inside.y));
-        let tone = 0.80 + 0.14 * chance(block, 3);
-        let warm = chance(block, 4) - 0.5;
+        let tone = 0.80 + 0.14 * random_unit(block, 3);
+        let warm = random_unit(block, 4) - 0.5;
         let rough = 1.0 + 0.10 * clouds(at, [16, 16], 3, 5) + 0.05 * clouds(at, [4, 4], 2, 6);
         let color = Vec3::new(1.0 + 0.03 * warm, 1.0, 1.0 - 0.06 * warm) * tone * rough * lit;
         color * (0.58 + 0.42 * joint)
@@ -50,7 +50,7 @@ pub(super) fn grain() -> Arc<Texture> {
     })
 }
 
-/// Plaster under paint: all but even.
+/// Painted plaster: nearly uniform.
 pub(super) fn plaster() -> Arc<Texture> {
     tile("plaster", 128, |at| {
         let value = 0.955 + 0.03 * clouds(at, [3, 3], 3, 21) + 0.02 * clouds(at, [20, 12], 2, 22);
@@ -58,7 +58,7 @@ pub(super) fn plaster() -> Arc<Texture> {
     })
 }
 
-/// Small round stones, each of its own gray.
+/// Small round stones in various grays.
 pub(super) fn gravel() -> Arc<Texture> {
     const CELLS: i32 = 18;
     tile("gravel", 128, |at| {
@@ -70,7 +70,7 @@ pub(super) fn gravel() -> Arc<Texture> {
                 let cell = [floor.x as i32 + dx, floor.y as i32 + dy];
                 let id = cell.map(|c| c.rem_euclid(CELLS));
                 let stone = Vec2::from([cell[0] as f32, cell[1] as f32])
-                    + vec2(chance(id, 31), chance(id, 32)) * 0.7
+                    + vec2(random_unit(id, 31), random_unit(id, 32)) * 0.7
                     + 0.15;
                 let away = stone.distance(scaled);
                 if away < nearest.0 {
@@ -79,13 +79,13 @@ pub(super) fn gravel() -> Arc<Texture> {
             }
         }
         let (away, id) = nearest;
-        let tone = 0.72 + 0.28 * chance(id, 33);
-        let warm = 0.08 * (chance(id, 34) - 0.5);
+        let tone = 0.72 + 0.28 * random_unit(id, 33);
+        let warm = 0.08 * (random_unit(id, 34) - 0.5);
         Vec3::new(1.0 + warm, 1.0, 1.0 - warm) * tone * (1.0 - 0.45 * step(0.35, 0.75, away))
     })
 }
 
-/// Beaten and polished metal: brighter and darker where it bends.
+/// Beaten and polished metal: brightness varies with its dents.
 pub(super) fn gilt() -> Arc<Texture> {
     tile("gilt", 128, |at| {
         let worn = step(0.35, 0.95, clouds(at, [7, 7], 3, 41));

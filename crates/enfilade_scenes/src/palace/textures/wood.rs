@@ -1,6 +1,6 @@
-//! Wood and bark, their grain from top to bottom; each repeats.
+//! Repeating textures of wood and bark, with vertical grain.
 
-use super::noise::{chance, clouds, step};
+use super::noise::{clouds, random_unit, step};
 use super::sheet::tile;
 use enfilade::Texture;
 use glam::{Vec3, vec2};
@@ -19,17 +19,17 @@ pub(super) fn grain() -> Arc<Texture> {
     })
 }
 
-/// Boards side by side, five to a metre, each of its own tone.
+/// Boards side by side, five to a metre, in varying tones.
 pub(super) fn boards() -> Arc<Texture> {
     tile("boards", 256, |at| {
         let board = (at.x * 5.0).floor();
         let inside = at.x * 5.0 - board;
-        let own = vec2(at.x, at.y + 0.37 * chance([board as i32, 0], 111));
+        let own = vec2(at.x, at.y + 0.37 * random_unit([board as i32, 0], 111));
         let bend = 0.5 * clouds(own, [10, 1], 2, 112);
         let ring = (TAU * (20.0 * at.x + 2.0 * bend)).sin();
         let streak = clouds(own, [60, 2], 2, 113);
         let gap = step(0.0, 0.05, inside.min(1.0 - inside));
-        let tone = 0.76 + 0.18 * chance([board as i32, 1], 114);
+        let tone = 0.76 + 0.18 * random_unit([board as i32, 1], 114);
         Vec3::new(1.0, 0.98, 0.95) * (tone + 0.06 * ring + 0.08 * streak) * (0.35 + 0.65 * gap)
     })
 }

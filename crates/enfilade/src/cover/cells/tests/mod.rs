@@ -13,12 +13,12 @@ use glam::{DVec2, DVec3};
 
 /// A cover that is an array, and nothing else.
 #[derive(Default)]
-struct Known {
+struct CellArray {
     columns: usize,
     cells: Vec<f32>,
 }
 
-impl Cover for Known {
+impl Cover for CellArray {
     type CullNeeds = crate::order::Unsorted;
 
     fn sees(&mut self, _region: &Region) -> Visibility {
@@ -30,7 +30,7 @@ impl Cover for Known {
     }
 }
 
-impl Coarse for Known {
+impl Coarse for CellArray {
     fn clear_cells(&mut self, passage: &Passage) {
         let rect = passage.aperture.rect();
         self.columns = usize::from(rect.x1);
@@ -68,10 +68,10 @@ impl Dice {
 }
 
 /// What all faces of a geometry cover in so many cells of a screen of 320×180, seen along −z.
-fn covered(geometry: &Geometry, cells: [u32; 2]) -> (Known, Passage) {
+fn covered(geometry: &Geometry, cells: [u32; 2]) -> (CellArray, Passage) {
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [320, 180]);
     let passage = Passage::at_the_eye(&view, SectorId(0), false).in_cells(cells, &mut CellRoom::default());
-    let (mut known, mut surface) = (Known::default(), CoarseCoverage::default());
+    let (mut known, mut surface) = (CellArray::default(), CoarseCoverage::default());
     known.clear_cells(&passage);
     surface.clear(&passage);
     for item in (0..geometry.items().len() as u32).map(ItemId) {

@@ -1,12 +1,12 @@
-//! Triangles of which a corner cannot be put on the screen, cut to what can.
+//! Clips triangles with a vertex that fixed point cannot represent.
 //!
-//! What is left of a triangle beyond the near distance, beyond the last portal and not far off the screen has corners on the
-//! screen, and goes on as triangles like others. Its new edges are those by which the exact covers bound it, or off the
-//! screen; the others only end elsewhere. What a new corner may be off by is far less than a unit of fixed point, which is
-//! what those who set up triangles expect of all corners anyway.
+//! Clips a triangle at the near plane, at the entry plane and at a guard band around the screen. The result has
+//! vertices that fixed point can represent and is rasterized as triangles. New edges are the clip planes that the exact
+//! covers use, or off screen; the remaining parts of old edges keep their lines. The error of a new vertex is far below
+//! a unit of fixed point, the error that setup assumes for all vertices.
 //! Source: Sutherland, Hodgman, Reentrant Polygon Clipping, CACM 1974.
-//! Cost: O(planes · corners), one triangle after the other: few cross anything.
-//! Exact: a corner that could be off by more leaves its triangle to f64.
+//! Cost: O(planes · corners), one triangle at a time: few cross a plane.
+//! Exact: a triangle whose new vertices could have a larger error is left to f64.
 
 use super::corners::{DEEPEST, FARTHEST, TO_INTEGER};
 use super::queue::Queue;
@@ -14,15 +14,16 @@ use super::{Frame, ONE};
 use crate::cover::part::Part;
 use glam::DVec3;
 
-/// What is kept of triangles ends so far from the frame's middle, in pixels: a little before where corners become odd.
+/// Guard band: distance from the origin of fixed point at which triangles are clipped, in pixels; slightly less than
+/// the largest representable coordinate.
 const GUARD: f64 = FARTHEST / ONE as f64 - 64.0;
 
-/// A corner that was cut is off by no more than a small part of a unit where the triangle reaches less than so many times as
-/// far as the corner is away.
+/// Maximum extent of a triangle relative to a clipped vertex's distance; below it the vertex's error is a small part of
+/// a unit.
 const SPREAD: f64 = (1_u64 << 28) as f64;
 
-/// Puts what is left of a triangle into `clipped`; `false` where that cannot be told well enough, or there is no room.
-/// Nothing is left of one with a corner that is no number.
+/// Clips a triangle and appends the result to `clipped`. Returns `false` if the result would be inaccurate or there is
+/// no room. The result is empty if a vertex is not finite.
 pub(super) fn clip(
     frame: &Frame,
     positions: [[f32; 3]; 3],
@@ -33,11 +34,11 @@ pub(super) fn clip(
     if !positions.as_flattened().iter().all(|value| value.is_finite()) {
         return true;
     }
-    let corners = positions.map(|position| frame.on_screen(position));
+    let corners = positions.map(|position| frame.transform(position));
     let Some((near, entry)) = frame.clips else {
         return false;
     };
-    // What ends at the near distance is not drawn, so it must not hide either.
+    // A face that ends at the near plane is not drawn, so it must not occlude either.
     if corners.iter().all(|corner| corner.z <= near) {
         return true;
     }
@@ -56,7 +57,7 @@ pub(super) fn clip(
         .chain(entry)
         .chain(guards.map(|guard| (guard, 0.0)));
     let left = part.clipped(&corners, planes);
-    // Also where something is no number.
+    // Written so that NaN fails too.
     let is_good = |corner: &DVec3| corner.z < DEEPEST && reach < SPREAD * corner.z;
     if !left.iter().all(is_good) || clipped.room() + 2 < left.len() {
         return false;

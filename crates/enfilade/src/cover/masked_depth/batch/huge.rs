@@ -1,30 +1,30 @@
-//! Where rows cross the edges of a triangle that is too large for f32, in f64.
+//! Scanline crossings of a triangle that is too large for f32, in f64.
 //!
 //! Source: as [`super::lanes`].
 //! Cost: O(1) for sixteen rows.
-//! Exact up to a unit of fixed point, and it says how far off it may be.
+//! Exact up to a unit of fixed point; returns bounds of the error.
 
 use super::{LANES, ONE};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, f64x8};
 
-/// The edges of a triangle: at most two bound its rows on each side.
-pub(super) struct Sides {
-    left: [Side; 2],
-    right: [Side; 2],
+/// Edges of a triangle: at most two bound its rows on each side.
+pub(super) struct HugeEdges {
+    left: [HugeEdge; 2],
+    right: [HugeEdge; 2],
 }
 
-/// As [`Edge`](super::lanes::Edge), of one triangle.
+/// One edge, like a lane of [`Edge`](super::lanes::Edge).
 #[derive(Clone, Copy)]
-struct Side {
+struct HugeEdge {
     slope: f64,
     least: f64,
     greatest: f64,
 }
 
-impl Sides {
-    /// Of corners in units, counted from `origin` in samples.
-    pub(super) fn new(corners: [[i32; 2]; 3], origin: [i32; 2]) -> Sides {
+impl HugeEdges {
+    /// Creates the edges from vertices in units; crossings are relative to `origin`, in samples.
+    pub(super) fn new(corners: [[i32; 2]; 3], origin: [i32; 2]) -> HugeEdges {
         let at = |[x, y]: [i32; 2]| {
             let pixels = |place: i32, from: i32| f64::from(place) / f64::from(ONE) - f64::from(from);
             [pixels(x, origin[0]), pixels(y, origin[1])]
@@ -32,12 +32,12 @@ impl Sides {
         let [a, b, c] = corners.map(at);
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
         let [b, c] = if area < 0.0 { [c, b] } else { [b, c] };
-        let bounds_nothing = |column: f64| Side {
+        let bounds_nothing = |column: f64| HugeEdge {
             slope: 0.0,
             least: column,
             greatest: column,
         };
-        let mut sides = Sides {
+        let mut sides = HugeEdges {
             left: [bounds_nothing(-FAR); 2],
             right: [bounds_nothing(FAR); 2],
         };
@@ -47,12 +47,12 @@ impl Sides {
             let slope = dx / dy;
             let at = from[0] - 0.5 - from[1] * slope;
             let error = (1.0 + slope.abs()) * UNITS;
-            let side = Side {
+            let side = HugeEdge {
                 slope,
                 least: at - error,
                 greatest: at + error,
             };
-            // As in `lanes`: rows are counted downwards.
+            // As in `lanes`: y points down.
             if dy < 0.0 {
                 sides.left[lefts % 2] = side;
                 lefts += 1;
@@ -64,8 +64,8 @@ impl Sides {
         sides
     }
 
-    /// The first column of each of sixteen rows from `row` on, and the one after the last, between two; each as the least
-    /// and the greatest that it may be.
+    /// Returns the first column and the end column (exclusive) of each of sixteen rows from `row` on, clamped to
+    /// `between`; each as a lower and an upper bound.
     #[inline(always)]
     pub(super) fn ends<S: Simd>(&self, simd: S, row: i32, between: [f64; 2]) -> [[f32x16<S>; 2]; 2] {
         let below = self.eight(simd, row, between);
@@ -101,10 +101,10 @@ impl Sides {
     }
 }
 
-/// Beyond every column.
+/// Outside all columns.
 const FAR: f64 = 1e9;
 
-/// What places may be off by: half a unit for rounding, and ample.
+/// Generous bound on the error of a coordinate, in pixels; rounding to units accounts for half a unit.
 const UNITS: f64 = 2.0 / ONE as f64;
 
 const CENTRES: [f64; LANES / 2] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];

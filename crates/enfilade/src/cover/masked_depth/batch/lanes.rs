@@ -1,80 +1,82 @@
-//! Sets sixteen triangles or convex quads up at once: where each row of samples crosses their edges, and how near they are.
+//! Triangle and quad setup for sixteen faces: edges for scanline crossings, and the depth plane.
 //!
-//! Of the edges one has the inside to its right, one to its left, and the others either way. Where a row crosses an edge is
-//! computed in f32 from the face's own corner of the screen, and with it how far off that may be: what lies within is not
-//! certain, and goes to f64. A quad is as near as the plane of three of its corners, or farther by what the fourth is.
-//! Source: filtered predicates as in Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997; the plane of reversed depth as
-//!     in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.3.
-//! Cost: O(1) for sixteen.
-//! Conservative: reversed depth is lowered by what rounding may add to it.
+//! One edge bounds the rows on the left, one on the right, and each other edge on either side. Crossings of scanlines
+//! are computed in f32 relative to an origin near the face, with bounds on their error. If a sample is within the
+//! error, the face is uncertain and left to f64. The depth of a quad is that of the plane through three of its
+//! vertices, moved back by the distance of the fourth.
+//! Source: filtered predicates as in Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997; depth plane as in
+//!     Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.3.
+//! Cost: O(1) for sixteen faces.
+//! Conservative: reversed depth is lowered by its rounding error.
 
-use super::queue::Sixteen;
+use super::queue::FaceLanes;
 use super::sort::{EXACTNESS, Samples};
 use super::{Frame, ONE, ONE_SHIFT};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16};
 
-/// Sixteen faces, in pixels from a corner of their own.
-pub(super) struct Lanes<S: Simd, const OTHERS: usize> {
-    /// The corner, in samples from the middle.
+/// Setup of sixteen faces, in pixels from an origin per face.
+pub(super) struct FaceSetup<S: Simd, const OTHERS: usize> {
+    /// Origin of each face, in samples from the frame's origin.
     pub(super) origin: [i32x16<S>; 2],
-    /// The samples that may be in them, from that corner.
+    /// First and end columns and rows of the samples that the face may cover, from its origin.
     pub(super) columns: [i32x16<S>; 2],
     pub(super) rows: [i32x16<S>; 2],
     pub(super) edges: Edges<S, OTHERS>,
     pub(super) plane: Plane<S>,
-    /// Cannot be told here.
+    /// Faces whose rows are uncertain in f32.
     pub(super) unsure: mask32x16<S>,
 }
 
-/// The edges of sixteen faces: of a triangle one besides the first two, of a quad two.
+/// Edges of sixteen faces. `OTHERS`, the number of edges after the first two, is 1 for triangles and 2 for quads.
 pub(super) struct Edges<S: Simd, const OTHERS: usize> {
-    /// One that bounds rows on the left, and one on the right.
+    /// An edge that bounds rows on the left, and one that bounds them on the right.
     pub(super) left: Edge<S>,
     pub(super) right: Edge<S>,
-    /// Each of the others as one that bounds on the left, and on the right: one of the two bounds nothing.
+    /// Each other edge, as a left and as a right bound; one of the two bounds nothing.
     pub(super) others: [[Edge<S>; 2]; OTHERS],
 }
 
-/// Where a row whose centre is at y crosses an edge: at `at + slope · y`, less half a pixel, between two bounds.
+/// Crossing of an edge with the row whose centre is at y: `at + slope · y`, minus half a pixel, with `at` between two
+/// bounds.
 #[derive(Clone, Copy)]
 pub(super) struct Edge<S: Simd> {
     pub(super) slope: f32x16<S>,
-    /// The least and the greatest that `at` may be.
+    /// Lower and upper bound of `at`.
     pub(super) least: f32x16<S>,
     pub(super) greatest: f32x16<S>,
 }
 
-/// How near faces are.
+/// Depth planes of sixteen faces.
 pub(super) struct Plane<S: Simd> {
-    /// At the corner, lowered by what rounding may add anywhere.
+    /// Reversed depth at the origin, lowered by the rounding error anywhere in the face.
     pub(super) at: f32x16<S>,
-    /// By column and by row.
+    /// Change per column and per row.
     pub(super) slope: [f32x16<S>; 2],
     pub(super) least: f32x16<S>,
     pub(super) greatest: f32x16<S>,
 }
 
-/// Beyond every column.
+/// Outside all columns.
 const FAR: f32 = 1e9;
 
 const PER_UNIT: f32 = 1.0 / ONE as f32;
 
-impl<S: Simd, const OTHERS: usize> Lanes<S, OTHERS> {
-    /// `align`: the corner is put at multiples of so many columns and rows.
+impl<S: Simd, const OTHERS: usize> FaceSetup<S, OTHERS> {
+    /// Computes the setup. The origin is at multiples of `align` columns and rows.
     #[inline(always)]
     pub(super) fn new<const SIDES: usize>(
         simd: S,
         frame: &Frame,
-        faces: &Sixteen<S, SIDES>,
+        faces: &FaceLanes<S, SIDES>,
         align: [i32; 2],
-    ) -> Lanes<S, OTHERS> {
+    ) -> FaceSetup<S, OTHERS> {
         const { assert!(SIDES == OTHERS + 2) };
         let columns = Samples::between(simd, &faces.x, frame.columns);
         let rows = Samples::between(simd, &faces.y, frame.rows);
         let origin = [columns.first & -align[0], rows.first & -align[1]];
 
-        let Sixteen {
+        let FaceLanes {
             mut x,
             mut y,
             mut rev_depth,
@@ -83,7 +85,7 @@ impl<S: Simd, const OTHERS: usize> Lanes<S, OTHERS> {
         let last = SIDES - 1;
         let area = in_pixels(x[1] - x[0]) * in_pixels(y[last] - y[0])
             - in_pixels(x[last] - x[0]) * in_pixels(y[1] - y[0]);
-        // The same way round for all.
+        // Give all faces the same winding.
         let turned = area.simd_lt(f32x16::splat(simd, 0.0));
         (x[1], x[last]) = (turned.select(x[last], x[1]), turned.select(x[1], x[last]));
         (y[1], y[last]) = (turned.select(y[last], y[1]), turned.select(y[1], y[last]));
@@ -112,7 +114,7 @@ impl<S: Simd, const OTHERS: usize> Lanes<S, OTHERS> {
             let at = [px[corner], py[corner]];
             edges[corner] = Edge::new(simd, at, [dx[corner], dy[corner]], unit);
         }
-        Lanes {
+        FaceSetup {
             columns: [columns.first - origin[0], columns.end - origin[0]],
             rows: [rows.first - origin[1], rows.end - origin[1]],
             origin,
@@ -129,7 +131,8 @@ fn in_pixels<S: Simd>(place: i32x16<S>) -> f32x16<S> {
 }
 
 impl<S: Simd> Edge<S> {
-    /// Through a corner, in a direction. `unit`: what places may be off by, with all that is computed from them.
+    /// Creates an edge through a vertex in a direction. `unit` bounds the error of coordinates and of everything
+    /// computed from them.
     #[inline(always)]
     fn new(simd: S, [x, y]: [f32x16<S>; 2], [dx, dy]: [f32x16<S>; 2], unit: f32x16<S>) -> Edge<S> {
         let flat = dy.simd_eq(f32x16::splat(simd, 0.0));
@@ -153,7 +156,7 @@ impl<S: Simd> Edge<S> {
         }
     }
 
-    /// The same where `which`, else one that lies at a column, whatever the row.
+    /// Returns the edge in the lanes `which`, and in the others a vertical edge at `column`.
     #[inline(always)]
     fn or_at(self, simd: S, which: mask32x16<S>, column: f32) -> Edge<S> {
         let column = f32x16::splat(simd, column);
@@ -166,7 +169,8 @@ impl<S: Simd> Edge<S> {
 }
 
 impl<S: Simd, const OTHERS: usize> Edges<S, OTHERS> {
-    /// An edge that goes up has the inside to its right, as rows are counted downwards. A flat one bounds nothing.
+    /// Sorts edges by the side that they bound. With y pointing down, an edge that goes up has the inside on its right.
+    /// A horizontal edge bounds nothing.
     #[inline(always)]
     fn sorted<const SIDES: usize>(
         simd: S,
@@ -212,8 +216,8 @@ impl<S: Simd, const OTHERS: usize> Edges<S, OTHERS> {
 }
 
 impl<S: Simd> Plane<S> {
-    /// Through the first corner, the second and the last, where `area` is twice that of their triangle; by the differences
-    /// of corners, each to the next.
+    /// Computes the plane through the first, the second and the last vertex, from the differences of successive
+    /// vertices. `area` is twice the area of their triangle.
     #[inline(always)]
     fn new<const SIDES: usize>(
         simd: S,
@@ -235,7 +239,8 @@ impl<S: Simd> Plane<S> {
             least = least.min(rev_depth);
             greatest = greatest.max(rev_depth);
         }
-        // What the slopes may be off by, over the way from a corner to where they are used; and what moves with corners.
+        // Bounds the error of the slopes over the distance from a vertex to the samples, and the effect of rounded
+        // vertices.
         let spread = (size + 32.0) * 2.0;
         let area_off = ((dx1 * dy2).abs() + (dx2 * dy1).abs()) * per_area * (2.0 * EXACTNESS) + EXACTNESS;
         let sum = slope[0].abs() + slope[1].abs();
@@ -243,11 +248,11 @@ impl<S: Simd> Plane<S> {
             + sum * (spread * area_off + PER_UNIT)
             + greatest * (2.0 * EXACTNESS);
         let mut at = rev_depth[0] - slope[0] * x - slope[1] * y - error;
-        // A quad's halves are between this plane and one so much beyond it as the third corner is.
+        // The halves of a quad are between this plane and a parallel one through the third vertex, if that is behind.
         for corner in 2..last {
             let plane = rev_depth[0] + slope[0] * (dx[0] + dx[1]) + slope[1] * (dy[0] + dy[1]);
             let beyond = (rev_depth[corner] - plane).min(f32x16::splat(simd, 0.0));
-            // What is off in the plane is so twice more: at that corner, and in how far beyond it is.
+            // The error of the plane counts twice more: at that vertex, and in its distance from the plane.
             at += beyond - error * 2.0;
         }
         Plane {

@@ -1,14 +1,15 @@
-//! Batches of triangles and quads, let into the tiles as fast as the machine can.
+//! Batch rasterizer: triangles and quads, sixteen at a time in SIMD lanes.
 //!
-//! Corners are put on the screen in fixed point ([`corners`]), sixteen faces at a time are looked at ([`sort`]), wait
-//! ([`queue`]) and are set up ([`lanes`]), and small ones are covered side by side ([`small`]), wide ones row by row
-//! ([`wide`]). All of it is in numbers of 32 bits, which may be off: wherever that could change a sample, the face is named
-//! in [`Batch::uncertain`] and left to the rasteriser of the exact covers, of which no bit differs then. What has a corner
-//! that is nowhere on the screen is cut first ([`clip`]).
+//! Vertices are projected to fixed point ([`corners`]). Faces are back-face culled and classified sixteen at a time
+//! ([`sort`]), queued by kind ([`queue`]) and set up ([`lanes`]). Small faces are rasterized one per lane ([`small`]),
+//! wide triangles one after the other with rows in the lanes ([`wide`]). Faces with a vertex that fixed point cannot
+//! represent are clipped first ([`clip`]). All arithmetic is 32-bit with error bounds: where the error could change a
+//! sample, the face is listed in [`Batch::uncertain`] and rasterized by the f64 rasterizer of the exact covers, so
+//! coverage has the same bits as theirs.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016; filters as in Shewchuk,
 //!     Adaptive Precision Floating-Point Arithmetic, 1997.
-//! Cost: O(corners + faces + tiles).
-//! Conservative: covers the very samples that the exact covers do, and is nowhere nearer than they.
+//! Cost: O(vertices + faces + tiles).
+//! Conservative: covers exactly the samples that the exact covers do, and is nowhere nearer than they are.
 
 mod clip;
 mod corners;
@@ -21,7 +22,7 @@ mod sort;
 mod wide;
 
 use super::grid::Tiles;
-use super::rows::Waiting;
+use super::rows::RunQueue;
 use super::tile::{COLUMNS, ROWS};
 use crate::aperture::Rect;
 use crate::cover::part::Part;
@@ -34,48 +35,48 @@ use glam::DVec3;
 use records::Records;
 use sort::{Group, Queues};
 
-/// Lanes of a kernel, at every level, and their numbers.
+/// SIMD lanes of a kernel, at every level, and their indices.
 pub(super) const LANES: usize = 16;
 pub(super) const COUNT: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// A screen of more columns or rows reaches to where corners are odd.
+/// Maximum columns and rows of a screen for clipping: beyond, the guard band would be inside the screen.
 const MAX_SAMPLES: u16 = 12_000;
 
-/// A pixel in units of fixed point.
+/// One pixel in units of fixed point.
 const ONE_SHIFT: u32 = 17;
 const ONE: i32 = 1 << ONE_SHIFT;
 const HALF: i32 = ONE / 2;
 
-/// What holds for a batch.
+/// Parameters shared by all faces of a batch.
 pub(super) struct Frame {
-    /// Rows of the map from positions to (X, Y, W).
+    /// Rows of the matrix from positions to (X, Y, W).
     matrix: [[f64; 4]; 3],
     near: f64,
-    /// What is nearer is surely before the near distance.
+    /// A vertex with W below this is certainly in front of the near plane.
     behind: f64,
-    /// What lies surely beyond the last portal.
+    /// Entry plane n · (X, Y, W) > d, moved back so that a vertex that passes is certainly behind it.
     entry: Option<([f64; 3], f64)>,
-    /// −1 or 1: the sign of a triangle's area where it is seen from its front; 0 where both sides are seen.
+    /// Sign of the area of front-facing triangles, −1 or 1; 0 for double-sided faces.
     front: f32,
-    /// Where fixed point is counted from, in pixels.
+    /// Origin of fixed point, in pixels.
     middle: [f64; 2],
     middle_sample: [i32; 2],
-    /// The first column of the rectangle and the one after the last, and its rows, on the screen.
+    /// First column and end column (exclusive) of the rectangle, then its rows, in pixels of the screen.
     limits: [[f64; 2]; 2],
-    /// Samples of the rectangle, from the middle.
+    /// Columns and rows of the rectangle relative to `middle`.
     columns: [i32; 2],
     rows: [i32; 2],
     tile_columns: u32,
-    /// Rows of tiles above those that are covered.
+    /// Number of rows of tiles above those rasterized into.
     first_row: i32,
-    /// The near distance and the plane of the last portal, where triangles are cut; `None` where they cannot be.
+    /// Near-plane distance and entry plane for clipping; `None` if faces cannot be clipped here.
     clips: Option<(f64, Option<(DVec3, f64)>)>,
 }
 
 impl Frame {
-    /// Of faces that are seen through a passage, and go into some tiles.
+    /// Prepares a batch of faces seen through a passage, rasterized into `tiles`.
     pub(super) fn new(faces: &Faces, passage: &Passage, tiles: &Tiles) -> Frame {
-        /// What f64 rounds, and ample.
+        /// Generous bound on the rounding of f64.
         const SURELY: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
         let Rect { x0, y0, x1, y1 } = tiles.rect;
         let near = f64::from(passage.near);
@@ -90,7 +91,7 @@ impl Frame {
             (middle - middle % align) as i32
         };
         let middle_sample = [middle(x0, x1, COLUMNS), middle(y0, y1, ROWS)];
-        // What is cut off far from the middle must be off the screen.
+        // Geometry cut off at the guard band must be off screen.
         let is_small = (x1 - x0).max(y1 - y0) < MAX_SAMPLES;
         Frame {
             matrix: [
@@ -113,39 +114,39 @@ impl Frame {
         }
     }
 
-    /// (X, Y, W) of a position, by the same operations as those of sixteen.
-    fn on_screen(&self, position: [f32; 3]) -> DVec3 {
+    /// Returns (X, Y, W) of a position, by the same operations as the SIMD version.
+    fn transform(&self, position: [f32; 3]) -> DVec3 {
         let [x, y, z] = position.map(f64::from);
         DVec3::from(self.matrix.map(|to| x * to[0] + y * to[1] + z * to[2] + to[3]))
     }
 }
 
-/// Room to work in.
+/// Buffers of the batch rasterizer.
 #[derive(Default)]
 pub(super) struct Batch {
     corners: Corners,
     queues: Queues,
     records: Records,
-    waiting: Waiting,
+    run_queue: RunQueue,
     part: Part,
 }
 
-/// Faces of which each corner is a place among some positions, counted from `first_position`.
+/// Quads and triangles, with corners as indices into positions; the first index is `first_position`.
 #[derive(Clone, Copy)]
 pub(super) struct Shapes<'a> {
-    /// Convex, and the first of all that are numbered.
+    /// Convex quads; they are numbered before the triangles.
     pub(super) quads: &'a [[u32; 4]],
     pub(super) triangles: &'a [[u32; 3]],
     pub(super) first_position: u32,
 }
 
 impl Shapes<'_> {
-    /// How many triangles they come to.
+    /// Returns the number of triangles, counting a quad as two.
     pub(super) fn triangles(&self) -> u64 {
         (2 * self.quads.len() + self.triangles.len()) as u64
     }
 
-    /// The corners of a face.
+    /// Returns the corners of the face `number`.
     pub(super) fn corners(&self, number: usize) -> &[u32] {
         match self.quads.get(number) {
             Some(quad) => quad,
@@ -155,7 +156,7 @@ impl Shapes<'_> {
 }
 
 impl Batch {
-    /// Lets faces hide what is behind them. What is not certain is left in [`Batch::uncertain`].
+    /// Rasterizes faces as occluders, except those that it lists in [`Batch::uncertain`].
     #[inline(always)]
     pub(super) fn hide<S: Simd>(
         &mut self,
@@ -176,7 +177,7 @@ impl Batch {
             self.queues.uncertain.extend(all);
             return;
         }
-        corners::place(simd, frame, positions, &mut self.corners);
+        corners::project(simd, frame, positions, &mut self.corners);
         let mut last_quads = [[first_position; 4]; LANES];
         let mut last_triangles = [[first_position; 3]; LANES];
         let groups_of_quads = quads.len().div_ceil(LANES);
@@ -184,27 +185,27 @@ impl Batch {
         let mut next = 0;
         loop {
             if next == groups || self.queues.clipped.count >= LANES {
-                self.queues.let_in_clipped(simd, frame);
+                self.queues.queue_clipped(simd, frame);
             } else if next < groups_of_quads {
                 let group = Group::new(&shapes, quads, next, 0, &mut last_quads);
-                let found = group.find(simd, &self.corners);
-                self.queues.let_in_quads(simd, frame, &found);
+                let found = group.project(simd, &self.corners);
+                self.queues.queue_quads(simd, frame, &found);
                 self.queues
-                    .clip(frame, positions, &group, found.odd, &mut self.part);
+                    .clip(frame, positions, &group, found.to_clip, &mut self.part);
                 next += 1;
             } else {
                 let which = next - groups_of_quads;
                 let group = Group::new(&shapes, triangles, which, quads.len(), &mut last_triangles);
-                let found = group.find(simd, &self.corners);
-                self.queues.let_in_triangles(simd, frame, &found);
+                let found = group.project(simd, &self.corners);
+                self.queues.queue_triangles(simd, frame, &found);
                 self.queues
-                    .clip(frame, positions, &group, found.odd, &mut self.part);
+                    .clip(frame, positions, &group, found.to_clip, &mut self.part);
                 next += 1;
             }
             let done = next == groups && self.queues.clipped.count == 0;
             if done || self.queues.are_full() {
                 let least = if done { 1 } else { LANES };
-                self.work_off(simd, frame, tiles, least);
+                self.flush(simd, frame, tiles, least);
             }
             if done {
                 return;
@@ -212,14 +213,14 @@ impl Batch {
         }
     }
 
-    /// Numbers of the faces that were left out because they are not certain, and where their runs may wait.
-    pub(super) fn uncertain(&mut self) -> (&[u32], &mut Waiting) {
-        (&self.queues.uncertain, &mut self.waiting)
+    /// Returns the numbers of the faces skipped as uncertain, and the queue for their runs.
+    pub(super) fn uncertain(&mut self) -> (&[u32], &mut RunQueue) {
+        (&self.queues.uncertain, &mut self.run_queue)
     }
 
-    /// Covers what those that wait cover, wide ones first, where there are at least `least` in a group.
+    /// Rasterizes queued faces, wide ones first, as long as a queue has at least `least`.
     #[inline(always)]
-    fn work_off<S: Simd>(&mut self, simd: S, frame: &Frame, tiles: &mut Tiles, least: usize) {
+    fn flush<S: Simd>(&mut self, simd: S, frame: &Frame, tiles: &mut Tiles, least: usize) {
         let Batch {
             queues:
                 Queues {
@@ -230,32 +231,32 @@ impl Batch {
                     ..
                 },
             records,
-            waiting,
+            run_queue,
             ..
         } = self;
         let mut from = 0;
         while wide.count >= from + least {
-            let faces = wide.sixteen(simd, from);
-            wide::draw(simd, frame, &faces, tiles, waiting, uncertain);
+            let faces = wide.load(simd, from);
+            wide::draw(simd, frame, &faces, tiles, run_queue, uncertain);
             from += faces.lanes;
         }
-        waiting.cover(simd, tiles);
-        wide.forget_before(from);
+        run_queue.cover(simd, tiles);
+        wide.discard_before(from);
         from = 0;
         while quads.count >= from + least {
-            let faces = quads.sixteen(simd, from);
+            let faces = quads.load(simd, from);
             small::draw::<S, 4, 2>(simd, frame, &faces, records, uncertain);
             records.merge(tiles);
             from += faces.lanes;
         }
-        quads.forget_before(from);
+        quads.discard_before(from);
         from = 0;
         while small.count >= from + least {
-            let faces = small.sixteen(simd, from);
+            let faces = small.load(simd, from);
             small::draw::<S, 3, 1>(simd, frame, &faces, records, uncertain);
             records.merge(tiles);
             from += faces.lanes;
         }
-        small.forget_before(from);
+        small.discard_before(from);
     }
 }

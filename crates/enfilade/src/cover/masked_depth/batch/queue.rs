@@ -1,18 +1,18 @@
-//! Faces that wait until there are sixteen of a kind.
+//! Queues of faces, so that the kernels get sixteen of a kind.
 //!
-//! Source: ours.
+//! Source: own design.
 //! Cost: O(corners).
-//! Exact: nothing is computed.
+//! Exact: only copies.
 
 use super::LANES;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 
-/// How many faces a queue may hold, besides two groups that are being let in.
-const MOST: usize = 128;
-const ROOM: usize = MOST + 2 * LANES;
+/// Maximum number of queued faces; two more groups fit while they are being queued.
+const MAX_QUEUED: usize = 128;
+const ROOM: usize = MAX_QUEUED + 2 * LANES;
 
-/// Faces that wait to be set up: columns, rows and reversed depth of their corners, and their numbers.
+/// Faces waiting for setup: columns, rows and reversed depths of their corners, and their numbers.
 pub(super) struct Queue<const SIDES: usize> {
     pub(super) count: usize,
     x: [[u32; ROOM]; SIDES],
@@ -33,29 +33,29 @@ impl<const SIDES: usize> Default for Queue<SIDES> {
     }
 }
 
-/// Up to sixteen faces, their corners in units.
-pub(super) struct Sixteen<S: Simd, const SIDES: usize> {
+/// Up to sixteen faces, one per lane, with corners in units of fixed point.
+pub(super) struct FaceLanes<S: Simd, const SIDES: usize> {
     pub(super) x: [i32x16<S>; SIDES],
     pub(super) y: [i32x16<S>; SIDES],
     pub(super) rev_depth: [f32x16<S>; SIDES],
     pub(super) number: u32x16<S>,
-    /// How many there are: the lanes after these are of no meaning.
+    /// Number of faces; the other lanes are undefined.
     pub(super) lanes: usize,
 }
 
 impl<const SIDES: usize> Queue<SIDES> {
-    /// Must what waits be worked off before a group is let in?
+    /// Returns `true` if the queue must be flushed before another group is queued.
     #[inline(always)]
     pub(super) fn is_full(&self) -> bool {
-        self.count + LANES > MOST
+        self.count + LANES > MAX_QUEUED
     }
 
-    /// How many there is room for.
+    /// Returns the number of faces that still fit.
     pub(super) fn room(&self) -> usize {
         ROOM - self.count
     }
 
-    /// Lets one face wait: column, row and reversed depth of its corners.
+    /// Queues one face: column, row and reversed depth of each corner.
     pub(super) fn push_one(&mut self, corners: [[u32; 3]; SIDES], number: u32) {
         for (corner, [x, y, rev_depth]) in corners.into_iter().enumerate() {
             self.x[corner][self.count] = x;
@@ -66,9 +66,9 @@ impl<const SIDES: usize> Queue<SIDES> {
         self.count += 1;
     }
 
-    /// Lets some of sixteen wait.
+    /// Queues the faces in the lanes `which`.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, which: mask32x16<S>, faces: &Sixteen<S, SIDES>) {
+    pub(super) fn push<S: Simd>(&mut self, which: mask32x16<S>, faces: &FaceLanes<S, SIDES>) {
         let found = which.to_bitmask().count_ones() as usize;
         if found == 0 {
             return;
@@ -84,11 +84,11 @@ impl<const SIDES: usize> Queue<SIDES> {
         self.count = start + found;
     }
 
-    /// Sixteen from a place on.
+    /// Loads up to sixteen faces, starting at index `from`.
     #[inline(always)]
-    pub(super) fn sixteen<S: Simd>(&self, simd: S, from: usize) -> Sixteen<S, SIDES> {
+    pub(super) fn load<S: Simd>(&self, simd: S, from: usize) -> FaceLanes<S, SIDES> {
         let start = from.min(ROOM - LANES);
-        let mut faces = Sixteen::none(simd);
+        let mut faces = FaceLanes::none(simd);
         for corner in 0..SIDES {
             faces.x[corner] = get(simd, &self.x[corner], start).bitcast();
             faces.y[corner] = get(simd, &self.y[corner], start).bitcast();
@@ -99,9 +99,9 @@ impl<const SIDES: usize> Queue<SIDES> {
         faces
     }
 
-    /// Keeps only those from a place on: fewer than sixteen.
+    /// Removes the faces before index `place`; fewer than sixteen must remain.
     #[inline(always)]
-    pub(super) fn forget_before(&mut self, place: usize) {
+    pub(super) fn discard_before(&mut self, place: usize) {
         if place == 0 {
             return;
         }
@@ -124,10 +124,10 @@ fn get<S: Simd>(simd: S, kept: &[u32; ROOM], start: usize) -> u32x16<S> {
     u32x16::from_slice(simd, &kept[start..start + LANES])
 }
 
-impl<S: Simd, const SIDES: usize> Sixteen<S, SIDES> {
+impl<S: Simd, const SIDES: usize> FaceLanes<S, SIDES> {
     #[inline(always)]
-    pub(super) fn none(simd: S) -> Sixteen<S, SIDES> {
-        Sixteen {
+    pub(super) fn none(simd: S) -> FaceLanes<S, SIDES> {
+        FaceLanes {
             x: [i32x16::splat(simd, 0); SIDES],
             y: [i32x16::splat(simd, 0); SIDES],
             rev_depth: [f32x16::splat(simd, 0.0); SIDES],
@@ -137,11 +137,11 @@ impl<S: Simd, const SIDES: usize> Sixteen<S, SIDES> {
     }
 }
 
-impl<S: Simd> Sixteen<S, 4> {
-    /// The triangle of the first corner, and two that follow each other, of each quad.
+impl<S: Simd> FaceLanes<S, 4> {
+    /// Returns one triangle of each quad: its first corner and two adjacent ones.
     #[inline(always)]
-    pub(super) fn half(&self, [a, b]: [usize; 2]) -> Sixteen<S, 3> {
-        Sixteen {
+    pub(super) fn half(&self, [a, b]: [usize; 2]) -> FaceLanes<S, 3> {
+        FaceLanes {
             x: [self.x[0], self.x[a], self.x[b]],
             y: [self.y[0], self.y[a], self.y[b]],
             rev_depth: [self.rev_depth[0], self.rev_depth[a], self.rev_depth[b]],

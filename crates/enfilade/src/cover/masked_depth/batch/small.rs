@@ -1,34 +1,34 @@
-//! Small triangles and quads: sixteen side by side, row after row.
+//! Rasterizes small triangles and quads: one face per lane, sixteen at a time, row by row.
 //!
-//! Most faces of a detailed mesh reach into two or three sub-tiles. Here each lane has a face of its own, so that none
-//! waits for a larger one beside it for long; what comes out are records of a sub-tile, its samples and a reversed depth.
-//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.1, turned: theirs
-//!     has a triangle's rows in the lanes.
-//! Cost: O(rows of the highest) for sixteen.
-//! Exact: a row whose ends are not certain sends its face to f64.
+//! Most faces of a detailed mesh overlap two or three sub-tiles. With one face per lane and a size limit, no lane waits
+//! long for a larger face. The result is written as records of sub-tile, coverage mask and reversed depth.
+//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 3.1, transposed:
+//!     the paper has the rows of one triangle in the lanes.
+//! Cost: O(rows of the highest) for sixteen faces.
+//! Exact: a face with an uncertain end of a row goes to f64.
 
-use super::lanes::{Edge, Lanes};
-use super::queue::Sixteen;
-use super::records::{Places, Records};
+use super::lanes::{Edge, FaceSetup};
+use super::queue::FaceLanes;
+use super::records::{RecordWriter, Records};
 use super::{Frame, LANES};
 use crate::cover::masked_depth::tile::{SUB_COLUMNS, SUB_ROWS};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 
-/// Sub-tiles that a small face may reach into, down and across.
+/// Maximum number of sub-tiles that a small face overlaps, down and across.
 const DOWN: usize = 8;
 const ACROSS: usize = 4;
 
-/// Writes records of up to sixteen small faces; those that are not certain are named in `uncertain`.
+/// Writes records of up to sixteen small faces; appends the numbers of uncertain ones to `uncertain`.
 #[inline(always)]
 pub(super) fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
     simd: S,
     frame: &Frame,
-    faces: &Sixteen<S, SIDES>,
+    faces: &FaceLanes<S, SIDES>,
     records: &mut Records,
     uncertain: &mut Vec<u32>,
 ) {
-    let lanes = Lanes::<S, OTHERS>::new(simd, frame, faces, [SUB_COLUMNS as i32, SUB_ROWS as i32]);
+    let lanes = FaceSetup::<S, OTHERS>::new(simd, frame, faces, [SUB_COLUMNS as i32, SUB_ROWS as i32]);
     let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << faces.lanes) - 1);
     let [first, end] = [
         lanes.columns[0].to_float::<f32x16<S>>() - 0.5,
@@ -38,7 +38,7 @@ pub(super) fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
     let least = f32x16::splat(simd, -0.5);
     let none = u32x16::splat(simd, 0);
     let zero = i32x16::splat(simd, 0);
-    // Lanes of no meaning may hold anything.
+    // Mask unused lanes, which may hold anything.
     let down = there
         .select((lanes.rows[1] + (SUB_ROWS as i32 - 1)) >> 2, zero)
         .reduce_max();
@@ -52,7 +52,7 @@ pub(super) fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
         & !(all << lanes.rows[1].max(zero).min(last).bitcast::<u32x16<S>>());
 
     let start = records.count;
-    let writer = Places::new(simd, frame, &lanes);
+    let writer = RecordWriter::new(simd, frame, &lanes);
     let mut sure = there;
     loop {
         let mut unsure = lanes.unsure;
@@ -76,7 +76,7 @@ pub(super) fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
                 *held = (all << start) & !(all << stop);
             }
             let open = (rows_there >> (SUB_ROWS * group) as u32) & 0xF;
-            // Four bits, each made a byte: a row of a sub-tile.
+            // Expands each of four bits to a byte, a row of a sub-tile.
             let open = ((open * 0x0020_4081) & 0x0101_0101) * 0xFF;
             let masks = by_sub_tile(simd, &rows);
             for (right, mask) in masks[..across].iter().enumerate() {
@@ -87,7 +87,7 @@ pub(super) fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
         if left == 0 {
             return;
         }
-        // Once more without these, and what was written is forgotten.
+        // Repeat without the uncertain faces, and drop the records written so far.
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             uncertain.push(faces.number[lane]);
@@ -99,7 +99,7 @@ pub(super) fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
 }
 
 impl<S: Simd> Edge<S> {
-    /// The least and the greatest that the crossing of a row may be.
+    /// Returns lower and upper bounds of the crossing with the row whose centre is at `y`.
     #[inline(always)]
     pub(super) fn crossing(&self, y: f32) -> [f32x16<S>; 2] {
         let way = self.slope * y;
@@ -107,7 +107,7 @@ impl<S: Simd> Edge<S> {
     }
 }
 
-/// Four rows of 32 samples as the masks of four sub-tiles: bytes, transposed.
+/// Splits four rows of 32 samples into the masks of four sub-tiles: transposes bytes.
 #[inline(always)]
 fn by_sub_tile<S: Simd>(_simd: S, rows: &[u32x16<S>; SUB_ROWS]) -> [u32x16<S>; ACROSS] {
     let [a, b, c, d] = *rows;

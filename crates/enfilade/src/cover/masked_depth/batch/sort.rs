@@ -1,42 +1,43 @@
-//! Which faces are worth setting up: sixteen at a time, and the others are left in a few cycles each.
+//! Culls and classifies faces before setup, sixteen at a time; a culled face costs a few cycles.
 //!
-//! Left out are faces seen from behind and those that no sample's centre can be in. Small quads that are surely convex on the
-//! screen wait as such, all others as two triangles.
-//! Source: back-face and small-face rejection as in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion
-//!     Culling, HPG 2016, section 4; leaving out only what is surely outside is ours, and so are quads.
+//! Culls back-faces and faces that contain no sample centre. Small quads that are certainly convex on the screen are
+//! queued as quads, all others as two triangles.
+//! Source: back-face and small-face culling as in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion
+//!     Culling, HPG 2016, section 4. Culling only what is certainly outside, and quads, are additions.
 //! Cost: O(faces).
-//! Exact: what is not certain within a unit of fixed point goes to f64.
+//! Exact: faces that are uncertain within a unit of fixed point go to f64.
 
 use super::clip::clip;
 use super::corners::{Block, Corners, MAX_CORNERS};
-use super::queue::{Queue, Sixteen};
+use super::queue::{FaceLanes, Queue};
 use super::{COUNT, Frame, HALF, LANES, ONE, ONE_SHIFT, Shapes};
 use crate::cover::part::Part;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x4, u32x16};
 
-/// Up to sixteen faces that are looked at together.
+/// Up to sixteen faces that are processed together.
 pub(super) struct Group<'a, const SIDES: usize> {
-    /// Corners, as places counted from `first_position`.
+    /// Corners, as indices that start at `first_position`.
     pub(super) corners: &'a [[u32; SIDES]; LANES],
     pub(super) first_position: u32,
-    /// The number of the first face.
+    /// Number of the first face.
     pub(super) first: u32,
-    /// How many there are.
+    /// Number of faces.
     pub(super) lanes: usize,
 }
 
-/// Sixteen faces as they are on the screen.
-pub(super) struct Found<S: Simd, const SIDES: usize> {
-    faces: Sixteen<S, SIDES>,
-    /// Those that have all corners on the screen.
-    sound: mask32x16<S>,
-    /// A bit for each of which a corner is odd, but that may be seen.
-    pub(super) odd: u64,
+/// Sixteen faces in screen space.
+pub(super) struct ScreenFaces<S: Simd, const SIDES: usize> {
+    faces: FaceLanes<S, SIDES>,
+    /// Faces whose corners are all representable in fixed point.
+    valid: mask32x16<S>,
+    /// Bit mask of the faces with an odd corner that may be visible.
+    pub(super) to_clip: u64,
 }
 
 impl<'a, const SIDES: usize> Group<'a, SIDES> {
-    /// Of some of the shapes' faces, of which the first has the number `first`; `last` is room for a group that is not full.
+    /// Returns group `group` of a list of faces, of which the first has the number `first`. A partial last group is
+    /// copied to `last`.
     #[inline(always)]
     pub(super) fn new(
         shapes: &Shapes,
@@ -60,10 +61,10 @@ impl<'a, const SIDES: usize> Group<'a, SIDES> {
         }
     }
 
-    /// Finds them on the screen.
+    /// Gathers the projected corners of the faces.
     #[inline(always)]
-    pub(super) fn find<S: Simd>(&self, simd: S, corners: &Corners) -> Found<S, SIDES> {
-        let mut faces = Sixteen::none(simd);
+    pub(super) fn project<S: Simd>(&self, simd: S, corners: &Corners) -> ScreenFaces<S, SIDES> {
+        let mut faces = FaceLanes::none(simd);
         let mut beyond = u32x16::splat(simd, u32::MAX);
         let mut least = f32x16::splat(simd, f32::INFINITY);
         for corner in 0..SIDES {
@@ -78,20 +79,20 @@ impl<'a, const SIDES: usize> Group<'a, SIDES> {
         faces.lanes = self.lanes;
         let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << self.lanes) - 1);
         let within = there & beyond.simd_eq(u32x16::splat(simd, 0));
-        let sound = within & least.simd_gt(f32x16::splat(simd, 0.0));
-        Found {
+        let valid = within & least.simd_gt(f32x16::splat(simd, 0.0));
+        ScreenFaces {
             faces,
-            sound,
-            odd: (within & !sound).to_bitmask(),
+            valid,
+            to_clip: (within & !valid).to_bitmask(),
         }
     }
 
-    /// What is known of one corner of each face.
+    /// Gathers one corner of each face.
     #[inline(always)]
     fn gather<S: Simd>(&self, simd: S, corners: &Corners, which: usize) -> [u32x16<S>; 4] {
         let mut quarters = [u32x16::splat(simd, 0); 4];
         for (quarter, four) in quarters.iter_mut().zip(self.corners.as_chunks::<4>().0) {
-            // A remainder instead of a check that would have to be made, and stand, before every load.
+            // A remainder, because the compiler would not move bounds checks out of the loads.
             let at = |corner: u32| (corner - self.first_position) as usize % MAX_CORNERS;
             let a = u32x4::simd_from(simd, corners.0[at(four[0][which])]);
             let b = u32x4::simd_from(simd, corners.0[at(four[1][which])]);
@@ -111,42 +112,42 @@ impl<'a, const SIDES: usize> Group<'a, SIDES> {
     }
 }
 
-/// Queues, and what goes to f64.
+/// Queues of classified faces, and the faces that go to f64.
 #[derive(Default)]
 pub(super) struct Queues {
-    /// Triangles of up to 31 columns and rows, counted from the sub-tile they begin in.
+    /// Triangles of up to 31 columns and rows, from the sub-tile in which they begin.
     pub(super) small: Queue<3>,
     pub(super) wide: Queue<3>,
-    /// Quads as small, and convex on the screen.
+    /// Quads of the same size that are convex on the screen.
     pub(super) quads: Queue<4>,
-    /// What is left of triangles that were cut, to be let in.
+    /// Triangles that result from clipping, not yet classified.
     pub(super) clipped: Queue<3>,
-    /// Numbers of faces that are not certain.
+    /// Numbers of the faces that go to f64.
     pub(super) uncertain: Vec<u32>,
 }
 
-/// The most columns and rows of a small face.
+/// Maximum columns and rows of a small face.
 const SMALL: i32 = 31;
 
 impl Queues {
-    /// Must what waits be worked off before a group is let in?
+    /// Returns `true` if the queues must be flushed before another group is queued.
     #[inline(always)]
     pub(super) fn are_full(&self) -> bool {
         self.small.is_full() || self.wide.is_full() || self.quads.is_full()
     }
 
-    /// Cuts the faces of a group that have an odd corner.
+    /// Clips the faces of a group that have an odd corner.
     pub(super) fn clip<const SIDES: usize>(
         &mut self,
         frame: &Frame,
         positions: &[Block],
         group: &Group<SIDES>,
-        mut odd: u64,
+        mut to_clip: u64,
         part: &mut Part,
     ) {
-        while odd != 0 {
-            let lane = odd.trailing_zeros();
-            odd &= odd - 1;
+        while to_clip != 0 {
+            let lane = to_clip.trailing_zeros();
+            to_clip &= to_clip - 1;
             let at = group.corners[lane as usize].map(|corner| {
                 let corner = (corner - group.first_position) as usize;
                 positions[corner / LANES].map(|axis| axis[corner % LANES])
@@ -162,24 +163,24 @@ impl Queues {
         }
     }
 
-    /// Lets in up to sixteen of what is left of those that were cut.
+    /// Classifies and queues up to sixteen clipped triangles.
     #[inline(always)]
-    pub(super) fn let_in_clipped<S: Simd>(&mut self, simd: S, frame: &Frame) {
+    pub(super) fn queue_clipped<S: Simd>(&mut self, simd: S, frame: &Frame) {
         let from = self.clipped.count - self.clipped.count.min(LANES);
-        let faces = self.clipped.sixteen(simd, from);
-        let sound = mask32x16::from_bitmask(simd, (1_u64 << faces.lanes) - 1);
-        self.sort_triangles(simd, frame, &faces, sound);
+        let faces = self.clipped.load(simd, from);
+        let valid = mask32x16::from_bitmask(simd, (1_u64 << faces.lanes) - 1);
+        self.sort_triangles(simd, frame, &faces, valid);
         self.clipped.count = from;
     }
 
     #[inline(always)]
-    pub(super) fn let_in_triangles<S: Simd>(&mut self, simd: S, frame: &Frame, found: &Found<S, 3>) {
-        self.sort_triangles(simd, frame, &found.faces, found.sound);
+    pub(super) fn queue_triangles<S: Simd>(&mut self, simd: S, frame: &Frame, found: &ScreenFaces<S, 3>) {
+        self.sort_triangles(simd, frame, &found.faces, found.valid);
     }
 
-    /// Lets quads in that are worth setting up.
+    /// Queues the quads that are not culled.
     #[inline(always)]
-    pub(super) fn let_in_quads<S: Simd>(&mut self, simd: S, frame: &Frame, found: &Found<S, 4>) {
+    pub(super) fn queue_quads<S: Simd>(&mut self, simd: S, frame: &Frame, found: &ScreenFaces<S, 4>) {
         let quads = &found.faces;
         let extent = Extent::new(simd, frame, &quads.x, &quads.y);
         let [mut dx, mut dy] = [[f32x16::splat(simd, 0.0); 4]; 2];
@@ -188,20 +189,20 @@ impl Queues {
             dx[corner] = (quads.x[next] - quads.x[corner]).to_float();
             dy[corner] = (quads.y[next] - quads.y[corner]).to_float();
         }
-        // Which way round the triangle of each corner and its neighbours goes.
+        // Winding of the triangle of each corner and its neighbours.
         let [mut all_left, mut all_right] = [mask32x16::splat(simd, true); 2];
         let mut behind = all_left;
         for corner in 0..4 {
             let next = (corner + 1) % 4;
-            let turn = Turn::new(simd, [dx[corner], dx[next]], [dy[corner], dy[next]]);
-            all_left &= turn.left;
-            all_right &= turn.right;
-            // These two are its halves.
+            let winding = Winding::new(simd, [dx[corner], dx[next]], [dy[corner], dy[next]]);
+            all_left &= winding.left;
+            all_right &= winding.right;
+            // These two triangles are the halves of the quad.
             if corner % 2 == 0 {
-                behind &= turn.is_behind(simd, frame);
+                behind &= winding.is_behind(simd, frame);
             }
         }
-        let seen = found.sound & extent.any & !behind;
+        let seen = found.valid & extent.any & !behind;
         let small = seen & extent.small & (all_left | all_right);
         self.quads.push(small, quads);
         let others = seen & !small;
@@ -211,22 +212,22 @@ impl Queues {
         }
     }
 
-    /// Lets those triangles in that are worth setting up.
+    /// Queues the triangles that are not culled.
     #[inline(always)]
     fn sort_triangles<S: Simd>(
         &mut self,
         simd: S,
         frame: &Frame,
-        faces: &Sixteen<S, 3>,
-        sound: mask32x16<S>,
+        faces: &FaceLanes<S, 3>,
+        valid: mask32x16<S>,
     ) {
-        let Sixteen { x, y, number, .. } = faces;
+        let FaceLanes { x, y, number, .. } = faces;
         let extent = Extent::new(simd, frame, x, y);
         let dx = [(x[1] - x[0]).to_float(), (x[2] - x[0]).to_float()];
         let dy = [(y[1] - y[0]).to_float(), (y[2] - y[0]).to_float()];
-        let turn = Turn::new(simd, dx, dy);
-        let seen = sound & extent.any & !turn.is_behind(simd, frame);
-        let sure = seen & (turn.left | turn.right);
+        let winding = Winding::new(simd, dx, dy);
+        let seen = valid & extent.any & !winding.is_behind(simd, frame);
+        let sure = seen & (winding.left | winding.right);
         self.small.push(sure & extent.small, faces);
         self.wide.push(sure & !extent.small, faces);
         let mut left = (seen & !sure).to_bitmask();
@@ -241,7 +242,7 @@ impl Queues {
     }
 }
 
-/// Which faces reach over samples at all, and which over few columns and rows.
+/// Faces that may cover any sample, and faces that are small.
 struct Extent<S: Simd> {
     any: mask32x16<S>,
     small: mask32x16<S>,
@@ -265,29 +266,29 @@ impl<S: Simd> Extent<S> {
     }
 }
 
-/// Which way round triangles surely go.
-struct Turn<S: Simd> {
+/// Faces whose winding is certain.
+struct Winding<S: Simd> {
     left: mask32x16<S>,
     right: mask32x16<S>,
 }
 
-impl<S: Simd> Turn<S> {
-    /// By two of its sides.
+impl<S: Simd> Winding<S> {
+    /// Computes the winding from two sides of each triangle.
     #[inline(always)]
-    fn new(simd: S, dx: [f32x16<S>; 2], dy: [f32x16<S>; 2]) -> Turn<S> {
+    fn new(simd: S, dx: [f32x16<S>; 2], dy: [f32x16<S>; 2]) -> Winding<S> {
         let [one, other] = [dx[0] * dy[1], dx[1] * dy[0]];
         let area = one - other;
-        // What f32 rounds, and what moving corners by a unit does.
+        // Bounds the rounding of f32 and the effect of moving vertices by a unit.
         let slack = (one.abs() + other.abs()) * EXACTNESS
             + (dx[0].abs() + dx[1].abs() + dy[0].abs() + dy[1].abs()) * 4.0
             + f32x16::splat(simd, 16.0);
-        Turn {
+        Winding {
             left: area.simd_gt(slack),
             right: area.simd_lt(-slack),
         }
     }
 
-    /// Are they surely seen from behind?
+    /// Returns the faces that are certainly back-facing.
     #[inline(always)]
     fn is_behind(&self, simd: S, frame: &Frame) -> mask32x16<S> {
         if frame.front > 0.0 {
@@ -300,15 +301,15 @@ impl<S: Simd> Turn<S> {
     }
 }
 
-/// What two products and their difference may be off by in f32, relatively, and ample.
+/// Generous bound on the relative error of two products and their difference in f32.
 pub(super) const EXACTNESS: f32 = 1.0 / (1_u32 << 21) as f32;
 
-/// The samples between the least and the greatest of some places on an axis.
+/// Samples between the minimum and the maximum of coordinates on one axis.
 pub(super) struct Samples<S: Simd> {
-    /// The first that may be between them and the one after the last, from the middle, within the limits.
+    /// First sample that may be inside and the end (exclusive), from the frame's origin, clamped to the limits.
     pub(super) first: i32x16<S>,
     pub(super) end: i32x16<S>,
-    /// Is it certain which they are, but for the limits?
+    /// Whether they are certain, apart from the limits.
     pub(super) sure: mask32x16<S>,
 }
 
@@ -324,10 +325,10 @@ impl<S: Simd> Samples<S> {
             least = least.min(place);
             greatest = greatest.max(place);
         }
-        // A unit more on each side: places are rounded.
+        // One unit of margin on each side, because coordinates are rounded.
         let first = (least + (ONE - 1 - HALF - 1)) >> ONE_SHIFT;
         let last = (greatest + (1 - HALF)) >> ONE_SHIFT;
-        // And a unit less.
+        // The same range with one unit less.
         let sure = first.simd_eq((least + (ONE - 1 - HALF + 1)) >> ONE_SHIFT)
             & last.simd_eq((greatest + (-1 - HALF)) >> ONE_SHIFT);
         Samples {

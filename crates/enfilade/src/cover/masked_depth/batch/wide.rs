@@ -1,23 +1,23 @@
-//! Wide triangles: one after the other, sixteen rows at a time.
+//! Rasterizes wide triangles one after the other, sixteen rows at a time.
 //!
-//! Rows are in the lanes, and then the sub-tiles of a tile. Tiles that are nearer than all of the triangle are left before
+//! Rows are in the lanes, later the sub-tiles of a tile. Tiles nearer than the whole triangle are skipped before
 //! anything is computed for them.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, sections 3.1 to 3.3.
-//! Cost: a triangle O(rows / 16) + O(tiles it reaches into).
-//! Exact: a triangle with a row whose ends are not certain goes to f64.
+//! Cost: a triangle O(rows / 16) + O(tiles it overlaps).
+//! Exact: a triangle with an uncertain end of a row goes to f64.
 
-use super::huge::Sides;
-use super::lanes::{Edge, Lanes};
-use super::queue::Sixteen;
+use super::huge::HugeEdges;
+use super::lanes::{Edge, FaceSetup};
+use super::queue::FaceLanes;
 use super::{COUNT, Frame, LANES, ONE};
 use crate::cover::masked_depth::grid::Tiles;
-use crate::cover::masked_depth::rows::{Slopes, Waiting};
+use crate::cover::masked_depth::rows::{RunQueue, Slopes};
 use crate::cover::masked_depth::tile::{COLUMNS, ROWS};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, u32x16};
 
-/// What is needed of each of sixteen triangles, by lane.
-struct Stored {
+/// Setup of sixteen triangles as arrays, indexed by lane.
+struct SetupArrays {
     origin: [[i32; LANES]; 2],
     columns: [[i32; LANES]; 2],
     rows: [[i32; LANES]; 2],
@@ -28,17 +28,17 @@ struct Stored {
     number: [u32; LANES],
 }
 
-/// Covers what up to sixteen wide triangles cover.
+/// Queues the runs of up to sixteen wide triangles; appends the numbers of uncertain ones to `uncertain`.
 #[inline(always)]
 pub(super) fn draw<S: Simd>(
     simd: S,
     frame: &Frame,
-    triangles: &Sixteen<S, 3>,
+    triangles: &FaceLanes<S, 3>,
     tiles: &mut Tiles,
-    waiting: &mut Waiting,
+    run_queue: &mut RunQueue,
     uncertain: &mut Vec<u32>,
 ) {
-    let lanes = Lanes::<S, 1>::new(simd, frame, triangles, [COLUMNS as i32, ROWS as i32]);
+    let lanes = FaceSetup::<S, 1>::new(simd, frame, triangles, [COLUMNS as i32, ROWS as i32]);
     let edge = |edge: &Edge<S>| {
         [
             edge.slope.to_array(),
@@ -47,7 +47,7 @@ pub(super) fn draw<S: Simd>(
         ]
     };
     let unsure = lanes.unsure.to_bitmask();
-    let stored = Stored {
+    let stored = SetupArrays {
         origin: [
             (lanes.origin[0] + frame.middle_sample[0]).to_array(),
             (lanes.origin[1] + frame.middle_sample[1]).to_array(),
@@ -74,24 +74,24 @@ pub(super) fn draw<S: Simd>(
         if unsure >> lane & 1 != 0 {
             uncertain.push(stored.number[lane]);
         } else {
-            draw_one(simd, frame, &stored, lane, tiles, waiting, uncertain);
+            draw_one(simd, frame, &stored, lane, tiles, run_queue, uncertain);
         }
     }
 }
 
-/// Wider or higher than this, in units, rows are crossed in f64.
+/// Width or height, in units, from which on scanline crossings are computed in f64.
 const HUGE: i32 = 512 * ONE;
 
-impl Stored {
-    /// The edges of a triangle that is too large for f32.
-    fn huge_sides(&self, lane: usize, frame: &Frame) -> Option<Sides> {
+impl SetupArrays {
+    /// Returns the edges of a triangle that is too large for f32; `None` if it is not.
+    fn huge_edges(&self, lane: usize, frame: &Frame) -> Option<HugeEdges> {
         let corners = self.corners.map(|[x, y]| [x[lane], y[lane]]);
         let is_huge = [0, 1].into_iter().any(|axis| {
             let [a, b, c] = corners.map(|corner| corner[axis]);
             a.max(b).max(c) - a.min(b).min(c) >= HUGE
         });
         let origin = [0, 1].map(|axis| self.origin[axis][lane] - frame.middle_sample[axis]);
-        is_huge.then(|| Sides::new(corners, origin))
+        is_huge.then(|| HugeEdges::new(corners, origin))
     }
 }
 
@@ -103,10 +103,10 @@ const CENTRES: [f32; LANES] = [
 fn draw_one<S: Simd>(
     simd: S,
     frame: &Frame,
-    stored: &Stored,
+    stored: &SetupArrays,
     lane: usize,
     tiles: &mut Tiles,
-    waiting: &mut Waiting,
+    run_queue: &mut RunQueue,
     uncertain: &mut Vec<u32>,
 ) {
     let [at, by_column, by_row, least, greatest] = [
@@ -119,16 +119,16 @@ fn draw_one<S: Simd>(
     let [first, end] = [stored.columns[0][lane], stored.columns[1][lane]];
     let [first_row, end_row] = [stored.rows[0][lane], stored.rows[1][lane]];
     let between = [f64::from(first) - 0.5, f64::from(end) - 0.5];
-    let huge = stored.huge_sides(lane, frame);
-    // Counted from the corner of the screen, as all runs are.
+    let huge = stored.huge_edges(lane, frame);
+    // From the top left corner of the screen, as all runs are.
     let [left_of, above] = [stored.origin[0][lane], stored.origin[1][lane]];
     let [by_column, by_row] = [f64::from(by_column), f64::from(by_row)];
     let at = f64::from(at) - by_column * f64::from(left_of) - by_row * f64::from(above);
     let slopes = Slopes::new(at, [by_column, by_row], [least, greatest]);
-    if waiting.are_many() {
-        waiting.cover(simd, tiles);
+    if run_queue.are_many() {
+        run_queue.cover(simd, tiles);
     }
-    waiting.begin(&slopes);
+    run_queue.begin(&slopes);
     let mut row = 0;
     while row < end_row {
         let [start, stop] = match &huge {
@@ -139,7 +139,8 @@ fn draw_one<S: Simd>(
         let inside = number.simd_ge(first_row) & number.simd_lt(end_row);
         let sure = start[0].simd_eq(start[1]) & stop[0].simd_eq(stop[1]);
         if (inside & !sure).any_true() {
-            // All of it anew, or what is there already would be cut off from the rest.
+            // The whole triangle goes to f64, not only its remaining rows: the rows queued so far would be separated
+            // from them.
             uncertain.push(stored.number[lane]);
             return;
         }
@@ -149,19 +150,19 @@ fn draw_one<S: Simd>(
         let starts = there.select(start + left_of, none);
         let stops = there.select(stop + left_of, none);
         let (starts, stops) = (starts.to_array(), stops.to_array());
-        // Along each side of a convex face the rows that reach least far in are the first and the last.
+        // Edges of a convex face are straight or bend outwards, so the innermost ends are in the first or the last row.
         let whole = if there.all_true() {
             [starts[0].max(starts[LANES - 1]), stops[0].min(stops[LANES - 1])]
         } else {
             [0; 2]
         };
-        waiting.push(((above + row) / ROWS as i32) as usize, [starts, stops], whole);
+        run_queue.push(((above + row) / ROWS as i32) as usize, [starts, stops], whole);
         row += LANES as i32;
     }
 }
 
-/// The first column of each of sixteen rows from `row` on, and the one after the last, between two; each as the least and
-/// the greatest that it may be.
+/// Returns the first column and the end column (exclusive) of each of sixteen rows from `row` on, clamped to `between`;
+/// each as a lower and an upper bound.
 #[inline(always)]
 fn ends<S: Simd>(
     simd: S,
@@ -191,7 +192,7 @@ fn ends<S: Simd>(
     ]
 }
 
-/// The least and the greatest that the crossing of rows may be.
+/// Returns lower and upper bounds of the crossing with rows.
 #[inline(always)]
 fn crossing<S: Simd>(simd: S, edge: &[[f32; LANES]; 3], lane: usize, y: f32x16<S>) -> [f32x16<S>; 2] {
     let way = y * edge[0][lane];

@@ -12,9 +12,9 @@ use crate::mesh::{Attributes, Mesh, Part};
 use std::collections::BTreeSet;
 
 /// The samples of a face, by the rasteriser.
-struct Held(Vec<bool>, usize);
+struct SampleMask(Vec<bool>, usize);
 
-impl Sink for Held {
+impl Sink for SampleMask {
     fn hides(&mut self, _rect: &Rect, _nearest: f32) -> bool {
         false
     }
@@ -44,7 +44,7 @@ fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) 
     builder.item("face", mesh, Transform::IDENTITY);
     let geometry = builder.build().expect("one sound face");
     let [width, height] = passage.size.map(|side| side as usize);
-    let mut held = Held(vec![false; width * height], width);
+    let mut held = SampleMask(vec![false; width * height], width);
     let faces = Faces::of_cluster(&geometry, ItemId(0), 0, &passage.screen_from_sector);
     Raster::default().run(&faces, passage, &mut held, &mut Stats::default());
     let corners: Vec<DVec3> = corners

@@ -7,12 +7,12 @@ use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::triangle::Triangle;
 
 /// The nearest that the rasteriser gives each sample, from the corner of the screen; 0 where nothing is.
-pub(super) struct Nearest {
+pub(super) struct ExactDepths {
     width: usize,
     rev_depth: Vec<f64>,
 }
 
-impl Sink for Nearest {
+impl Sink for ExactDepths {
     fn hides(&mut self, _rect: &Rect, _nearest: f32) -> bool {
         false
     }
@@ -28,9 +28,9 @@ impl Sink for Nearest {
     }
 }
 
-pub(super) fn exact(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) -> Nearest {
+pub(super) fn exact(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) -> ExactDepths {
     let [width, height] = passage.size.map(|side| side as usize);
-    let mut nearest = Nearest {
+    let mut nearest = ExactDepths {
         width,
         rev_depth: vec![0.0; width * height],
     };
@@ -85,7 +85,7 @@ pub(super) fn hidden_by(level: Level, mesh: &OccluderMesh, passage: &Passage) ->
 
 /// Holds a cover against the rasteriser: gives the number of samples covered, and of those that are known to be covered but
 /// not well.
-pub(super) fn hold(cover: &MaskedDepth, exact: &Nearest, scene: u64) -> [u64; 2] {
+pub(super) fn hold(cover: &MaskedDepth, exact: &ExactDepths, scene: u64) -> [u64; 2] {
     let [mut covered, mut apart] = [0_u64, 0_u64];
     for (x, y) in samples(cover.grid.rect) {
         let known = cover.rev_depth_at(x, y);

@@ -43,7 +43,7 @@ impl MaskedDepth {
     }
 
     fn known(&self, x: u16, y: u16) -> f32 {
-        self.grid.known(x.into(), y.into())
+        self.grid.rev_depth_at(x.into(), y.into())
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the tests of occlusion trees share: shapes as the eye sees them, and chance.
+//! Shared test support for occlusion trees: shapes in eye space, and random numbers.
 
 mod odd;
 mod oracle;
@@ -11,13 +11,13 @@ use crate::region::Volume;
 const SCREEN: [[f64; 2]; 4] = [[0.0, 0.0], [0.0, 800.0], [1000.0, 800.0], [1000.0, 0.0]];
 const NEAR: f64 = 1e-12;
 
-/// (X, Y, W) of a point right of, above and ahead of the eye.
+/// Returns (X, Y, W) of a point given as distances right of, above and ahead of the eye.
 fn on_screen([right, up, ahead]: [f64; 3]) -> DVec3 {
     let focal = 700.0;
     DVec3::new(focal * right + 500.0 * ahead, -focal * up + 400.0 * ahead, ahead)
 }
 
-/// A convex polygon as a passage sees it.
+/// A convex polygon in the space of (X, Y, W).
 #[derive(Clone, Debug)]
 struct Polygon {
     corners: Vec<DVec3>,
@@ -25,7 +25,7 @@ struct Polygon {
 }
 
 impl Polygon {
-    /// Whichever way the corners run; `None` where the eye is in its plane.
+    /// Accepts either winding; `None` if the eye is in the plane.
     fn new(corners: &[[f64; 3]]) -> Option<Polygon> {
         let mut corners: Vec<DVec3> = corners.iter().map(|&c| on_screen(c)).collect();
         let first = corners[0];
@@ -38,7 +38,7 @@ impl Polygon {
         if distance.abs() < 1e-13 * first.length() {
             return None;
         }
-        // In this space y points down: what runs counter-clockwise as the eye sees it has its normal toward the eye.
+        // In this space y points down: a polygon that is counter-clockwise from the eye has its normal toward the eye.
         if distance > 0.0 {
             corners.reverse();
         }
@@ -57,7 +57,7 @@ impl Polygon {
         }
     }
 
-    /// Does it hide a point? `slack`: how many pixels off its edges still count.
+    /// Returns `true` if it hides a point. `slack`: distance outside its edges that still counts as inside, in pixels.
     fn hides(&self, point: DVec3, slack: f64) -> bool {
         let (normal, distance) = self.plane;
         let beyond = normal.dot(point) > distance * (1.0 - slack * 1e-6);
@@ -73,10 +73,10 @@ fn square(center: [f64; 3], half: f64) -> Polygon {
     let [x, y, z] = center;
     let corners =
         [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[a, b]| [x + a * half, y + b * half, z]);
-    Polygon::new(&corners).expect("the eye is before it")
+    Polygon::new(&corners).expect("the eye is not in its plane")
 }
 
-/// A box along the axes of the eye.
+/// A box aligned with the eye's axes.
 fn volume(min: [f64; 3], max: [f64; 3]) -> Volume {
     let side = |axis: usize| {
         let mut to = min;
@@ -89,7 +89,7 @@ fn volume(min: [f64; 3], max: [f64; 3]) -> Volume {
     }
 }
 
-/// Both trees with the same in them.
+/// Both kinds of tree with the same occluders.
 #[derive(Default)]
 struct Both {
     faces: OcclusionTree<ByFaces>,
@@ -103,7 +103,7 @@ impl Both {
         both
     }
 
-    /// Starts over; `outline` is counter-clockwise on the screen.
+    /// Clears the trees and inserts occluders; `outline` is counter-clockwise on the screen.
     fn fill(&mut self, outline: &[[f64; 2]], occluders: &[Polygon]) {
         self.faces.tree.open(outline, &Rect::default());
         self.boxes.tree.open(outline, &Rect::default());
@@ -118,8 +118,8 @@ impl Both {
     }
 
     fn see(&mut self, volume: &Volume) -> [Visibility; 2] {
-        let by_box = self.boxes.sees_box(volume);
-        let by_faces = match (self.faces.sees_faces(volume), by_box) {
+        let by_box = self.boxes.box_visibility(volume);
+        let by_faces = match (self.faces.is_any_face_visible(volume), by_box) {
             (false, _) => Visibility::Hidden,
             (true, Visibility::Hidden) => Visibility::Partial,
             (true, sight) => sight,
@@ -128,11 +128,11 @@ impl Both {
     }
 }
 
-/// Pseudo-random numbers, the same every time.
+/// Deterministic pseudo-random numbers.
 struct Chance(u64);
 
 impl Chance {
-    /// From `low` to `high`.
+    /// Returns a number from `low` to `high`.
     fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -162,7 +162,7 @@ impl Chance {
         }
     }
 
-    /// A convex polygon somewhere, at any slope.
+    /// Returns a convex polygon at a random position and slope.
     fn polygon(&mut self, ahead: [f64; 2], size: [f64; 2]) -> Option<Polygon> {
         let center = DVec3::from(self.point(0.8, ahead));
         let along = self.direction();
@@ -186,7 +186,7 @@ impl Chance {
         volume((center - half).into(), (center + half).into())
     }
 
-    /// Its corners, and places on it.
+    /// Returns the corners of a box and random points on its faces.
     fn places(&mut self, of: &Volume) -> Vec<DVec3> {
         let mut places: Vec<[f64; 3]> = (0..8_u32)
             .map(|corner| [0, 1, 2].map(|axis| f64::from(corner >> axis & 1)))
@@ -203,7 +203,7 @@ impl Chance {
     }
 }
 
-/// Is it seen by an eye that only the screen bounds?
+/// Returns `true` if a point is in front of the near plane and on the screen.
 fn in_view(point: &DVec3) -> bool {
     let [x, y] = [point.x / point.z, point.y / point.z];
     point.z > NEAR && (0.0..1000.0).contains(&x) && (0.0..800.0).contains(&y)
@@ -217,7 +217,7 @@ fn shuffled<T: Clone>(all: &[T], chance: &mut Chance) -> Vec<T> {
     all
 }
 
-/// All SIMD levels that the machine has, but for what lies between.
+/// Returns the SIMD levels of this machine, without the intermediate ones.
 pub(super) fn levels() -> Vec<Level> {
     let mut levels = vec![Level::baseline(), Level::new()];
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -228,7 +228,8 @@ pub(super) fn levels() -> Vec<Level> {
     levels
 }
 
-/// Numbers by chance: ordinary ones, small whole ones, for planes that go through corners, and what is none.
+/// Returns a generator of random numbers: ordinary ones, small integers (for planes through corners), infinities and
+/// NaN.
 pub(super) fn odd_numbers(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {

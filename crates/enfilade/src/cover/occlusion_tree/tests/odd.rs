@@ -1,4 +1,4 @@
-//! Where the eye stands oddly, and what is hardly a box or an occluder.
+//! Degenerate eye positions, boxes and occluders.
 
 use super::*;
 
@@ -104,14 +104,15 @@ fn what_is_before_the_near_distance_or_the_entry_plane_does_not_hide() {
         };
         assert_eq!(both.see(&behind), [expected; 2], "{near} {entry:?}");
     }
-    // A floor from behind the eye to the horizon hides as much as if it began where it comes into view.
+    // A floor that begins behind the eye and extends to the horizon hides as much as if it began where it enters the
+    // view.
     let floor = Polygon::new(&[
         [-50.0, -1.0, -50.0],
         [50.0, -1.0, -50.0],
         [50.0, -1.0, 50.0],
         [-50.0, -1.0, 50.0],
     ]);
-    let mut both = Both::new(&[floor.expect("the eye is above it")]);
+    let mut both = Both::new(&[floor.expect("the eye is not in its plane")]);
     assert_eq!(
         both.see(&volume([-2.0, -3.0, 5.0], [2.0, -1.001, 9.0])),
         [Visibility::Hidden; 2]
@@ -130,7 +131,7 @@ fn only_what_is_in_the_aperture_is_seen() {
         [1.5, 1.0, 4.0],
         [-0.5, 1.0, 4.0],
     ])
-    .expect("the eye is before it");
+    .expect("the eye is not in its plane");
     let outline: Vec<[f64; 2]> = slanted.corners.iter().map(|c| [c.x / c.z, c.y / c.z]).collect();
     let mut both = Both::default();
     both.fill(&outline, &[]);
@@ -145,7 +146,7 @@ fn only_what_is_in_the_aperture_is_seen() {
 
 #[test]
 fn a_box_that_was_flattened_is_seen_where_it_looks_over_a_wall() {
-    // The wall hides what is lower than this.
+    // The wall hides everything below this height.
     const TOP: f64 = 0.5;
     let wall = Polygon::new(&[
         [-3.0, -9.0, 2.0],
@@ -153,12 +154,12 @@ fn a_box_that_was_flattened_is_seen_where_it_looks_over_a_wall() {
         [3.0, TOP, 2.0],
         [-3.0, TOP, 2.0],
     ]);
-    let mut both = Both::new(&[wall.expect("the eye is before it")]);
+    let mut both = Both::new(&[wall.expect("the eye is not in its plane")]);
     let mut chance = Chance(11);
     let mut tally = [0; 2];
     for round in 0..3000 {
         let at = DVec3::new(chance.between(-1.0, 1.0), chance.between(-3.0, 1.0), 4.0);
-        // All sides in one plane: of every slope, or upright, and often two of them along each other.
+        // All sides in one plane: sloping or axis-aligned, often with two of them parallel.
         let along = chance.direction();
         let up = if round % 3 == 0 {
             DVec3::Y

@@ -1,8 +1,8 @@
-//! Trees against an oracle that knows each occluder by itself.
+//! Compares trees with an oracle that tests each occluder separately.
 
 use super::*;
 
-/// How often boxes were called hidden by faces, by box, and how often the oracle found nothing of them to be seen.
+/// Number of boxes hidden by faces, hidden by box, hidden according to the oracle, and fully visible.
 #[derive(Default, Debug)]
 struct Tally {
     by_faces: usize,
@@ -11,7 +11,7 @@ struct Tally {
     fully: usize,
 }
 
-/// Holds what both trees say of boxes against the oracle.
+/// Compares the results of both trees with the oracle.
 fn check(occluders: &[Polygon], volumes: &[Volume], chance: &mut Chance, tally: &mut Tally) {
     let mut both = Both::new(occluders);
     for volume in volumes {
@@ -25,21 +25,21 @@ fn check(occluders: &[Polygon], volumes: &[Volume], chance: &mut Chance, tally: 
             assert_eq!(
                 hidden(1e-4),
                 places.len(),
-                "seen, but called hidden: {volume:?} behind {occluders:?}"
+                "false cull by faces: {volume:?} behind {occluders:?}"
             );
         }
         if by_box == Visibility::Hidden {
             assert_eq!(
                 by_faces,
                 Visibility::Hidden,
-                "hidden by box only: {volume:?} behind {occluders:?}"
+                "hidden by box but not by faces: {volume:?} behind {occluders:?}"
             );
         }
         if by_faces == Visibility::Full || by_box == Visibility::Full {
             assert_eq!(
                 hidden(-1e-4),
                 0,
-                "hidden, but called seen: {volume:?} behind {occluders:?}"
+                "reported as fully visible, but hidden in part: {volume:?} behind {occluders:?}"
             );
         }
         tally.by_faces += usize::from(by_faces == Visibility::Hidden);
@@ -73,7 +73,7 @@ fn grazing_walls_hide_what_is_behind_them_and_no_more() {
     let mut chance = Chance(5);
     let mut tally = Tally::default();
     for exponent in 1..7 {
-        // Floors and walls a hair beside the eye, as far as the horizon.
+        // Floors and walls just beside the eye, extending to the horizon.
         let hair = 0.1_f64.powi(exponent);
         let floor = Polygon::new(&[
             [-9.0, -hair, -1.0],

@@ -1,4 +1,4 @@
-//! Walls of many occluders: no cracks where they meet, and every hole they leave.
+//! Walls of many occluders: no cracks along their seams, and every hole is kept.
 
 use super::*;
 
@@ -21,7 +21,7 @@ fn grid(n: usize) -> Vec<Vec<[f64; 2]>> {
     (0..n * n).map(tile).collect()
 }
 
-/// Rows of bricks, each row shifted against the one below: every corner lies within another brick's edge.
+/// Rows of bricks, each row shifted against the one below: every corner is in the interior of another brick's edge.
 fn bricks(n: usize) -> Vec<Vec<[f64; 2]>> {
     let mut bricks = Vec::new();
     for row in 0..n {
@@ -38,7 +38,7 @@ fn bricks(n: usize) -> Vec<Vec<[f64; 2]>> {
     bricks
 }
 
-/// Triangles around a point, their corners on the border.
+/// A triangle fan around a point, with its other corners on the border.
 fn fan(n: usize) -> Vec<Vec<[f64; 2]>> {
     let border = |i: usize| {
         let t = 8.0 * i as f64 / n as f64;
@@ -88,13 +88,13 @@ fn walls_of_tiles_have_no_cracks_at_any_scale_and_slope() {
                 }
             }
         }
-    } // Where 64 lines meet in one point, a box may come to a thin leaf that none of its faces come to.
+    } // Where 64 lines meet in one point, a box may reach a thin leaf that none of its faces reaches.
     assert!(by_box_too * 100 > asked * 99, "{by_box_too} of {asked}");
 }
 
 #[test]
 fn a_needle_hole_shows_what_is_behind_it() {
-    // Four squares around a square hole, far wider than a slit, far narrower than a pixel.
+    // Four squares around a square hole, much wider than a slit and much narrower than a pixel.
     for hole in [1e-1, 1e-4, 1e-8] {
         let to = |a: [f64; 2], b: [f64; 2]| [[a[0], a[1]], [b[0], a[1]], [b[0], b[1]], [a[0], b[1]]];
         let ends = [-1.0, -hole, hole, 1.0];
@@ -110,7 +110,7 @@ fn a_needle_hole_shows_what_is_behind_it() {
             [DVec3::new(0.0, 0.0, 2.0), 2.0 * DVec3::X, 2.0 * DVec3::Y],
         );
         let mut both = Both::new(&tiles);
-        // It is seen through the hole whole, in part, or not at all.
+        // It is visible through the hole: entirely, in part, or not at all.
         assert_eq!(
             both.see(&volume([-hole, -hole, 9.0], [hole, hole, 9.0])),
             [Visibility::Full; 2],
@@ -135,7 +135,7 @@ fn a_slit_between_two_walls_shows_a_slice() {
             [high, 9.0, 3.0],
             [low, 9.0, 3.0],
         ])
-        .expect("it is before the eye")
+        .expect("the eye is not in its plane")
     });
     let mut both = Both::new(&halves);
     assert_eq!(

@@ -17,7 +17,7 @@ pub(crate) struct Args {
 /// Runs the other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
-    let steps: [&[&str]; 3] = [
+    let steps: [&[&str]; 4] = [
         &["xtask", "fuzz-scenes", &scenes],
         &["xtask", "verify", "--views", &views, "--strict-views", &views],
         &["test", "--release", "--workspace", "--", "--ignored"],

@@ -105,7 +105,10 @@ impl Layers {
     /// Describes the layers of a picture at a sample and the expected ones, for the message of a failed law.
     pub fn describe(&self, picture: &LayerPicture, [x, y]: [u32; 2]) -> String {
         let sample = y as usize * self.width + x as usize;
-        format!("{:?} instead of {:?}", picture.samples[sample], self.samples[sample])
+        format!(
+            "{:?} instead of {:?}",
+            picture.samples[sample], self.samples[sample]
+        )
     }
 }
 

@@ -326,7 +326,7 @@ fn bad_portals_are_named_all_at_once_with_the_options_that_open_the_file() {
     let folder = Folder::new();
     folder.add("bad.glb", glb(&yard_with_bad_portals()));
     let words = [
-        "bad.glb: 2 things are wrong",
+        "bad.glb: 2 errors in its rooms",
         "node 8 \"Gate-portal\"",
         "node 9 \"Hatch-portal\"",
         "--skip-bad-portals",

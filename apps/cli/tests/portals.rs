@@ -98,7 +98,7 @@ fn a_prt_that_is_there_is_never_lost() {
     refused(
         &folder,
         "portals broken.bsp -o map.prt --force",
-        &["broken.bsp", "no compiled map"],
+        &["broken.bsp", "not a compiled map"],
     );
     assert_eq!(text(&folder, "map.prt"), "the only one");
     assert_eq!(folder.run("portals map.bsp --force").code, Some(0));
@@ -113,7 +113,7 @@ fn what_cannot_be_done_is_said_and_leaves_nothing() {
     refused(
         &folder,
         "portals scene.glb",
-        &["scene.glb", "no compiled map", "BSP29"],
+        &["scene.glb", "not a compiled map", "BSP29"],
     );
     refused(&folder, "portals cut.bsp", &["cut.bsp", "is damaged", "compile"]);
     refused(

@@ -380,7 +380,7 @@ fn what_cannot_be_done_is_said_in_one_message_and_the_map_is_untouched() {
     refused(
         &folder,
         "vis map.bsp",
-        &["map.prt", "in their places", "another map"],
+        &["map.prt", "matches only", "another map"],
     );
     folder.add("map.prt", prt.replacen("4 0 1", "4 0 77", 1));
     refused(&folder, "vis map.bsp", &["map.prt", "line 5", "cell 77"]);
@@ -395,7 +395,7 @@ fn what_cannot_be_done_is_said_in_one_message_and_the_map_is_untouched() {
     folder.add("map.bsp", &whole[..whole.len() - 40]);
     refused(&folder, "vis map.bsp", &["map.bsp", "is damaged"]);
     folder.add("map.bsp", b"not a map at all");
-    refused(&folder, "vis map.bsp", &["map.bsp", "no compiled map"]);
+    refused(&folder, "vis map.bsp", &["map.bsp", "not a compiled map"]);
     folder.add("map.bsp", &whole);
 
     let mut mode = fs::metadata(folder.path("map.bsp")).expect("there").permissions();

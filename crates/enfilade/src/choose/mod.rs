@@ -1,13 +1,13 @@
-//! Which method suits which sector: those that may be taken are tried on views of the scene, and the cheapest is chosen.
+//! Benchmarks methods on views of the scene, and chooses the fastest for each sector.
 //!
-//! What a sector costs hangs on how it is seen: through which openings, and how near. So the scene is looked at from all
-//! views, and then each sector is tried alone, through the passages by which it was seen.
-//! Source: Boreskov, Using portals to create aggregate scenes ("with each sector its own most suitable method"); that it is
-//!     measured, and not told by rules, is ours.
-//! Cost: for each sector, and each view of those it is tried on, one look (or drawing, by the aim) by every method that may be
-//!     taken, and some more by those that are not far from the best. Methods take turns at each view, so that what else the machine
-//!     does disturbs all of them alike, and the least time of a view counts. Where the two halves of the views disagree, or the
-//!     noise of the clock could decide, the choice is unsure, and the sector keeps its method.
+//! The cost of a sector depends on the openings and distances it is seen from. So the scene is culled from all views
+//! first, and then each sector is measured alone, through the passages that lead to it.
+//! Source: Boreskov, Using portals to create aggregate scenes ("with each sector its own most suitable method");
+//!     choosing by measurement rather than by rules is original.
+//! Cost: per sector and view one look (or drawing, by the goal) by every candidate method, and some more by those that
+//! are not far from the best. Methods take turns at each view, so that background load disturbs all alike, and the
+//! minimum time of each view counts. If the two halves of the views disagree, or timer noise could decide, the choice
+//! is unsure and the sector keeps its method.
 
 mod trial;
 
@@ -22,29 +22,30 @@ use crate::viewer::Viewer;
 use std::sync::Arc;
 use std::time::Duration;
 use thiserror::Error;
-use trial::Tried;
+use trial::MethodTrial;
 
-/// What methods are chosen for.
+/// Options of [`choose_methods`].
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ChoiceOptions {
-    /// What is to be cheap.
+    /// Which cost to minimize. Default [`ChoiceGoal::Look`].
     pub aim: ChoiceGoal,
-    /// Only methods whose set is what is seen at the samples of the screen, so that no answer depends on the choice? On unless
-    /// told. Else also those that may call more visible; never those that may miss anything.
+    /// Whether to consider only exact methods, so that the visible set does not depend on the choice. Default `true`.
+    /// Otherwise conservative and strict methods are candidates too, which may report hidden items; approximate ones
+    /// never.
     pub exact: bool,
-    /// Sectors in which an item moves between any two looks.
+    /// Sectors in which an item moves between any two looks; the cost of the edit is added. Default: none.
     pub moving: Vec<SectorId>,
-    /// Looks over which what it takes to build a method is spread: 10,000 unless told, some minutes of a game.
+    /// Number of looks over which the build time of a method is amortized. Default 10,000: some minutes of a game.
     pub frames: u32,
-    /// What one sector's method may build, in bytes.
+    /// Memory limit of one sector's method, in bytes. Default [`Method::DEFAULT_LIMIT`].
     pub limit_bytes: u64,
-    /// Methods that take longer to build, by an estimate, are not tried: 20 s unless told.
+    /// Methods whose estimated build time is longer are skipped. Default 20 s.
     pub max_build_time: Duration,
-    /// Number of measurements per view, of which the minimum counts; default 4. Methods far from the best are measured less often.
+    /// Number of measurements per view, of which the minimum counts. Default 4. Methods far from the best get fewer.
     pub rounds: u32,
-    /// Maximum number of views per sector, taken evenly from those that see it; default 64. The costs of methods vary more from
-    /// view to view than from one measurement to the next.
+    /// Maximum number of views per sector, taken evenly from those that see it. Default 64. Costs vary more from view
+    /// to view than from one measurement to the next.
     pub max_views: u32,
 }
 
@@ -63,120 +64,124 @@ impl Default for ChoiceOptions {
     }
 }
 
-/// What is to be cheap.
+/// The cost that [`choose_methods`] minimizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ChoiceGoal {
-    /// [`Viewer::look`]: the set.
+    /// Time of [`Viewer::look`].
     Look,
-    /// [`Viewer::draw`], but for what a canvas does with what it gets.
+    /// Time of [`Viewer::draw`], without the work of the canvas.
     Draw,
 }
 
-/// The method chosen for a sector, and why.
+/// The method chosen for a sector, with the measurements behind it.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct MethodChoice {
-    /// Which sector.
+    /// The sector.
     pub sector: SectorId,
-    /// The cheapest method. Of methods at most 12 % slower than the fastest, the one that the sector has, else the one that takes
-    /// least memory. The sector's own if nothing could be tried, or if the choice is not sure.
+    /// The fastest method. Among methods at most 12 % slower: the sector's current method, or else the one that uses
+    /// the least memory. The current method if nothing could be measured, or if the choice is not sure.
     pub method: Method,
-    /// Whether the method is at most 15 % slower than the fastest in both halves of the views, and would still be chosen if 10 % or
-    /// 15 % counted as equally fast.
+    /// Whether the method is at most 15 % slower than the fastest in both halves of the views, and would still be
+    /// chosen if 10 % or 15 % counted as equally fast.
     pub sure: bool,
-    /// How many views it was tried on; 0 where none sees it.
+    /// Number of views measured; 0 if no view sees the sector.
     pub views: usize,
-    /// Every method, in the order of [`Method::ALL`].
+    /// Results of all methods, in the order of [`Method::ALL`].
     pub trials: Vec<Trial>,
 }
 
-/// What came of trying a method.
+/// The measurement of one method in one sector, or why it was skipped.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Trial {
-    /// Which method.
+    /// The method.
     pub method: Method,
-    /// What it cost, or why it was not tried.
+    /// Its cost, or why it was skipped.
     pub outcome: Result<Cost, SkipReason>,
 }
 
-/// What a method cost in a sector.
+/// The cost of a method in a sector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Cost {
-    /// To build it, once.
+    /// Build time.
     pub build: Duration,
-    /// Memory of what it built and of its buffers for the screen.
+    /// Memory of the structures it built and of its screen buffers, in bytes.
     pub bytes: u64,
-    /// Mean time to gather what is seen from a view. Where it is not the aim, measured once on every eighth view.
+    /// Mean time to compute the visible set of a view. If it is not the goal, measured once on every eighth view.
     pub look: Duration,
-    /// Mean time to hand the picture of a view to a canvas that does next to nothing. Where it is not the aim, measured once on
-    /// every eighth view.
+    /// Mean time to draw a view to a canvas that does next to nothing. If it is not the goal, measured once on every
+    /// eighth view.
     pub draw: Duration,
-    /// To follow one item that moves; 0 where none does.
+    /// Time to update the method after one item moved; 0 if no item moves.
     pub edit: Duration,
-    /// What counts: the aim, the edit, and the frame's part of building.
+    /// The total that decides: time of the goal, plus edit time, plus build time divided by [`ChoiceOptions::frames`].
     pub frame: Duration,
 }
 
-/// Why a method was not tried in a sector.
+/// Why a method was not measured in a sector.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SkipReason {
-    /// It cannot see the geometry, or not within the limit.
+    /// The geometry does not meet the method's requirements, or its structures exceed the memory limit.
     #[error(transparent)]
     Unsuited(#[from] Unsuited),
-    /// What it promises is less than what is wanted.
-    #[error("its set is {0}")]
+    /// The method's contract does not meet [`ChoiceOptions::exact`].
+    #[error("its contract is {0}, which does not meet the requirement")]
     Promise(Contract),
-    /// Building it sorts and splits faces, of which there are so many that it would take too long, about as long as this.
-    #[error("to sort its faces would take about {:.0} s", .0.as_secs_f64().ceil())]
+    /// Building its BSP tree would take too long; holds the estimated time.
+    #[error("building its BSP tree would take about {:.0} s", .0.as_secs_f64().ceil())]
     BuildsTooLong(Duration),
-    /// It cannot see the geometry once an item has moved.
-    #[error("an item that moves would leave what it cannot see")]
+    /// The geometry no longer meets the method's requirements once an item has moved.
+    #[error("a moving item would violate its requirements")]
     Moves,
-    /// No view sees the sector.
-    #[error("no view sees the sector")]
+    /// The sector is not visible in any view.
+    #[error("the sector is not visible in any view")]
     NotSeen,
 }
 
-/// Building a BSP tree over n faces takes about n log₂ n times as long. On fourteen real scenes it was 0.24 to 2.1 µs: trees of
-/// furniture split many faces, those of terrain none.
+/// Building a BSP tree over n faces takes about n log₂ n times as long. On fourteen real scenes this was 0.24 to 2.1
+/// µs: trees of furniture split many faces, those of terrain none.
 const SORTING_A_FACE: Duration = Duration::from_nanos(900);
 
-/// Methods at most so many times slower than the fastest count as equally fast. On a busy machine ratios of measurements differ by
-/// up to 4 % from run to run, so a choice that another threshold would change is unsure. In most rooms of the palace the second best
-/// takes 1.0 to 1.1 times as long: a threshold among those would make half of the choices unsure.
+/// Methods at most this factor slower than the fastest count as equally fast. On a busy machine ratios of measurements
+/// differ by up to 4 % from run to run, so a choice that another threshold would change is unsure. In most rooms of the
+/// palace scene the second best takes 1.0 to 1.1 times as long: a threshold in that range would make half of the
+/// choices unsure.
 const EQUALLY_FAST: [f64; 3] = [1.1, 1.12, 1.15];
-/// A choice is sure if it takes at most so many times as long as the best, in both halves of the views.
+/// A choice is sure if it takes at most this factor longer than the best, in both halves of the views.
 const NEAR_THE_BEST: f64 = EQUALLY_FAST[2];
-/// Methods so many times slower than the best are not measured again: after the first round, and after later ones.
+/// Methods slower than the best by this factor are not measured again: after the first round, and after later ones.
 const FAR_FROM_BEST: [f64; 2] = [2.0, 1.3];
 
-/// Some of the views that a method is tried on.
+/// A subset of the views that a method is measured on.
 #[derive(Clone, Copy, Debug)]
-enum Views {
+enum ViewSubset {
     All,
     Even,
     Odd,
 }
 
-impl Views {
+impl ViewSubset {
     fn holds(self, view: usize) -> bool {
         match self {
-            Views::All => true,
-            Views::Even => view.is_multiple_of(2),
-            Views::Odd => !view.is_multiple_of(2),
+            ViewSubset::All => true,
+            ViewSubset::Even => view.is_multiple_of(2),
+            ViewSubset::Odd => !view.is_multiple_of(2),
         }
     }
 }
 
-/// Finds the method that suits each sector of a scene, but for those of the user's own. The scene stays as it is:
-/// [`Scene::set_method`] takes a choice over.
+/// Benchmarks methods on `views` and returns the fastest for each sector, except for custom sectors.
 ///
-/// `views` should stand for how the scene will be looked at; [`survey_in`](crate::survey_in) gives places in a sector. `clock`
-/// gives the time since any moment, and never less than before; the library has none of its own. Methods are tried with as many
+/// The scene is not changed; apply a choice by [`Scene::set_method`]. `views` should be typical of how the scene is
+/// viewed; [`survey_in`](crate::survey_in) generates camera positions in a sector. `clock` returns the time since any
+/// fixed moment and must never go back; the library reads no clock itself. Methods use as many threads as looks may
+/// use.
+#[doc(alias = "autotune")]
+#[doc(alias = "benchmark")]
 /// threads as looks may use.
 pub fn choose_methods(
     scene: &Scene,
@@ -197,7 +202,7 @@ pub fn choose_methods(
     choices.collect()
 }
 
-/// The passages that lead into a sector, view by view, of some of the views that see it.
+/// Returns the passages that lead into a sector, by view, for at most `most` of the views that see it.
 fn ways_into(sector: SectorId, ways: &[Vec<Passage>], most: u32) -> Vec<Vec<&Passage>> {
     let here = ways.iter().map(|passages| {
         let here = passages.iter().filter(|passage| passage.sector == sector);
@@ -207,7 +212,7 @@ fn ways_into(sector: SectorId, ways: &[Vec<Passage>], most: u32) -> Vec<Vec<&Pas
     let (all, most) = (seeing.len(), most.max(1) as usize);
     let mut place = 0;
     seeing.retain(|_| {
-        // The views whose share of `most` begins a new whole.
+        // Keeps `most` views at even distances.
         place += 1;
         all <= most || place * most / all > (place - 1) * most / all
     });
@@ -222,7 +227,7 @@ fn choose(
     terms: &ChoiceOptions,
     clock: &dyn Fn() -> Duration,
 ) -> MethodChoice {
-    let mut tried: Vec<(Method, Result<Tried, SkipReason>)> = Method::ALL
+    let mut tried: Vec<(Method, Result<MethodTrial, SkipReason>)> = Method::ALL
         .into_iter()
         .map(|method| (method, begin(scene, sector, method, through, terms, clock)))
         .collect();
@@ -230,7 +235,7 @@ fn choose(
     let [lower, cheapest, upper] = EQUALLY_FAST.map(|within| cheapest(&tried, own, terms, within));
     let sure = cheapest.is_some_and(|method| {
         lower == upper
-            && [Views::Even, Views::Odd]
+            && [ViewSubset::Even, ViewSubset::Odd]
                 .iter()
                 .all(|&half| through.len() < 2 || is_near_the_best(&tried, method, half, terms))
     });
@@ -250,12 +255,12 @@ fn choose(
     }
 }
 
-type Outcomes = [(Method, Result<Tried, SkipReason>)];
+type Outcomes = [(Method, Result<MethodTrial, SkipReason>)];
 
-/// Methods that run, and what a frame of each takes by some of the views.
+/// Returns the measured methods, with the time per frame over a subset of the views, and the memory of each.
 fn frames(
     tried: &Outcomes,
-    views: Views,
+    views: ViewSubset,
     terms: &ChoiceOptions,
 ) -> impl Iterator<Item = (Method, Duration, u64)> {
     let running = tried
@@ -264,7 +269,7 @@ fn frames(
     running.map(move |(method, tried)| (method, tried.frame(views, terms), tried.bytes()))
 }
 
-/// Measures all methods that run; those that are far from the best not to the end.
+/// Measures all methods; stops early for those far from the best.
 fn measure(
     tried: &mut Outcomes,
     through: &[Vec<&Passage>],
@@ -276,7 +281,7 @@ fn measure(
     for round in 0..terms.rounds.max(1) {
         for (view, passages) in through.iter().enumerate() {
             for turn in 0..count {
-                // Another one begins each time: what comes first finds caches that are less warm.
+                // Another method starts each time, because the first one finds colder caches.
                 let place = (turn + view + round as usize) % count;
                 if let Ok(tried) = &mut tried[place].1
                     && left[place]
@@ -285,22 +290,24 @@ fn measure(
                 }
             }
         }
-        let best = frames(tried, Views::All, terms).map(|(_, frame, _)| frame).min();
+        let best = frames(tried, ViewSubset::All, terms)
+            .map(|(_, frame, _)| frame)
+            .min();
         let far = best
             .unwrap_or_default()
             .mul_f64(FAR_FROM_BEST[usize::from(round > 0)]);
         for ((_, tried), left) in tried.iter().zip(&mut left) {
             *left &= tried
                 .as_ref()
-                .is_ok_and(|tried| tried.frame(Views::All, terms) <= far);
+                .is_ok_and(|tried| tried.frame(ViewSubset::All, terms) <= far);
         }
     }
 }
 
-/// Returns the cheapest method; of those at most `within` times as slow as it the sector's own, else the one that takes least
-/// memory, else the first of [`Method::ALL`].
+/// Returns the fastest method. Among those at most `within` times as slow: the sector's current one, or else the one
+/// that uses the least memory, or else the first in [`Method::ALL`].
 fn cheapest(tried: &Outcomes, own: Method, terms: &ChoiceOptions, within: f64) -> Option<Method> {
-    let all = || frames(tried, Views::All, terms);
+    let all = || frames(tried, ViewSubset::All, terms);
     let best = all().map(|(_, frame, _)| frame).min()?;
     let as_fast = all().filter(|&(_, frame, _)| frame <= best.mul_f64(within));
     as_fast
@@ -308,13 +315,13 @@ fn cheapest(tried: &Outcomes, own: Method, terms: &ChoiceOptions, within: f64) -
         .map(|(method, ..)| method)
 }
 
-fn is_near_the_best(tried: &Outcomes, method: Method, views: Views, terms: &ChoiceOptions) -> bool {
+fn is_near_the_best(tried: &Outcomes, method: Method, views: ViewSubset, terms: &ChoiceOptions) -> bool {
     let all = || frames(tried, views, terms);
     let best = all().map(|(_, frame, _)| frame).min().unwrap_or_default();
     all().any(|(other, frame, _)| other == method && frame <= best.mul_f64(NEAR_THE_BEST))
 }
 
-/// Builds a method over a sector, if it may be taken there.
+/// Builds a method over a sector, if it is a candidate.
 fn begin(
     scene: &Scene,
     sector: SectorId,
@@ -322,7 +329,7 @@ fn begin(
     through: &[Vec<&Passage>],
     terms: &ChoiceOptions,
     clock: &dyn Fn() -> Duration,
-) -> Result<Tried, SkipReason> {
+) -> Result<MethodTrial, SkipReason> {
     let contract = method.contract();
     if contract == Contract::Approximate || (terms.exact && contract != Contract::Exact) {
         return Err(SkipReason::Promise(contract));
@@ -336,7 +343,7 @@ fn begin(
         }
     }
     let size = first[0].size;
-    let mut tried = Tried::build(method, Arc::clone(geometry), size, terms.limit_bytes, clock)?;
+    let mut tried = MethodTrial::build(method, Arc::clone(geometry), size, terms.limit_bytes, clock)?;
     if terms.moving.contains(&sector) {
         tried.edit = edit(scene, sector, method, geometry, clock)?;
     }
@@ -344,7 +351,7 @@ fn begin(
     Ok(tried)
 }
 
-/// What it takes to follow one item that moves a little and back: of all that may, the one with the fewest faces.
+/// Measures the update after one item moves a little and back. Takes the movable item with the fewest faces.
 fn edit(
     scene: &Scene,
     sector: SectorId,
@@ -366,11 +373,11 @@ fn edit(
     let mut scene = scene.clone();
     scene.set_method(sector, method).map_err(|_| SkipReason::Moves)?;
     let here = geometry.item(item).transform();
-    // Out of whatever plane it may lie in: a wall that slides along itself would leave a room convex.
+    // Along no axis: a wall that slides within its plane would leave a room convex.
     let step = 0.01 * geometry.bounds().longest_side();
     let there = Transform::translation([step, 0.7 * step, 0.4 * step]) * here;
     let mut least = None::<Duration>;
-    // The first time the geometry is copied, for it is shared.
+    // The first edit copies the shared geometry, so its time does not count.
     for time in 0..4 {
         let start = clock();
         let mut edit = scene.edit();
@@ -385,7 +392,7 @@ fn edit(
     Ok(least.unwrap_or_default())
 }
 
-/// About how long it takes to sort so many faces by a BSP tree.
+/// Estimates the build time of a BSP tree.
 fn sorting(faces: u64) -> Duration {
     let faces = faces as f64;
     SORTING_A_FACE.mul_f64(faces * faces.max(2.0).log2())

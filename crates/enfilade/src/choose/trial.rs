@@ -1,6 +1,6 @@
-//! One method tried in one sector.
+//! Measures one method in one sector.
 
-use super::{ChoiceGoal, ChoiceOptions, Cost, Views};
+use super::{ChoiceGoal, ChoiceOptions, Cost, ViewSubset};
 use crate::canvas::{Canvas, Span};
 use crate::collector::Collector;
 use crate::geometry::{Geometry, Owner};
@@ -12,45 +12,45 @@ use crate::stats::Stats;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A view that takes so many times as long as others with as much work was disturbed whenever it was measured.
+/// A view that takes this factor longer, per unit of work, than the median was disturbed in every measurement.
 const DISTURBED: f64 = 2.0;
-/// What is not aimed at is measured on the first of so many views, once: it is reported, and decides nothing.
-const OTHER_AIM: usize = 8;
-/// Below this a build is measured again: a single disturbance would count.
+/// Of this many views, the first one is also measured for the other goal, once: for the report only.
+const OTHER_GOAL: usize = 8;
+/// Shorter builds are measured several times, because a single disturbance would count.
 const SHORT_BUILD: Duration = Duration::from_millis(50);
 const SHORT_BUILDS: usize = 3;
 
-/// A method built over a sector, and what it took so far.
-pub(super) struct Tried {
+/// A method built over a sector, with its measurements so far.
+pub(super) struct MethodTrial {
     sector: Arc<dyn Sector>,
     memory: Memory,
     seen: Collector,
-    owners: Owners,
+    canvas: NumberCanvas,
     build: Duration,
     bytes: u64,
     pub(super) edit: Duration,
-    look: Measured,
-    draw: Measured,
+    look: Measurements,
+    draw: Measurements,
 }
 
-/// What one view after the other took.
+/// Times and work by view.
 #[derive(Default)]
-struct Measured {
-    /// The least of each view.
+struct Measurements {
+    /// Minimum time of each view.
     times: Vec<Duration>,
-    /// What each counted, in boxes tested or about as much.
+    /// Work of each view: number of box tests or equivalent.
     work: Vec<u64>,
 }
 
-impl Tried {
+impl MethodTrial {
     pub(super) fn build(
         method: Method,
         geometry: Arc<Geometry>,
         size: [u32; 2],
         limit_bytes: u64,
         clock: &dyn Fn() -> Duration,
-    ) -> Result<Tried, Unsuited> {
-        // The geometry's own, whatever sees it.
+    ) -> Result<MethodTrial, Unsuited> {
+        // Built before the clock starts: all methods share the geometry's octree.
         geometry.item_tree();
         let shared = geometry.bytes();
         let build_once = || -> Result<_, Unsuited> {
@@ -64,20 +64,20 @@ impl Tried {
                 build = build.min(build_once()?.1);
             }
         }
-        Ok(Tried {
+        Ok(MethodTrial {
             build,
             bytes: sector.bytes().saturating_sub(shared) + method.screen_bytes(size, None),
             sector,
             memory: Memory::default(),
             seen: Collector::default(),
-            owners: Owners::new(size),
+            canvas: NumberCanvas::new(size),
             edit: Duration::ZERO,
-            look: Measured::default(),
-            draw: Measured::default(),
+            look: Measurements::default(),
+            draw: Measurements::default(),
         })
     }
 
-    /// Measures what is aimed at from view number `view`; the first time also what is not, if it is one of [`OTHER_AIM`] views.
+    /// Measures the goal from view number `view`; for one view in [`OTHER_GOAL`] also the other goal, once.
     pub(super) fn run(
         &mut self,
         view: usize,
@@ -91,20 +91,20 @@ impl Tried {
             ChoiceGoal::Look => ChoiceGoal::Draw,
             ChoiceGoal::Draw => ChoiceGoal::Look,
         };
-        if view.is_multiple_of(OTHER_AIM) && self.measured(other).times.len() == view / OTHER_AIM {
+        if view.is_multiple_of(OTHER_GOAL) && self.measured(other).times.len() == view / OTHER_GOAL {
             let (time, work) = self.timed(passages, clock, other);
-            self.measured(other).take(view / OTHER_AIM, time, work);
+            self.measured(other).take(view / OTHER_GOAL, time, work);
         }
     }
 
-    fn measured(&mut self, aim: ChoiceGoal) -> &mut Measured {
+    fn measured(&mut self, aim: ChoiceGoal) -> &mut Measurements {
         match aim {
             ChoiceGoal::Look => &mut self.look,
             ChoiceGoal::Draw => &mut self.draw,
         }
     }
 
-    /// Touches all buffers, which takes longer than to use them.
+    /// Touches all buffers: the first use of a buffer is slower than later ones.
     pub(super) fn warm_up(&mut self, first: &[&Passage]) {
         for passage in first {
             self.look(passage);
@@ -119,8 +119,8 @@ impl Tried {
         aim: ChoiceGoal,
     ) -> (Duration, u64) {
         let run = match aim {
-            ChoiceGoal::Look => Tried::look,
-            ChoiceGoal::Draw => Tried::draw,
+            ChoiceGoal::Look => MethodTrial::look,
+            ChoiceGoal::Draw => MethodTrial::draw,
         };
         self.memory.stats = Stats::default();
         let start = clock();
@@ -136,7 +136,7 @@ impl Tried {
     }
 
     fn draw(&mut self, passage: &Passage) {
-        self.owners.enter(PassageId(0), passage);
+        self.canvas.enter(PassageId(0), passage);
         if self.sector.draws_what_was_gathered(&self.memory) {
             self.seen.clear(false);
             self.sector.gather(passage, &mut self.memory, &mut self.seen);
@@ -145,12 +145,12 @@ impl Tried {
             self.seen.clear(true);
         }
         self.sector
-            .draw(passage, &mut self.memory, &mut self.seen, &mut self.owners);
+            .draw(passage, &mut self.memory, &mut self.seen, &mut self.canvas);
         self.seen.recycle();
     }
 
-    /// What counts, as far as it is known, by some of the views.
-    pub(super) fn frame(&self, views: Views, terms: &ChoiceOptions) -> Duration {
+    /// Returns the time per frame that decides, over a subset of the views.
+    pub(super) fn frame(&self, views: ViewSubset, terms: &ChoiceOptions) -> Duration {
         let aim = match terms.aim {
             ChoiceGoal::Look => self.look.mean(views),
             ChoiceGoal::Draw => self.draw.mean(views),
@@ -166,20 +166,20 @@ impl Tried {
         Cost {
             build: self.build,
             bytes: self.bytes,
-            look: self.look.mean(Views::All),
-            draw: self.draw.mean(Views::All),
+            look: self.look.mean(ViewSubset::All),
+            draw: self.draw.mean(ViewSubset::All),
             edit: self.edit,
-            frame: self.frame(Views::All, terms),
+            frame: self.frame(ViewSubset::All, terms),
         }
     }
 }
 
-/// About how much was done, in boxes tested.
+/// Estimates the work of a look, in box tests.
 fn work(stats: &Stats) -> u64 {
     1 + stats.boxes_tested + 2 * stats.triangles + stats.spans.compared + stats.samples / 16
 }
 
-impl Measured {
+impl Measurements {
     fn take(&mut self, view: usize, time: Duration, work: u64) {
         if let Some(least) = self.times.get_mut(view) {
             *least = time.min(*least);
@@ -189,8 +189,8 @@ impl Measured {
         }
     }
 
-    /// The mean of some views. Of one that was disturbed only as much counts as its work may have taken.
-    fn mean(&self, views: Views) -> Duration {
+    /// Returns the mean time of a subset of the views. The time of a disturbed view is limited by its work.
+    fn mean(&self, views: ViewSubset) -> Duration {
         let each = || self.times.iter().zip(&self.work);
         let mut rates: Vec<f64> = each()
             .map(|(time, &work)| time.as_secs_f64() / work as f64)
@@ -209,23 +209,23 @@ impl Measured {
     }
 }
 
-/// A picture of numbers: as little as can be done with what is seen, and not nothing.
-struct Owners {
+/// A canvas of numbers: little work, but not none.
+struct NumberCanvas {
     width: usize,
     samples: Vec<u32>,
 }
 
-impl Owners {
-    fn new(size: [u32; 2]) -> Owners {
+impl NumberCanvas {
+    fn new(size: [u32; 2]) -> NumberCanvas {
         let [width, height] = size.map(|side| side as usize);
-        Owners {
+        NumberCanvas {
             width,
             samples: vec![0; width * height],
         }
     }
 }
 
-impl Canvas for Owners {
+impl Canvas for NumberCanvas {
     fn enter(&mut self, _id: PassageId, _passage: &Passage) {}
 
     fn row(&mut self, y: u16, spans: &[Span]) {

@@ -1,4 +1,4 @@
-//! Puts a geometry together, and refuses one that cannot be.
+//! Builds a geometry and checks it.
 
 use super::names::Names;
 use super::{BakedCells, Geometry, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
@@ -8,7 +8,7 @@ use crate::terrain::Terrain;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 use thiserror::Error;
 
-/// Gathers the things of a sector; [`GeometryBuilder::build`] checks them.
+/// Collects the meshes, items, materials and openings of a sector; [`GeometryBuilder::build`] checks them.
 #[derive(Clone, Debug, Default)]
 pub struct GeometryBuilder {
     meshes: Vec<Arc<Mesh>>,
@@ -22,7 +22,7 @@ pub struct GeometryBuilder {
 }
 
 impl GeometryBuilder {
-    /// Starts with a table of materials, which sectors may share.
+    /// Creates a builder with a table of materials; several sectors may share the table.
     pub fn new(materials: impl Into<Arc<[Material]>>) -> GeometryBuilder {
         GeometryBuilder {
             materials: materials.into(),
@@ -30,18 +30,19 @@ impl GeometryBuilder {
         }
     }
 
-    /// The images that its materials name, which sectors may share; none unless told.
+    /// Sets the textures that the materials refer to; several sectors may share them. Default: none.
     pub fn textures(&mut self, textures: impl Into<Arc<[Arc<Texture>]>>) {
         self.textures = textures.into();
     }
 
-    /// Adds a mesh that items can be copies of.
+    /// Adds a mesh, to be used by any number of items.
     pub fn mesh(&mut self, mesh: impl Into<Arc<Mesh>>) -> MeshId {
         self.meshes.push(mesh.into());
         MeshId(self.meshes.len() as u32 - 1)
     }
 
-    /// Places a mesh.
+    /// Adds an item: a mesh with an object-to-sector transform. Names need not be unique.
+    #[doc(alias = "instance")]
     pub fn item(&mut self, name: &str, mesh: MeshId, sector_from_item: Transform) -> ItemId {
         self.items.push((mesh, sector_from_item, true));
         self.names.push(name);
@@ -57,7 +58,7 @@ impl GeometryBuilder {
         }
     }
 
-    /// Adds a hole to look through. Where it leads, the scene says.
+    /// Adds an opening. [`SceneBuilder`](crate::SceneBuilder) connects it to another sector by a door or a portal.
     pub fn opening(&mut self, name: &str, outline: ConvexPolygon) -> OpeningId {
         self.openings.push(Opening {
             name: name.to_owned(),
@@ -66,17 +67,19 @@ impl GeometryBuilder {
         OpeningId(self.openings.len().min(usize::from(u16::MAX)) as u16 - 1)
     }
 
-    /// Gives it cells that were computed ahead, for [`Method::Pvs`](crate::Method::Pvs). Items need not be told which cells
-    /// they stand in: that is found out from their faces. An item is seen whole or not at all, so that walls are best cut
-    /// into items of a cell or a few.
+    /// Sets baked PVS cells, required by [`Method::Pvs`](crate::Method::Pvs).
+    ///
+    /// The cells that an item is in are computed from its faces. An item is visible as a whole or not at all, so split
+    /// walls into items that cover one or a few cells.
+    #[doc(alias = "PVS")]
     pub fn cells(&mut self, cells: impl Into<Arc<BakedCells>>) {
         self.cells = Some(cells.into());
     }
 
-    /// Checks everything.
+    /// Checks the geometry and builds it.
     ///
     /// # Errors
-    /// One [`GeometryError`] for the first broken rule.
+    /// Returns the [`GeometryError`] of the first invalid element.
     pub fn build(self) -> Result<Geometry, GeometryError> {
         let GeometryBuilder {
             meshes,
@@ -180,10 +183,11 @@ impl GeometryBuilder {
 
 pub(crate) const MAX_OPENINGS: usize = 60_000;
 
-/// Openings in a node of the tree over them, at most: as many are handed out by number, however they lie.
+/// Maximum number of openings in a leaf of the octree; a leaf yields its openings in order of their ids.
 const FEW_OPENINGS: usize = 16;
 
-/// The box around a placed mesh: a large mesh by its corners, a small one by its positions, which is tighter.
+/// Returns the AABB of a transformed mesh: for up to 64 positions from the positions, which is tighter; otherwise from
+/// the corners of the mesh's AABB.
 pub(super) fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
     const FEW: usize = 64;
     let around = |points: &[[f32; 3]]| {
@@ -200,52 +204,52 @@ pub(super) fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
     }
 }
 
-/// Why things do not make a geometry.
+/// Why a geometry is invalid; returned by [`GeometryBuilder::build`].
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GeometryError {
-    /// An item names a mesh that is not there.
-    #[error("item {item} is a copy of mesh {mesh}, but there are only {meshes}")]
+    /// An item refers to a mesh that does not exist.
+    #[error("item {item} uses mesh {mesh}, but there are only {meshes}")]
     NoSuchMesh {
         /// The item's name.
         item: String,
-        /// The mesh it names.
+        /// Mesh id.
         mesh: u32,
-        /// How many there are.
+        /// Number of meshes.
         meshes: usize,
     },
-    /// A cluster names a material that is not there.
-    #[error("mesh {mesh} is made of material {material}, but there are only {materials}")]
+    /// A cluster refers to a material that does not exist.
+    #[error("mesh {mesh} uses material {material}, but there are only {materials}")]
     NoSuchMaterial {
-        /// Which mesh.
+        /// Mesh id.
         mesh: usize,
-        /// The material it names.
+        /// Material id.
         material: u32,
-        /// How many there are.
+        /// Number of materials.
         materials: usize,
     },
-    /// A material names a texture that is not there.
-    #[error("material {material} has texture {texture}, but there are only {textures}")]
+    /// A material refers to a texture that does not exist.
+    #[error("material {material} uses texture {texture}, but there are only {textures}")]
     NoSuchTexture {
-        /// Which material.
+        /// Material id.
         material: usize,
-        /// The texture it names.
+        /// Texture id.
         texture: u32,
-        /// How many there are.
+        /// Number of textures.
         textures: usize,
     },
-    /// A place is NaN or infinite.
+    /// A transform is NaN or infinite.
     #[error("the transform of item {0} is not finite")]
     NotFinite(String),
-    /// An item, or its transform, reaches beyond [`MAX_COORDINATE`].
+    /// An item, or its transform, extends beyond [`MAX_COORDINATE`].
     #[error(
         "item {0} reaches farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to the origin"
     )]
     TooFar(String),
-    /// Faces are numbered with 32 bits.
-    #[error("{0} faces in one sector; cut it into sectors of fewer than 4 billion")]
+    /// The sector has too many faces; faces have 32-bit numbers.
+    #[error("{0} faces in one sector; split it into sectors of fewer than 4 billion")]
     TooManyFaces(u64),
-    /// Openings are numbered with 16 bits.
-    #[error("{0} openings in one sector; cut it into sectors of fewer than 60,000")]
+    /// The sector has more than 60,000 openings; openings have 16-bit ids.
+    #[error("{0} openings in one sector; split it into sectors of at most 60,000")]
     TooManyOpenings(usize),
 }

@@ -1,9 +1,10 @@
-//! Items that come, go, move and change their mesh between looks.
+//! Adds, removes, moves and replaces items between looks.
 //!
-//! What an edit wants of a geometry is checked thing by thing and gathered; then all of it is exchanged with what is there,
-//! so that exchanging once more undoes it. Numbers of items stay; what is added takes the lowest that is free.
-//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3: a small change touches a few nodes.
-//! Cost: O(log items) for each change; where an item has more or fewer faces than before, O(items) additions in all.
+//! The changes of an edit are checked one by one and collected; then all of them are swapped with the current state, so
+//! that swapping again undoes them. Item ids stay valid; a new item takes the lowest free id.
+//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3: a small change touches a few
+//!     nodes.
+//! Cost: O(log items) per change; O(items) additions per edit if the number of faces of an item changes.
 
 use super::builder::{MAX_OPENINGS, placed_bounds};
 use super::slots::Slots;
@@ -13,7 +14,7 @@ use crate::mesh::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, Weak};
 
-/// An item as it is to be, or as it was.
+/// The new or the previous state of an item.
 #[derive(Clone, Debug)]
 pub(crate) struct Placing {
     pub(crate) mesh: Arc<Mesh>,
@@ -21,47 +22,47 @@ pub(crate) struct Placing {
     pub(crate) is_occluder: bool,
 }
 
-/// What is to be exchanged, item by item.
+/// Changes to swap in, item by item.
 #[derive(Debug, Default)]
 pub(crate) struct Changes {
     items: BTreeMap<ItemId, Change>,
-    /// The last number taken of those that are free, and how many were taken past the last item.
+    /// The last free id that was taken, and the number of ids appended after the last item.
     last_free: Option<u32>,
     appended: u32,
-    /// How many faces more there will be.
+    /// Change of the total number of faces.
     more_faces: i64,
 }
 
 #[derive(Debug)]
 struct Change {
-    /// `None`: there is to be none.
+    /// The new state; `None` removes the item.
     placing: Option<Placing>,
     bounds: Aabb,
-    /// Where it is to be another.
+    /// The new name, if it changes.
     name: Option<String>,
 }
 
-/// An item that is another now, and the box that it had.
+/// An item that an edit changed, and the AABB that it had before.
 #[derive(Clone, Copy, Debug)]
 pub struct MovedItem {
-    /// Which; its box is that of the geometry now, and empty if it is gone.
+    /// The item. Its current AABB is in the geometry, and empty if the item was removed.
     pub item: ItemId,
-    /// Its box before, in the space of the sector; empty if it was not there.
+    /// Previous AABB, in the space of the sector; empty if the item was added.
     pub old_bounds: Aabb,
 }
 
-/// What was exchanged.
+/// The result of an exchange.
 #[derive(Debug, Default)]
 pub(crate) struct Exchanged {
-    /// In order of items.
+    /// Sorted by item.
     pub(crate) moved: Vec<MovedItem>,
-    /// The meshes that are others now, in order.
+    /// The mesh slots with another mesh than before, sorted.
     pub(crate) meshes: BTreeSet<MeshId>,
-    /// Nodes of the geometry's own tree that were touched.
+    /// Number of nodes of the geometry's octree that were updated.
     pub(crate) nodes: u64,
 }
 
-/// Why an item cannot be as it is to be.
+/// Why the new state of an item is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unfit {
     NotFinite,
@@ -72,7 +73,7 @@ pub(crate) enum Unfit {
 }
 
 impl Placing {
-    /// As an item is now.
+    /// Returns the current state of an item.
     fn at(geometry: &Geometry, item: ItemId) -> Placing {
         let placed = geometry.item(item);
         Placing {
@@ -82,7 +83,7 @@ impl Placing {
         }
     }
 
-    /// The box around it, if it may stand there.
+    /// Checks the new state; returns its AABB in the space of the sector.
     fn check(&self, geometry: &Geometry) -> Result<Aabb, Unfit> {
         let materials = geometry.materials.len();
         let clusters = self.mesh.clusters();
@@ -111,7 +112,7 @@ impl Placing {
 }
 
 impl Changes {
-    /// An item as it will be; `None` where there will be none.
+    /// Returns the state of an item after the changes; `None` if it does not exist then.
     fn placing(&self, geometry: &Geometry, item: ItemId) -> Option<Placing> {
         match self.items.get(&item) {
             Some(change) => change.placing.clone(),
@@ -119,7 +120,7 @@ impl Changes {
         }
     }
 
-    /// An item's name, as it will be.
+    /// Returns the name of an item after the changes.
     pub(crate) fn name<'a>(&'a self, geometry: &'a Geometry, item: ItemId) -> &'a str {
         let change = self.items.get(&item).and_then(|change| change.name.as_deref());
         change.unwrap_or_else(|| {
@@ -131,7 +132,7 @@ impl Changes {
         })
     }
 
-    /// Has an item be as `change` makes of it; `None` where there is no such item.
+    /// Applies `change` to the state of an item; `None` if there is no such item.
     pub(crate) fn change(
         &mut self,
         geometry: &Geometry,
@@ -143,7 +144,7 @@ impl Changes {
         Some(self.set(geometry, item, had, change(was)))
     }
 
-    /// Has an item, of so many faces as yet, be as `placing` says.
+    /// Sets the new state of an item that has `had` faces so far.
     fn set(
         &mut self,
         geometry: &Geometry,
@@ -170,7 +171,7 @@ impl Changes {
         Ok(())
     }
 
-    /// Adds an item.
+    /// Adds an item; returns its id.
     pub(crate) fn add(&mut self, geometry: &Geometry, name: &str, placing: Placing) -> Result<ItemId, Unfit> {
         let next = self.last_free.map_or(0, |last| last + 1);
         let free = geometry
@@ -189,14 +190,14 @@ impl Changes {
         Ok(item)
     }
 
-    /// Is nothing to be changed?
+    /// Returns `true` if there are no changes.
     pub(crate) fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
 }
 
 impl Geometry {
-    /// Exchanges items for those of `changes`, which then undo it.
+    /// Swaps the items with those of `changes`; swapping again undoes it.
     pub(crate) fn exchange(&mut self, changes: &mut Changes) -> Exchanged {
         let mut done = Exchanged::default();
         let known = self.slots.take();
@@ -222,7 +223,7 @@ impl Geometry {
             });
         }
         changes.more_faces = -changes.more_faces;
-        // Only now: of what one item leaves another may have become a copy.
+        // Last, because another item may have started to use a mesh that one item left.
         let unused = left
             .into_iter()
             .filter(|&mesh| slots.drop_unused(mesh, &mut self.meshes));
@@ -234,7 +235,7 @@ impl Geometry {
         done
     }
 
-    /// One more number, of no item yet.
+    /// Appends an empty item slot.
     fn push_nothing(&mut self, slots: &mut Slots) {
         let number = self.items.len();
         self.items.push(Item::nothing(slots.nothing));
@@ -243,7 +244,7 @@ impl Geometry {
         slots.free_items.insert(number as u32);
     }
 
-    /// Gives the mesh that one item fewer is a copy of.
+    /// Swaps one item; returns the mesh that it no longer uses.
     fn exchange_one(
         &mut self,
         item: ItemId,
@@ -296,7 +297,7 @@ impl Geometry {
         left
     }
 
-    /// Numbers the faces anew, from an item on.
+    /// Recomputes the face numbers from item `from` on.
     fn renumber(&mut self, from: usize) {
         for item in from..self.items.len() {
             let faces = self.meshes[self.items[item].mesh.0 as usize].face_count();
@@ -304,7 +305,7 @@ impl Geometry {
         }
     }
 
-    /// Brings the tree over the items, if there is one, and the box around all up to date.
+    /// Updates the octree over the items, if it was built, and the AABB of the geometry.
     fn follow(&mut self, done: &mut Exchanged) {
         let items = &self.items;
         let boxes = |item: u32| items[item as usize].bounds;
@@ -330,7 +331,7 @@ impl Geometry {
 }
 
 impl Item {
-    /// What stands at a number that no item has; `mesh` has no faces.
+    /// Returns the content of an empty slot; `mesh` has no faces.
     fn nothing(mesh: MeshId) -> Item {
         Item {
             mesh,
@@ -342,7 +343,7 @@ impl Item {
 }
 
 impl Clone for Geometry {
-    /// A copy of its own; meshes are shared.
+    /// Returns a deep copy, except that meshes, materials, textures and cells are shared.
     fn clone(&self) -> Geometry {
         Geometry {
             meshes: self.meshes.clone(),

@@ -1,48 +1,53 @@
-//! What faces are made of.
+//! Materials: color, transparency and back-face culling of faces.
 
 use super::TextureId;
 
-/// A material, by its place in [`Geometry::materials`](super::Geometry::materials).
+/// Identifies a material: its index in [`Geometry::materials`](super::Geometry::materials).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub u32);
 
-/// What a face is made of. Only `alpha`, `double_sided` and `detail` have a say in what is seen; the rest is for who draws.
+/// The material of a face. Only `alpha`, `double_sided` and `detail` affect visibility; the rest is for the renderer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Red, green, blue and coverage, linear, 0 to 1.
+    /// Base color: red, green, blue and coverage, linear, 0 to 1.
     pub base_color: [f32; 4],
-    /// An image that the base color is multiplied by.
+    /// Texture that is multiplied by the base color.
     pub texture: Option<TextureId>,
-    /// Red, green and blue of the light that it sends out by itself, linear, 0 or more.
+    /// Emitted light: red, green and blue, linear, 0 or more.
     pub emission: [f32; 3],
-    /// An image that the emission is multiplied by, at the same places as the texture.
+    /// Texture that is multiplied by the emission; it has the same texture coordinates as `texture`.
     pub emission_texture: Option<TextureId>,
-    /// Has it its colors whatever light falls on it?
+    /// Whether the color is independent of lighting.
     pub unlit: bool,
-    /// What light does with it.
+    /// Alpha mode: opaque, alpha-tested or alpha-blended.
     pub alpha: Alpha,
-    /// Of [`Alpha::Mask`]: where coverage is less than this there is a hole.
+    /// Alpha-test threshold, for [`Alpha::Mask`]: texels with less coverage are holes.
     pub cutoff: f32,
-    /// Is it seen from both sides? If not, it is neither seen nor hides from behind.
+    /// Whether the face is visible from both sides. If not, it is back-face culled: from behind it is neither visible
+    /// nor an occluder.
     pub double_sided: bool,
-    /// Is it of small things: plants, crockery, railings? Exact methods see no difference; those that choose what hides
-    /// never choose this, nor let it in.
+    /// Whether the faces belong to small objects, such as plants, crockery or railings. Methods that select occluders
+    /// never select them, nor rasterize them as occluders. Has no effect on exact methods.
     pub detail: bool,
 }
 
-/// Whether a face hides what is behind it.
+/// Alpha mode of a material; decides whether its faces are occluders.
+#[doc(alias = "transparency")]
+#[doc(alias = "blend mode")]
+#[doc(alias = "alpha test")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alpha {
-    /// It does.
+    /// Opaque: an occluder.
     Opaque,
-    /// A cut-out: it may have holes, so it never hides; it is judged by its geometry.
+    /// Alpha-tested (cut-out): may have holes, so it is never an occluder. It counts as visible by its geometry,
+    /// without evaluating the texture.
     Mask,
-    /// Glass: it never hides, and is painted over what is behind it.
+    /// Alpha-blended (glass): never an occluder; drawn over what is behind it.
     Blend,
 }
 
 impl Material {
-    /// Opaque, seen from one side, of a linear color.
+    /// Creates an opaque, one-sided material; `color` is red, green and blue, linear, 0 to 1.
     pub const fn opaque(color: [f32; 3]) -> Material {
         let [r, g, b] = color;
         Material {
@@ -58,12 +63,12 @@ impl Material {
         }
     }
 
-    /// The textures that it names.
+    /// Returns the textures that the material refers to.
     pub fn textures(&self) -> impl Iterator<Item = TextureId> {
         self.texture.into_iter().chain(self.emission_texture)
     }
 
-    /// May a method that chooses what hides choose it?
+    /// Whether methods may select faces of this material as occluders.
     pub(crate) fn can_occlude(&self) -> bool {
         self.alpha == Alpha::Opaque && !self.detail
     }

@@ -1,4 +1,4 @@
-//! What a sector is made of: items, materials, openings. Methods share it, whatever they build over it.
+//! The geometry of a sector: meshes, items, materials, textures and openings. All methods share it.
 
 mod baked_cells;
 mod builder;
@@ -27,52 +27,63 @@ use slots::Slots;
 use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
-/// An item of a sector, by its place in [`Geometry::items`].
+/// Identifies an item of a sector: its index in [`Geometry::items`].
+#[doc(alias = "instance id")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ItemId(pub u32);
 
-/// A mesh of a geometry, by its place in [`Geometry::meshes`].
+/// Identifies a mesh of a geometry: its index in [`Geometry::meshes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MeshId(pub u32);
 
-/// An opening of a sector, by its place in [`Geometry::openings`].
+/// Identifies an opening of a sector: its index in [`Geometry::openings`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct OpeningId(pub u16);
 
-/// A mesh at a place: what an engine draws.
+/// A mesh with a transform: the unit that an engine draws and that [`VisibleSet`](crate::VisibleSet) lists.
+#[doc(alias = "instance")]
+#[doc(alias = "object")]
+#[doc(alias = "renderer")]
+#[doc(alias = "entity")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Item {
-    /// What is placed.
+    /// The mesh, shared by all items with the same id.
     pub mesh: MeshId,
-    /// Three columns of the linear part, then the translation.
+    /// Object-to-sector transform: three columns of the linear part, then the translation.
     pub sector_from_item: [[f32; 3]; 4],
-    /// The smallest box around it that follows from the mesh's box, in the space of the sector.
+    /// AABB in the space of the sector, computed from the mesh's positions or its AABB.
     pub bounds: Aabb,
-    /// Does it hide what is behind it? If not, its opaque faces are as those of a cut-out: seen, and seen past.
+    /// Whether opaque faces of the item are occluders. If not, they are treated as alpha-tested: visible, but never
+    /// hiding anything. Default `true`; see [`GeometryBuilder::set_occluder`].
     pub is_occluder: bool,
 }
 
 impl Item {
-    /// The item's place as a transform.
+    /// Returns the object-to-sector transform.
     pub fn transform(&self) -> Transform {
         Transform::from_columns(self.sector_from_item)
     }
 }
 
-/// A hole to look through: a face like any other to a method, entered from its front.
+/// A portal polygon: a one-sided convex hole that leads to another sector through a [`Portal`](crate::Portal).
 ///
-/// It has no near limit: it is looked through however near it is. An eye exactly in its plane counts as in front: inside
-/// the outline it looks through the opening in every direction that leads to the back, outside it sees the opening
-/// edge-on. So a camera that crosses a doorway, or touches a mirror, loses nothing in any frame.
+/// It is visible from its front only, and is not clipped at the near plane. An eye exactly in its plane counts as in
+/// front: inside the outline, the opening covers every direction that leads to the back; outside the outline, it is
+/// edge-on. So a camera that crosses a doorway or touches a mirror loses nothing in any frame.
+#[doc(alias = "portal polygon")]
+#[doc(alias = "window")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
-    /// How people call it.
+    /// Name for display and lookup.
     pub name: String,
-    /// Its outline, in the space of the sector; the front is where one stands before going in.
+    /// Outline, in the space of the sector. Its front faces the eye that looks through it: counter-clockwise when seen
+    /// from this sector.
     pub outline: ConvexPolygon,
 }
 
-/// Items, materials and openings of a sector. Immutable; built by [`GeometryBuilder`].
+/// Meshes, items, materials, textures and openings of a sector. Immutable; built by [`GeometryBuilder`].
+///
+/// A scene edits its own copy: see [`Scene::edit`](crate::Scene::edit).
 #[derive(Debug)]
 pub struct Geometry {
     meshes: Vec<Arc<Mesh>>,
@@ -80,84 +91,93 @@ pub struct Geometry {
     textures: Arc<[Arc<Texture>]>,
     items: Vec<Item>,
     names: Names,
-    /// What is free and what is used, once items were edited.
+    /// Free and used slots, once items were edited.
     slots: Option<Slots>,
     openings: Vec<Opening>,
     cells: Option<Arc<BakedCells>>,
-    /// Height fields, of which some items are the blocks, unless those were changed since.
+    /// Height fields whose blocks are some of the items, unless these were changed since.
     terrains: Vec<Terrain>,
-    /// Over the boxes of items, once it was asked for.
+    /// Octree over the boxes of items; built on first use.
     item_tree: OnceLock<Octree>,
-    /// Over the boxes of openings.
+    /// Octree over the boxes of openings.
     opening_tree: Octree,
-    /// 0, 1, 2 … up to the most corners of an opening, and where each ends: an opening as an indexed face.
+    /// 0, 1, 2 … up to the maximum number of corners, and the end of each opening: openings as indexed faces.
     outline_corners: Vec<u32>,
     outline_ends: Vec<[u32; 2]>,
-    /// The number of each item's first face among all faces of the geometry, then the number of all.
+    /// For each item the number of faces before it, and finally the number of all faces.
     first_faces: Vec<u32>,
     bounds: Aabb,
     shared: Mutex<Weak<dyn Any + Send + Sync>>,
 }
 
 impl Geometry {
-    /// The meshes that items are copies of.
+    /// Returns the meshes, by [`MeshId`].
     pub fn meshes(&self) -> &[Arc<Mesh>] {
         &self.meshes
     }
 
-    /// What faces are made of.
+    /// Returns the materials, by [`MaterialId`].
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
 
-    /// The images that materials name.
+    /// Returns the textures, by [`TextureId`].
     pub fn textures(&self) -> &[Arc<Texture>] {
         &self.textures
     }
 
-    /// The items, by [`ItemId`]. Those that an edit removed are there still, of an empty mesh, until an item that is added
-    /// takes their number.
+    /// Returns the items, by [`ItemId`]. Removed items stay in the list with an empty mesh until a new item reuses
+    /// their id; test with [`Geometry::holds`].
     pub fn items(&self) -> &[Item] {
         &self.items
     }
 
-    /// Is there an item of this number, and was it not removed?
+    /// Returns `true` if an item with this id exists and was not removed.
     pub fn holds(&self, item: ItemId) -> bool {
         let is_free = |slots: &Slots| slots.free_items.contains(&item.0);
         (item.0 as usize) < self.items.len() && !self.slots.as_ref().is_some_and(is_free)
     }
 
-    /// How many items there are, without those that were removed.
+    /// Returns the number of items, without removed ones.
     pub fn item_count(&self) -> usize {
         self.items.len() - self.slots.as_ref().map_or(0, |slots| slots.free_items.len())
     }
 
-    /// One item.
+    /// Returns an item.
+    ///
+    /// # Panics
+    /// If `item` is out of range.
     pub fn item(&self, item: ItemId) -> &Item {
         &self.items[item.0 as usize]
     }
 
-    /// The mesh that an item is a copy of.
+    /// Returns the mesh of an item.
+    ///
+    /// # Panics
+    /// If `item` is out of range.
     pub fn mesh_of(&self, item: ItemId) -> &Mesh {
         &self.meshes[self.item(item).mesh.0 as usize]
     }
 
-    /// An item's name; not always unique, and empty where it has none.
+    /// Returns the name of an item: empty if it has none; not necessarily unique.
+    ///
+    /// # Panics
+    /// If `item` is out of range.
     pub fn name(&self, item: ItemId) -> &str {
         self.names.get(item.0 as usize)
     }
 
-    /// The openings, by [`OpeningId`].
+    /// Returns the openings, by [`OpeningId`].
     pub fn openings(&self) -> &[Opening] {
         &self.openings
     }
 
-    /// The cells that were computed ahead, if there are any.
+    /// Returns the baked PVS cells, if any.
     pub fn cells(&self) -> Option<&Arc<BakedCells>> {
         self.cells.as_ref()
     }
 
-    /// The tree over the boxes of items, each in one node; built when it is first asked for.
+    /// Returns the octree over the boxes of items, each in one node; built on first use.
     pub(crate) fn item_tree(&self) -> &Octree {
         self.item_tree.get_or_init(|| {
             let bounds: Vec<Aabb> = self.items.iter().map(|item| item.bounds).collect();
@@ -165,17 +185,17 @@ impl Geometry {
         })
     }
 
-    /// The tree over the boxes of openings.
+    /// Returns the octree over the boxes of openings.
     pub(crate) fn opening_tree(&self) -> &Octree {
         &self.opening_tree
     }
 
-    /// The smallest box around all items and openings, in the space of the sector.
+    /// Returns the AABB of all items and openings, in the space of the sector.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// Triangles of all items, each copy counted.
+    /// Returns the number of triangles of all items; instances of the same mesh each count.
     pub fn triangle_count(&self) -> u64 {
         self.items
             .iter()
@@ -183,12 +203,13 @@ impl Geometry {
             .sum()
     }
 
-    /// Faces of all items, each copy counted.
+    /// Returns the number of faces of all items; instances of the same mesh each count.
     pub fn face_count(&self) -> u64 {
         u64::from(self.first_faces[self.items.len()])
     }
 
-    /// What a cluster of an item is made of, which is no longer opaque where the item does not hide.
+    /// Returns the material of a cluster of an item. If the item is not an occluder, [`Alpha::Opaque`] becomes
+    /// [`Alpha::Mask`].
     pub fn material_of(&self, item: ItemId, cluster: &Cluster) -> Material {
         let mut material = self.materials[cluster.material.0 as usize];
         if material.alpha == Alpha::Opaque && !self.item(item).is_occluder {
@@ -197,7 +218,7 @@ impl Geometry {
         material
     }
 
-    /// What a cluster of a mesh is made of.
+    /// Returns the material of a cluster of a mesh.
     pub fn material(&self, cluster: &Cluster) -> &Material {
         &self.materials[cluster.material.0 as usize]
     }
@@ -206,7 +227,8 @@ impl Geometry {
         &self.terrains
     }
 
-    /// Memory in bytes, without textures; meshes and cells that other geometries share are counted in each.
+    /// Returns the memory used, in bytes, without textures. Meshes and cells that several geometries share count in
+    /// each.
     pub fn bytes(&self) -> u64 {
         self.meshes.iter().map(|mesh| mesh.bytes()).sum::<u64>()
             + self.item_tree.get().map_or(0, Octree::bytes)
@@ -215,7 +237,8 @@ impl Geometry {
             + (size_of_val(&*self.items) + size_of_val(&*self.first_faces) + self.names.bytes()) as u64
     }
 
-    /// What was built over it, by one who needs the same, and still is in use; else builds it.
+    /// Returns the structure that another method built over this geometry and that is still in use; otherwise builds
+    /// it.
     pub(crate) fn share<T: Any + Send + Sync>(&self, build: impl FnOnce() -> T) -> Arc<T> {
         let shared = || self.shared.lock().unwrap_or_else(PoisonError::into_inner);
         let found =
@@ -223,7 +246,8 @@ impl Geometry {
         if let Some(found) = found(&shared()) {
             return found;
         }
-        // Not under the lock: a thread that waits for others to build may be given work meanwhile that asks for the same.
+        // Built without the lock: a thread that waits for others may run other work of the pool that needs the same
+        // lock.
         let built = Arc::new(build());
         let mut shared = shared();
         found(&shared).unwrap_or_else(|| {
@@ -233,31 +257,33 @@ impl Geometry {
         })
     }
 
-    /// The number of an item's first face among all faces of the geometry.
+    /// Returns the number of an item's first face among all faces of the geometry.
     pub(crate) fn first_face(&self, item: ItemId) -> u32 {
         self.first_faces[item.0 as usize]
     }
 
-    /// An opening as an indexed face: its corners, and where they begin and end.
+    /// Returns an opening as an indexed face: its corners, and their start and end.
     pub(crate) fn outline_face(&self, opening: OpeningId) -> (&[u32], &[u32]) {
         let ends = &self.outline_ends[usize::from(opening.0)];
         (&self.outline_corners[..ends[1] as usize], ends)
     }
 
-    /// The number that stands for an opening where faces are numbered through.
+    /// Returns the face number of an opening; openings are numbered after all faces.
     pub(crate) fn opening_number(&self, opening: OpeningId) -> u32 {
         self.first_faces[self.items.len()] + u32::from(opening.0)
     }
 }
 
-/// Items in a leaf of the tree over them, at most. To hold a box against a cover costs about as much as a small item's
-/// faces.
+/// Maximum number of items in a leaf of the octree. Testing a box against a cover costs about as much as rasterizing a
+/// small item.
 const FEW_ITEMS: usize = 6;
 
-/// What is seen at a sample of a sector.
+/// The owner of a sample: the face or opening that is visible there.
+#[doc(alias = "visibility buffer")]
+#[doc(alias = "id buffer")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Owner {
-    /// A face of an item.
+    /// A face of an item, by its index in the item's mesh.
     Face(ItemId, u32),
     /// An opening, whatever is behind it.
     Opening(OpeningId),
@@ -280,7 +306,7 @@ mod tests {
     fn every_face_number_leads_back_to_its_item_past_items_without_faces() {
         let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let [nothing, leaf] = [
-            builder.mesh(Mesh::new(&[]).expect("nothing")),
+            builder.mesh(Mesh::new(&[]).expect("an empty mesh")),
             builder.mesh(leaf()),
         ];
         for (name, mesh) in [("a", nothing), ("b", leaf), ("c", nothing), ("d", leaf)] {
@@ -288,7 +314,7 @@ mod tests {
         }
         let door = ConvexPolygon::rectangle([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]).expect("a square");
         builder.opening("door", door);
-        let geometry = builder.build().expect("a sound geometry");
+        let geometry = builder.build().expect("valid geometry");
         let owners: Vec<_> = (0..3).map(|number| geometry.owner(number, None)).collect();
         let expected = [
             Owner::Face(ItemId(1), 0),

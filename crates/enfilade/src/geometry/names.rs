@@ -1,12 +1,12 @@
-//! Many short names in one string.
+//! A compact list of short strings: names of items.
 
-/// Many short names in one string.
+/// A list of short names, stored in a single string.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names {
     text: String,
-    /// Where each begins and ends.
+    /// Start and end of each name in `text`.
     runs: Vec<[u32; 2]>,
-    /// Bytes of names that were exchanged for others.
+    /// Bytes in `text` of names that were replaced.
     waste: usize,
 }
 
@@ -21,7 +21,7 @@ impl Names {
         &self.text[start as usize..end as usize]
     }
 
-    /// Exchanges a name for another.
+    /// Replaces a name.
     pub(super) fn set(&mut self, index: usize, name: &str) {
         let [start, end] = std::mem::take(&mut self.runs[index]);
         self.waste += (end - start) as usize;

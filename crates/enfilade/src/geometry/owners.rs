@@ -1,19 +1,20 @@
-//! Whom the faces of a sector belong to, by the numbers that covers keep at samples.
+//! Resolves the face numbers that covers store at samples to items, faces and openings.
 
 use super::{Geometry, ItemId, OpeningId, Owner};
 
-/// What covers ask when they report: rarely, once for a run of samples that one face owns.
+/// Resolves face numbers to owners. Covers call it when they report, once per run of samples with the same owner.
 pub trait Owners {
-    /// The item and face, or the opening, that a number stands for. `near` is a guess: neighbours often agree.
+    /// Returns the item and face, or the opening, with this number. `near` is a guess: neighbouring samples often have
+    /// the same item.
     fn owner(&self, number: u32, near: Option<Owner>) -> Owner;
 
-    /// The cluster of a face of an item.
+    /// Returns the cluster of a face of an item.
     fn cluster_of(&self, item: ItemId, face: u32) -> u32;
 
-    /// How many clusters an item has.
+    /// Returns the number of clusters of an item.
     fn cluster_count(&self, item: ItemId) -> u32;
 
-    /// Are there openings, whose samples are wanted one by one?
+    /// Returns `true` if the sector has openings, whose samples must be reported one by one.
     fn has_openings(&self) -> bool;
 }
 
@@ -32,7 +33,7 @@ impl Owners for Geometry {
                 return Owner::Face(item, number - first);
             }
         }
-        // Items without faces share their number with the next; the last of them is the one that has faces.
+        // Items without faces have the same first number as the next item; the last of these is the one with faces.
         let item = self.first_faces.partition_point(|&first| first <= number) - 1;
         Owner::Face(ItemId(item as u32), number - self.first_faces[item])
     }

@@ -1,21 +1,21 @@
-//! Which numbers of items and meshes are free, and how often each mesh is used.
+//! Free ids of items and meshes, and use counts of meshes.
 
 use super::{Item, MeshId};
 use crate::mesh::Mesh;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-/// Which numbers of items and meshes are free, and how often each mesh is used.
+/// Free ids of items and meshes, and use counts of meshes.
 #[derive(Clone, Debug)]
 pub(super) struct Slots {
-    /// Items that were removed.
+    /// Ids of removed items.
     pub(super) free_items: BTreeSet<u32>,
     free_meshes: BTreeSet<u32>,
-    /// How many items are copies of each mesh.
+    /// For each mesh the number of items that use it.
     uses: Vec<u32>,
-    /// Where a mesh stands, by its address: as long as it stands there, no other can have it.
+    /// Mesh ids by address. An address stays unique as long as the mesh is in its slot.
     places: HashMap<usize, MeshId>,
-    /// The mesh of items that were removed; it stands in place of meshes that are gone, too.
+    /// The empty mesh, used by removed items and in the slots of unused meshes.
     pub(super) nothing: MeshId,
 }
 
@@ -27,7 +27,7 @@ impl Slots {
         for item in items {
             uses[item.mesh.0 as usize] += 1;
         }
-        // Of a mesh that stands in two places, the first counts.
+        // If a mesh is in two slots, the first counts.
         let mut places = HashMap::new();
         for (place, mesh) in (0..).zip(&*meshes) {
             places.entry(address(mesh)).or_insert(MeshId(place));
@@ -41,7 +41,7 @@ impl Slots {
         }
     }
 
-    /// The place of a mesh that one more item is a copy of, and whether it was not there before.
+    /// Adds a use of a mesh; returns its id, and whether it was added to the list.
     pub(super) fn take(&mut self, mesh: &Arc<Mesh>, meshes: &mut Vec<Arc<Mesh>>) -> (MeshId, bool) {
         let known = self.places.get(&address(mesh)).copied();
         let place = known.unwrap_or_else(|| {
@@ -59,12 +59,12 @@ impl Slots {
         (place, known.is_none())
     }
 
-    /// One item fewer is a copy of a mesh.
+    /// Removes a use of a mesh.
     pub(super) fn give_back(&mut self, mesh: MeshId) {
         self.uses[mesh.0 as usize] -= 1;
     }
 
-    /// Lets go of a mesh that no item is a copy of any more; says whether it did.
+    /// Frees the slot of a mesh if no item uses it; returns `true` if it did.
     pub(super) fn drop_unused(&mut self, mesh: MeshId, meshes: &mut [Arc<Mesh>]) -> bool {
         let place = mesh.0 as usize;
         if self.uses[place] > 0 || mesh == self.nothing || !self.free_meshes.insert(mesh.0) {

@@ -1,54 +1,57 @@
-//! Images on faces: carried for who draws; nothing that decides what is seen looks at them.
+//! Textures of materials, for renderers; they do not affect visibility.
 
 use thiserror::Error;
 
-/// A texture, by its place in [`Geometry::textures`](super::Geometry::textures).
+/// Identifies a texture: its index in [`Geometry::textures`](super::Geometry::textures).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TextureId(pub u32);
 
-/// An image, and how it is looked up.
+/// An RGBA image with its sampler settings. It is for the renderer and does not affect visibility.
+#[doc(alias = "image")]
+#[doc(alias = "sampler")]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texture {
-    /// How people call it.
+    /// Name for display.
     pub name: String,
     size: [u32; 2],
     texels: Vec<[u8; 4]>,
-    /// What is beyond its sides: left and right, above and below.
+    /// Wrap mode of the horizontal and the vertical texture coordinate. Default [`Wrap::Repeat`].
     pub wrap: [Wrap; 2],
-    /// Between texels, where a texel is larger than a sample.
+    /// Filter for magnification, where a texel is larger than a sample. Default [`Filter::Linear`].
     pub magnify: Filter,
-    /// Where a sample is larger than a texel.
+    /// Filter for minification, where a sample is larger than a texel. Default: trilinear.
     pub minify: Minify,
 }
 
-/// What is beyond the sides of an image.
+/// Wrap mode: the color for texture coordinates outside 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The image again.
+    /// Repeats the image.
     #[default]
     Repeat,
-    /// The image mirrored, then the image again.
+    /// Repeats the image, mirroring every second copy.
     Mirror,
-    /// The color of its border.
+    /// Repeats the texels at the border.
     Clamp,
 }
 
-/// What is between the middles of texels.
+/// Texture filter: how texels are interpolated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
-    /// The color of the nearest.
+    /// Takes the nearest texel.
     Nearest,
-    /// Colors in between.
+    /// Interpolates linearly between texels.
     #[default]
     Linear,
 }
 
-/// What is seen where a sample is larger than a texel.
+/// Minification filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Minify {
-    /// In one image.
+    /// Filter within one mipmap level.
     pub texels: Filter,
-    /// Between the image and its halves, quarters, eighths …; `None`: the image itself, which then flickers.
+    /// Filter between mipmap levels; `None`: no mipmaps, so minified textures flicker.
+    #[doc(alias = "mipmap")]
     pub levels: Option<Filter>,
 }
 
@@ -61,20 +64,23 @@ impl Default for Minify {
     }
 }
 
-/// Why texels make no texture.
+/// Why texels do not form a texture: holds width, height and number of texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("a texture of {0}x{1} texels cannot have {2}; width and height must be from 1 to {most}", most = Texture::MAX_TEXELS)]
+#[error("a texture of {0}x{1} texels cannot have {2}; width and height must be from 1 to {max}", max = Texture::MAX_TEXELS)]
 pub struct TextureError(u32, u32, usize);
 
 impl Texture {
-    /// The greatest width and height.
+    /// Maximum width and height, in texels.
     pub const MAX_TEXELS: u32 = 1 << 16;
 
-    /// A texture that repeats and is smooth. Texels are rows from the top, each from the left: red, green and blue as
-    /// sRGB, and coverage.
+    /// Creates a texture with default sampler settings: repeating and trilinear.
+    ///
+    /// `size` is width and height in texels. Texels are in rows from the top, each from the left: red, green and blue
+    /// in sRGB, and linear coverage.
     ///
     /// # Errors
-    /// [`TextureError`] where there are too few or too many of them.
+    /// Returns a [`TextureError`] if width or height is not 1 to [`Texture::MAX_TEXELS`], or the number of texels is
+    /// not width × height.
     pub fn new(name: &str, size: [u32; 2], texels: Vec<[u8; 4]>) -> Result<Texture, TextureError> {
         let [width, height] = size;
         let in_range = size.iter().all(|side| (1..=Texture::MAX_TEXELS).contains(side));
@@ -91,17 +97,17 @@ impl Texture {
         })
     }
 
-    /// Columns and rows.
+    /// Returns width and height, in texels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Rows from the top, each from the left: red, green and blue as sRGB, and coverage.
+    /// Returns the texels, in rows from the top, each from the left: red, green and blue in sRGB, and linear coverage.
     pub fn texels(&self) -> &[[u8; 4]] {
         &self.texels
     }
 
-    /// Memory in bytes.
+    /// Returns the memory used, in bytes.
     pub fn bytes(&self) -> u64 {
         size_of_val(&*self.texels) as u64
     }
@@ -114,7 +120,7 @@ mod tests {
     #[test]
     fn texels_that_do_not_fill_an_image_are_refused() {
         for (size, count) in [([2, 3], 5), ([0, 0], 0), ([1 << 17, 1], 1 << 17)] {
-            let error = Texture::new("odd", size, vec![[0; 4]; count]).expect_err("they do not fit");
+            let error = Texture::new("odd", size, vec![[0; 4]; count]).expect_err("wrong number of texels");
             assert_eq!(error, TextureError(size[0], size[1], count));
         }
         let texture = Texture::new("tile", [2, 3], vec![[9; 4]; 6]).expect("six texels");

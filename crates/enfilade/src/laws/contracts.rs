@@ -51,7 +51,7 @@ impl fmt::Display for Broken {
 }
 
 /// Number of random positions per pixel at which strict methods are tested.
-const PLACES: u32 = 4;
+const POSITIONS: u32 = 4;
 
 impl Contestants {
     /// Builds the reference, and the scene for every method that suits it, at most `limit_bytes` per sector.
@@ -82,7 +82,7 @@ impl Contestants {
         let truth = self.reference.see(&self.scene, view, &self.limits);
         let anywhere = self
             .reference
-            .see_anywhere(&self.scene, view, &self.limits, PLACES, 1);
+            .see_anywhere(&self.scene, view, &self.limits, POSITIONS, 1);
         let mut broken = Vec::new();
         for (method, scene, viewer) in &mut self.all {
             let (method, contract) = (*method, method.contract());

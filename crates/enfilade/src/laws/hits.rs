@@ -1,7 +1,7 @@
 //! What a ray bundle hits in one sector.
 
 use super::EPSILON;
-use super::tree::{Found, Meeting};
+use super::tree::{HitSink, Meeting};
 use crate::geometry::Owner;
 
 /// Hits of a ray bundle in a sector; the hidden ones are filtered out at the end.
@@ -79,7 +79,7 @@ impl<const N: usize> Hits<N> {
     }
 }
 
-impl<const N: usize> Found for Hits<N> {
+impl<const N: usize> HitSink for Hits<N> {
     fn limit(&self) -> f64 {
         self.farthest * (1.0 + 2.0 * EPSILON)
     }

@@ -5,7 +5,7 @@
 
 use super::EPSILON;
 use super::chains::{Chain, Chains, PassageChains};
-use super::reference::RaySees;
+use super::reference::RayResult;
 use crate::canvas::{Canvas, Span};
 use crate::geometry::{ItemId, Owner};
 use crate::passage::{Passage, PassageId};
@@ -75,7 +75,7 @@ impl Layers {
         all
     }
 
-    pub(super) fn sample(&mut self, rays: &[RaySees]) {
+    pub(super) fn sample(&mut self, rays: &[RayResult]) {
         let all: Option<Vec<Vec<Layer>>> = rays.iter().map(along).collect();
         let agreed = all.and_then(|mut all| {
             let first = all.swap_remove(0);
@@ -113,7 +113,7 @@ impl Layers {
 }
 
 /// Returns the layers along a ray, back to front; `None` if their order is uncertain.
-fn along(ray: &RaySees) -> Option<Vec<Layer>> {
+fn along(ray: &RayResult) -> Option<Vec<Layer>> {
     let one_way = ray
         .possible
         .iter()

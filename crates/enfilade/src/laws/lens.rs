@@ -9,16 +9,16 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 pub(super) const RAYS: usize = 5;
 
 /// Random positions of a pixel that are traced as one bundle.
-pub(super) const PLACES: usize = 16;
+pub(super) const POSITIONS: usize = 16;
 
 /// Random numbers, reproducible by seed. Source: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators.
 /// 2014.
-pub(super) struct Chance(u64);
+pub(super) struct Random(u64);
 
-impl Chance {
+impl Random {
     /// Creates the generator for pixel (x, y).
-    pub(super) fn new(seed: u64, [x, y]: [u32; 2]) -> Chance {
-        Chance(seed ^ u64::from(x) << 40 ^ u64::from(y) << 20)
+    pub(super) fn new(seed: u64, [x, y]: [u32; 2]) -> Random {
+        Random(seed ^ u64::from(x) << 40 ^ u64::from(y) << 20)
     }
 
     /// Returns the next number, 0 to 1.
@@ -82,12 +82,12 @@ impl Lens {
 
     /// Returns rays through the next `used` random positions in pixel (x, y). The remaining rays are copies of the
     /// first.
-    pub(super) fn anywhere(&self, [x, y]: [u32; 2], used: usize, chance: &mut Chance) -> Bundle<PLACES> {
+    pub(super) fn anywhere(&self, [x, y]: [u32; 2], used: usize, chance: &mut Random) -> Bundle<POSITIONS> {
         let mut place = || {
             let [dx, dy] = [(); 2].map(|()| chance.next());
             self.direction(f64::from(x) + dx, f64::from(y) + dy)
         };
-        let mut directions = [place(); PLACES];
+        let mut directions = [place(); POSITIONS];
         directions[1..used].fill_with(place);
         Bundle {
             origin: self.eye,

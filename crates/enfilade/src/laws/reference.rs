@@ -5,11 +5,11 @@ use super::bundle::Bundle;
 use super::chains::{Chain, ChainId, Chains};
 use super::hits::Hits;
 use super::layers::{Layers, Pane};
-use super::lens::{Chance, Lens, PLACES, RAYS};
+use super::lens::{Lens, POSITIONS, RAYS, Random};
 use super::openings::Entered;
 use super::sector::sector_of_eye;
-use super::tree::{Built, Meeting, Trees};
-use super::truth::{Possible, Told, Truth};
+use super::tree::{Meeting, MeshTrees, Trees};
+use super::truth::{Possible, RowTruth, Truth};
 use crate::geometry::{ItemId, OpeningId, Owner};
 use crate::scene::{Scene, SectorId};
 use crate::view::View;
@@ -30,7 +30,7 @@ pub struct Reference {
 impl Reference {
     /// Builds the ray-tracing trees; this is the slow part. Custom sectors are empty for the reference.
     pub fn new(scene: &Scene) -> Reference {
-        let mut built = Built::default();
+        let mut built = MeshTrees::default();
         let sectors = scene
             .sectors()
             .map(|id| {
@@ -50,10 +50,10 @@ impl Reference {
             scene,
             view,
             limits,
-            |look, pixel, told: &mut Told| {
-                told.sample(look.along(lens.about_centre(pixel), RAYS));
+            |tracer, pixel, row: &mut RowTruth| {
+                row.sample(tracer.along(lens.about_centre(pixel), RAYS));
             },
-            Told::settle,
+            RowTruth::settle,
         );
         Truth::new(view.size, rows)
     }
@@ -66,18 +66,18 @@ impl Reference {
             scene,
             view,
             limits,
-            |look, pixel, told: &mut Told| {
-                let mut chance = Chance::new(seed, pixel);
+            |tracer, pixel, row: &mut RowTruth| {
+                let mut chance = Random::new(seed, pixel);
                 let mut left = places as usize;
                 while left > 0 {
                     // Rays of one pixel traverse the same AABBs; tracing them as a bundle is faster.
-                    let used = left.min(PLACES);
-                    let seen = look.along(lens.anywhere(pixel, used, &mut chance), used);
-                    seen.chunks(1).for_each(|ray| told.place(ray));
+                    let used = left.min(POSITIONS);
+                    let seen = tracer.along(lens.anywhere(pixel, used, &mut chance), used);
+                    seen.chunks(1).for_each(|ray| row.position(ray));
                     left -= used;
                 }
             },
-            Told::settle,
+            RowTruth::settle,
         );
         Truth::new(view.size, rows)
     }
@@ -90,8 +90,8 @@ impl Reference {
             scene,
             view,
             limits,
-            |look, pixel, layers: &mut Layers| {
-                layers.sample(look.along(lens.about_centre(pixel), RAYS));
+            |tracer, pixel, layers: &mut Layers| {
+                layers.sample(tracer.along(lens.about_centre(pixel), RAYS));
             },
             |_| {},
         );
@@ -105,27 +105,27 @@ impl Reference {
         scene: &Scene,
         view: &View,
         limits: &Limits,
-        pixel: impl Fn(&mut Look<'_, N>, [u32; 2], &mut T) + Sync,
+        pixel: impl Fn(&mut RowTracer<'_, N>, [u32; 2], &mut T) + Sync,
         settle: impl Fn(&mut T) + Sync,
     ) -> Vec<(Chains, T)> {
         let Some(sector) = sector_of_eye(scene, view) else {
             return Vec::new();
         };
         let row = |y| {
-            let mut look = Look {
+            let mut tracer = RowTracer {
                 reference: self,
                 scene,
                 limits,
                 near: f64::from(view.near),
                 sector,
                 chains: Chains::default(),
-                rays: std::array::from_fn(|_| RaySees::default()),
-                waiting: Vec::new(),
+                rays: std::array::from_fn(|_| RayResult::default()),
+                pending: Vec::new(),
             };
-            let mut told = T::default();
-            (0..view.size[0]).for_each(|x| pixel(&mut look, [x, y], &mut told));
-            settle(&mut told);
-            (look.chains, told)
+            let mut result = T::default();
+            (0..view.size[0]).for_each(|x| pixel(&mut tracer, [x, y], &mut result));
+            settle(&mut result);
+            (tracer.chains, result)
         };
         (0..view.size[1]).into_par_iter().map(row).collect()
     }
@@ -133,14 +133,14 @@ impl Reference {
 
 /// Possible results of one ray, over all portal chains that it may follow.
 #[derive(Clone, Default)]
-pub(super) struct RaySees {
+pub(super) struct RayResult {
     pub(super) possible: Vec<Possible>,
     /// Alpha-blended and alpha-tested hits in front of the opaque surface.
     pub(super) glass: Vec<Pane>,
 }
 
 /// Traces the bundles of one row, one after another.
-struct Look<'a, const N: usize> {
+struct RowTracer<'a, const N: usize> {
     reference: &'a Reference,
     scene: &'a Scene,
     limits: &'a Limits,
@@ -148,12 +148,12 @@ struct Look<'a, const N: usize> {
     /// Sector of the eye.
     sector: SectorId,
     chains: Chains,
-    rays: [RaySees; N],
-    waiting: Vec<Way<N>>,
+    rays: [RayResult; N],
+    pending: Vec<TracedBundle<N>>,
 }
 
 /// A bundle in a sector, behind a chain of portals.
-struct Way<const N: usize> {
+struct TracedBundle<const N: usize> {
     chain: Chain,
     bundle: Bundle<N>,
     active: [bool; N],
@@ -165,16 +165,16 @@ struct Way<const N: usize> {
 }
 
 /// An opening that rays of the bundle enter.
-struct Ahead<const N: usize> {
+struct OpeningEntry<const N: usize> {
     opening: OpeningId,
     active: [bool; N],
     /// Minimum and maximum parameter at which each ray enters.
     entry: [[f64; 2]; N],
 }
 
-impl<const N: usize> Ahead<N> {
-    fn new(opening: OpeningId) -> Ahead<N> {
-        Ahead {
+impl<const N: usize> OpeningEntry<N> {
+    fn new(opening: OpeningId) -> OpeningEntry<N> {
+        OpeningEntry {
             opening,
             active: [false; N],
             entry: [[0.0; 2]; N],
@@ -182,14 +182,14 @@ impl<const N: usize> Ahead<N> {
     }
 }
 
-impl<const N: usize> Look<'_, N> {
+impl<const N: usize> RowTracer<'_, N> {
     /// Traces the first `used` rays of a bundle from the eye.
-    fn along(&mut self, bundle: Bundle<N>, used: usize) -> &[RaySees] {
+    fn along(&mut self, bundle: Bundle<N>, used: usize) -> &[RayResult] {
         for ray in &mut self.rays {
             ray.possible.clear();
             ray.glass.clear();
         }
-        self.waiting.push(Way {
+        self.pending.push(TracedBundle {
             chain: Chain {
                 id: ChainId::default(),
                 sector: self.sector,
@@ -200,15 +200,15 @@ impl<const N: usize> Look<'_, N> {
             entry: [[0.0; 2]; N],
             depth: 0,
         });
-        while let Some(way) = self.waiting.pop() {
+        while let Some(way) = self.pending.pop() {
             self.follow(&way);
         }
         &self.rays[..used]
     }
 
     /// Traces the active rays through a sector.
-    fn follow(&mut self, way: &Way<N>) {
-        let Way { chain, certain, .. } = *way;
+    fn follow(&mut self, way: &TracedBundle<N>) {
+        let TracedBundle { chain, certain, .. } = *way;
         let Some(trees) = &self.reference.sectors[chain.sector.0 as usize] else {
             return;
         };
@@ -219,7 +219,7 @@ impl<const N: usize> Look<'_, N> {
         }
         trees.walk(&way.bundle, &way.active, &mut hits);
 
-        let mut ahead: Vec<Ahead<N>> = Vec::new();
+        let mut ahead: Vec<OpeningEntry<N>> = Vec::new();
         // Number of openings that each ray enters, and whether it may end in this sector.
         let (mut ways, mut ends) = ([0; N], [false; N]);
         for &(Meeting { ray, w, hides, .. }, owner) in hits.meetings() {
@@ -228,7 +228,7 @@ impl<const N: usize> Look<'_, N> {
                     ways[ray] += 1;
                     let known = ahead.iter().position(|known| known.opening == opening);
                     let known = known.unwrap_or_else(|| {
-                        ahead.push(Ahead::new(opening));
+                        ahead.push(OpeningEntry::new(opening));
                         ahead.len() - 1
                     });
                     ahead[known].active[ray] = true;
@@ -263,19 +263,19 @@ impl<const N: usize> Look<'_, N> {
         }
     }
 
-    fn leads_on(&self, way: &Way<N>, opening: OpeningId) -> bool {
+    fn leads_on(&self, way: &TracedBundle<N>, opening: OpeningId) -> bool {
         let portal = self.scene.portal_of(way.chain.sector, opening);
         portal.is_some_and(|id| self.scene.portals()[id.0 as usize].open)
             && way.depth < self.limits.max_crossings
     }
 
-    fn go_through(&mut self, way: &Way<N>, ahead: &Ahead<N>, certain: [bool; N]) {
+    fn go_through(&mut self, way: &TracedBundle<N>, ahead: &OpeningEntry<N>, certain: [bool; N]) {
         let Some(portal_id) = self.scene.portal_of(way.chain.sector, ahead.opening) else {
             return;
         };
         let portal = &self.scene.portals()[portal_id.0 as usize];
         let there_from_here: DAffine3 = portal.there_from_here.0;
-        self.waiting.push(Way {
+        self.pending.push(TracedBundle {
             chain: Chain {
                 id: self.chains.through(way.chain.id, portal_id),
                 sector: portal.to,
@@ -290,7 +290,7 @@ impl<const N: usize> Look<'_, N> {
 }
 
 /// Adds the openings that the rays enter.
-fn meet_openings<const N: usize>(way: &Way<N>, trees: &Trees, hits: &mut Hits<N>) {
+fn meet_openings<const N: usize>(way: &TracedBundle<N>, trees: &Trees, hits: &mut Hits<N>) {
     for (outline, number) in trees.openings().iter().zip(0..) {
         for ray in (0..N).filter(|&ray| way.active[ray]) {
             let Some(Entered { w, sure }) = outline.entered(&way.bundle, ray) else {

@@ -79,11 +79,11 @@ pub fn goes_straight(scene: &Scene, from: Location, chain: &[PortalId], to: [f64
 /// The direct light of a scene's lamps along all portal chains. Suns are not included.
 pub struct Lamplight<'a> {
     scene: &'a Scene,
-    ways: Vec<Way>,
+    ways: Vec<LampChain>,
 }
 
 /// One portal chain from a lamp into a sector.
-struct Way {
+struct LampChain {
     light: Light,
     chain: Vec<PortalId>,
     sector: SectorId,
@@ -102,7 +102,7 @@ impl Lamplight<'_> {
                 let there_from_here = chain.iter().fold(DAffine3::IDENTITY, |sum, id| {
                     scene.portals()[id.0 as usize].there_from_here.0 * sum
                 });
-                Way {
+                LampChain {
                     light,
                     chain,
                     sector,

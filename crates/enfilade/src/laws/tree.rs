@@ -48,7 +48,7 @@ struct Faces {
 
 /// Stack of nodes to visit, with the parameter at which the bundle enters them; popped from the end. Few trees are deep
 /// enough to need a heap allocation.
-type Waiting = SmallVec<[(f64, u32); 64]>;
+type NodeStack = SmallVec<[(f64, u32); 64]>;
 
 /// A BVH with one box per leaf: a box is tested once per bundle, a triangle once per ray.
 #[derive(Default)]
@@ -177,14 +177,14 @@ impl Faces {
 
 /// Trees already built, by the address of their mesh: geometries may share meshes.
 #[derive(Default)]
-pub(super) struct Built(HashMap<usize, Arc<Faces>>);
+pub(super) struct MeshTrees(HashMap<usize, Arc<Faces>>);
 
 fn address(mesh: &Arc<Mesh>) -> usize {
     Arc::as_ptr(mesh).addr()
 }
 
 impl Trees {
-    pub(super) fn build(geometry: &Arc<Geometry>, built: &mut Built) -> Trees {
+    pub(super) fn build(geometry: &Arc<Geometry>, built: &mut MeshTrees) -> Trees {
         let new: Vec<(usize, Arc<Faces>)> = geometry
             .meshes()
             .par_iter()
@@ -235,7 +235,7 @@ impl Trees {
         &self,
         bundle: &Bundle<N>,
         active: &[bool; N],
-        found: &mut impl Found,
+        found: &mut impl HitSink,
     ) {
         visit(&self.items, bundle, found, |place, found| {
             self.walk_item(self.solid[place as usize], bundle, active, found);
@@ -247,7 +247,7 @@ impl Trees {
         item: ItemId,
         bundle: &Bundle<N>,
         active: &[bool; N],
-        found: &mut impl Found,
+        found: &mut impl HitSink,
     ) {
         let faces = &self.faces[item.0 as usize];
         let back = &self.item_from_sector[item.0 as usize];
@@ -309,7 +309,7 @@ fn spread([a, b, c]: [DVec3; 3], direction: DVec3) -> f64 {
 }
 
 /// Calls `leaf` for all leaves that a bundle may enter before the limit, roughly front to back.
-fn visit<const N: usize, F: Found>(
+fn visit<const N: usize, F: HitSink>(
     tree: &Tree,
     bundle: &Bundle<N>,
     found: &mut F,
@@ -320,7 +320,7 @@ fn visit<const N: usize, F: Found>(
     }
     let slopes = bundle.slopes();
     let enters = |node: u32, limit: f64| bundle.enters(&slopes, &tree.nodes[node as usize].bounds, limit);
-    let mut waiting = Waiting::new();
+    let mut waiting = NodeStack::new();
     waiting.extend(enters(0, found.limit()).map(|w| (w, 0)));
     while let Some((w, index)) = waiting.pop() {
         if w > found.limit() {
@@ -351,7 +351,7 @@ fn visit<const N: usize, F: Found>(
 }
 
 /// Receives ray/face hits.
-pub(super) trait Found {
+pub(super) trait HitSink {
     /// Parameter beyond which hits are ignored.
     fn limit(&self) -> f64;
     fn add(&mut self, meeting: Meeting);

@@ -2,7 +2,7 @@
 
 use super::chains::{Chain, Chains, PassageChains};
 use super::owners::OwnerPicture;
-use super::reference::RaySees;
+use super::reference::RayResult;
 use crate::geometry::{ItemId, Owner};
 use crate::passage::PassageId;
 use crate::scene::SectorId;
@@ -35,7 +35,7 @@ pub struct Truth {
 
 /// Results of one row, to be merged into a [`Truth`].
 #[derive(Default)]
-pub(super) struct Told {
+pub(super) struct RowTruth {
     possible: Vec<Possible>,
     ends: Vec<u32>,
     contested: u64,
@@ -47,16 +47,16 @@ pub(super) struct Told {
     glass: Vec<(Chain, ItemId)>,
 }
 
-impl Told {
+impl RowTruth {
     /// Adds a sample of a picture from its rays.
-    pub(super) fn sample(&mut self, rays: &[RaySees]) {
-        self.place(rays);
+    pub(super) fn sample(&mut self, rays: &[RayResult]) {
+        self.position(rays);
         self.possible.extend_from_slice(&self.here);
         self.ends.push(self.possible.len() as u32);
     }
 
     /// Adds a position that belongs to no picture: records only its visible items.
-    pub(super) fn place(&mut self, rays: &[RaySees]) {
+    pub(super) fn position(&mut self, rays: &[RayResult]) {
         self.here.clear();
         self.here
             .extend(rays.iter().flat_map(|ray| ray.possible.iter().copied()));
@@ -147,7 +147,7 @@ pub struct Verdict {
 }
 
 impl Truth {
-    pub(super) fn new(size: [u32; 2], rows: Vec<(Chains, Told)>) -> Truth {
+    pub(super) fn new(size: [u32; 2], rows: Vec<(Chains, RowTruth)>) -> Truth {
         let mut truth = Truth {
             size,
             chains: Chains::default(),

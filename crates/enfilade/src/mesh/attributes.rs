@@ -1,32 +1,34 @@
-//! What corners carry besides their places. Nothing that decides what is seen looks at it.
+//! Vertex attributes besides positions, for renderers. They do not affect visibility.
 
 use super::{MeshError, Part};
 
-/// What the corners of a part carry for who draws them. Each list is empty, or has one for each position.
+/// Vertex attributes of a part, for renderers. Each list is empty or has one element per position.
 ///
-/// They vary linearly over a face: over one of more than three corners as over its first three that are not in line.
+/// Attributes are interpolated linearly over a face; over a face of more than three corners as over its first three
+/// corners that are not collinear.
+#[doc(alias = "vertex attributes")]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Attributes<'a> {
-    /// Directions that light takes for the surface's, in the space of the mesh, of any length; zero, as where there are
-    /// none: the face's own.
+    /// Shading normals in object space, of any length. Zero, or an empty list, means the face normal.
     pub normals: &'a [[f32; 3]],
-    /// Places in the material's texture: (0, 0) is the upper left corner of its first texel, (1, 1) the lower right one
-    /// of its last.
+    /// Texture coordinates: (0, 0) is the upper left corner of the first texel, (1, 1) the lower right corner of the
+    /// last.
+    #[doc(alias = "uv")]
     pub texture: &'a [[f32; 2]],
-    /// Red, green, blue and coverage, linear: the material's color is multiplied by it.
+    /// Vertex colors, multiplied by the material's color: red, green, blue and coverage, linear.
     pub colors: &'a [[f32; 4]],
 }
 
-/// The same of a mesh, each list empty or as long as the positions.
+/// The attributes of a whole mesh; each list is empty or as long as the positions.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Carried {
+pub(super) struct MeshAttributes {
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) texture: Vec<[f32; 2]>,
     pub(super) colors: Vec<[f32; 4]>,
 }
 
 impl Attributes<'_> {
-    /// Is each list empty or as long as the positions, and everything finite?
+    /// Checks that each list is empty or as long as the positions, and that all numbers are finite.
     pub(super) fn check(&self, part: usize, positions: usize) -> Result<(), MeshError> {
         let finite = [
             all_finite(self.normals),
@@ -56,10 +58,11 @@ fn all_finite<const N: usize>(list: &[[f32; N]]) -> bool {
     list.iter().flatten().all(|value| value.is_finite())
 }
 
-impl Carried {
-    /// Those of positions that come from `(part, position)` each. A list is there if any part has it.
-    pub(super) fn gather(parts: &[Part], sources: &[(u32, u32)]) -> Carried {
-        Carried {
+impl MeshAttributes {
+    /// Collects the attributes of positions given as `(part, position)`. A list is empty only if it is empty in all
+    /// parts.
+    pub(super) fn gather(parts: &[Part], sources: &[(u32, u32)]) -> MeshAttributes {
+        MeshAttributes {
             normals: gather(parts, sources, |a| a.normals, [0.0; 3]),
             texture: gather(parts, sources, |a| a.texture, [0.0; 2]),
             colors: gather(parts, sources, |a| a.colors, [1.0; 4]),
@@ -122,8 +125,8 @@ mod tests {
             },
             ..part(Attributes::default())
         };
-        // Another part without any of them, in the same mesh.
-        let mesh = Mesh::new(&[sheet, part(Attributes::default())]).expect("two sound parts");
+        // A second part without attributes, in the same mesh.
+        let mesh = Mesh::new(&[sheet, part(Attributes::default())]).expect("two valid parts");
         assert!(mesh.normals().is_empty() && mesh.colors().is_empty());
         assert_eq!(mesh.texture().len(), mesh.positions().len());
         let pairs = mesh.positions().iter().zip(mesh.texture());
@@ -135,7 +138,7 @@ mod tests {
 
     #[test]
     fn lists_of_another_length_or_with_nan_are_refused() {
-        let of = |attributes| Mesh::new(&[part(attributes)]).expect_err("a rule is broken");
+        let of = |attributes| Mesh::new(&[part(attributes)]).expect_err("invalid attributes");
         let few = of(Attributes {
             normals: &[[0.0, 0.0, 1.0]],
             ..Attributes::default()

@@ -1,20 +1,20 @@
-//! What is in the nodes of a mesh's tree and below them, known without walking.
+//! Precomputed contents of the subtrees of a mesh's octree.
 
 use crate::geom::Octree;
 
-/// The clusters of each node of a tree and all below it.
+/// For each node of an octree the clusters in its subtree.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Below {
-    /// A node's own come first, then those of its children.
+    /// Clusters of a node come first, then those of its children.
     clusters: Vec<u32>,
-    /// How many triangles come before each of them, and how many there are.
+    /// Number of triangles before each cluster, and finally the total.
     triangles: Vec<u64>,
-    /// Where those of each node begin and end in `clusters`.
+    /// Start and end of each subtree in `clusters`.
     nodes: Vec<[u32; 2]>,
 }
 
 impl Below {
-    /// Of a tree just built; `triangles_in` are those of a cluster.
+    /// Computes the subtrees of a new octree; `triangles_in` returns the number of triangles in a cluster.
     pub(super) fn new(tree: &Octree, triangles_in: impl Fn(usize) -> u64) -> Below {
         let mut below = Below {
             clusters: Vec::new(),
@@ -41,19 +41,19 @@ impl Below {
         below
     }
 
-    /// The clusters of a node and all below it, in no order.
+    /// Returns the clusters in the subtree of a node, in no particular order.
     pub(crate) fn clusters(&self, node: u32) -> &[u32] {
         let [start, end] = self.nodes[node as usize];
         &self.clusters[start as usize..end as usize]
     }
 
-    /// How many triangles their faces have.
+    /// Returns the number of triangles in the subtree of a node.
     pub(crate) fn triangles(&self, node: u32) -> u64 {
         let [start, end] = self.nodes[node as usize];
         self.triangles[end as usize] - self.triangles[start as usize]
     }
 
-    /// Memory in bytes.
+    /// Returns the memory used, in bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.clusters) + size_of_val(&*self.triangles) + size_of_val(&*self.nodes)
     }

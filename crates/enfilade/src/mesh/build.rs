@@ -1,17 +1,17 @@
-//! Checks faces, and sorts them into clusters by place and material.
+//! Checks faces and groups them into clusters by position and material.
 
-use super::attributes::Carried;
+use super::attributes::MeshAttributes;
 use super::below::Below;
 use super::neighbours::{NONE, SmallMap, neighbours, neighbours_together};
 use super::{Cluster, Mesh, Part};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, PolygonError, is_in_range};
 use thiserror::Error;
 
-/// Why faces do not make a mesh.
+/// Why a mesh is invalid; returned by [`Mesh::new`].
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// A cuboid without volume, from the first point to the second.
+    /// A cuboid has no volume; holds its two corners.
     #[error(
         "the cuboid from {0:?} to {1:?} has no volume; each coordinate must be larger in the second point"
     )]
@@ -19,9 +19,9 @@ pub enum MeshError {
     /// A position is NaN or infinite.
     #[error("position {position} of part {part} is not finite")]
     NotFinite {
-        /// Which part.
+        /// Index of the part.
         part: usize,
-        /// Which of its positions.
+        /// Index of the position in the part.
         position: usize,
     },
     /// A position is beyond [`MAX_COORDINATE`].
@@ -29,67 +29,67 @@ pub enum MeshError {
         "position {position} of part {part} is farther out than {MAX_COORDINATE:e} units; scale the mesh down or move it to its origin"
     )]
     TooFar {
-        /// Which part.
+        /// Index of the part.
         part: usize,
-        /// Which of its positions.
+        /// Index of the position in the part.
         position: usize,
     },
-    /// A corner names a position that is not there.
+    /// An index refers to a position that does not exist.
     #[error("corner {corner} of part {part} is position {index}, but there are only {positions}")]
     IndexOutOfRange {
-        /// Which part.
+        /// Index of the part.
         part: usize,
-        /// Which of its corners.
+        /// Index of the corner in the part.
         corner: usize,
-        /// The position it names.
+        /// The index of the position.
         index: u32,
-        /// How many there are.
+        /// Number of positions.
         positions: usize,
     },
-    /// Normals, texture coordinates or colors are not as many as positions.
+    /// The number of normals, texture coordinates or colors differs from the number of positions.
     #[error("part {part} has {count} {what}, but {positions} positions; give one for each, or none")]
     AttributeCount {
-        /// Which part.
+        /// Index of the part.
         part: usize,
-        /// Which of them.
+        /// Name of the attribute.
         what: &'static str,
-        /// How many there are.
+        /// Number of its elements.
         count: usize,
-        /// How many there should be.
+        /// Number of positions.
         positions: usize,
     },
     /// A normal, a texture coordinate or a color is NaN or infinite.
     #[error("{what} of part {part} are not all finite")]
     AttributeNotFinite {
-        /// Which part.
+        /// Index of the part.
         part: usize,
-        /// Which of them.
+        /// Name of the attribute.
         what: &'static str,
     },
-    /// The numbers of corners do not add up to faces.
+    /// The corners do not form whole faces.
     #[error("the faces of part {part} do not use all of its {corners} corners")]
     CornersLeft {
-        /// Which part.
+        /// Index of the part.
         part: usize,
-        /// How many corners it has.
+        /// Number of corners.
         corners: usize,
     },
-    /// A face of more than three corners is not flat and convex.
+    /// A face of more than three corners is not planar and convex.
     #[error("face {face} of part {part}: {why}")]
     BadFace {
-        /// Which part.
+        /// Index of the part.
         part: usize,
-        /// Which of its faces.
+        /// Index of the face in the part.
         face: usize,
-        /// The broken rule.
+        /// Why the face is invalid.
         why: PolygonError,
     },
 }
 
-/// Faces in a cluster, at most. Fewer are culled more finely, but each cluster costs a test and a batch.
+/// Maximum number of faces in a cluster. Smaller clusters are culled more precisely, but each costs a test and a batch.
 pub(super) const CLUSTER_FACES: usize = 128;
 
-/// A face of the input: its part, and its corners there.
+/// A face of the input: its part, and its range of corners there.
 pub(super) struct Source {
     part: u32,
     start: u32,
@@ -186,7 +186,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
     let polygons = faces.iter().any(|face| face.sides != 3);
     let mut mesh = Mesh {
         positions: Vec::new(),
-        carried: Carried::default(),
+        attributes: MeshAttributes::default(),
         corners: Vec::new(),
         starts: Vec::new(),
         neighbours: Vec::new(),
@@ -195,12 +195,12 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
         below: Below::default(),
         bounds: bounds.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b)),
     };
-    // Where a position of the input stands in the cluster being made, if it does: (cluster + 1, new index).
+    // By position of the input: (cluster + 1, new index) of the last cluster that uses it.
     let mut placed: Vec<Vec<(u32, u32)>> = parts
         .iter()
         .map(|part| vec![(0, 0); part.positions.len()])
         .collect();
-    // Which part and position each position of the mesh is.
+    // Part and index of each position of the mesh.
     let mut sources: Vec<(u32, u32)> = Vec::new();
     let mut tree = std::mem::take(&mut mesh.tree);
     tree.renumber(|members, things| {
@@ -247,7 +247,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
             }
         }
     });
-    mesh.carried = Carried::gather(parts, &sources);
+    mesh.attributes = MeshAttributes::gather(parts, &sources);
     if polygons {
         mesh.starts.push(mesh.corners.len() as u32);
     }
@@ -260,9 +260,10 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
     mesh
 }
 
-/// The faces of a cluster with neighbours together, and for each of their corners the face across its edge.
+/// Orders the faces of a cluster so that neighbours are adjacent; also returns, for each corner, the face across its
+/// edge.
 fn in_order<I: Iterator<Item = [f32; 3]>>(run: &[u32], corners: impl Fn(u32) -> I) -> (Vec<u32>, Vec<u8>) {
-    // Corners in one place share a number, also where the input holds the place twice.
+    // Corners at the same position share a number, even if the input has the position twice.
     let mut places: SmallMap<(u32, u32, u32), u32> = SmallMap::default();
     places.reserve(2 * run.len());
     let mut number = |corner: [f32; 3]| {

@@ -1,4 +1,4 @@
-//! Boxes, the simplest meshes: for tests, examples and stand-ins.
+//! Axis-aligned boxes as meshes: for tests, examples and proxies.
 
 use super::{Attributes, Mesh, MeshError, Part};
 use crate::geometry::MaterialId;

@@ -1,4 +1,4 @@
-//! Meshes: flat indexed arrays of faces, shared by all items that are copies of one thing.
+//! Meshes: indexed faces grouped into clusters, shared by all items that are instances of them.
 
 mod attributes;
 mod below;
@@ -12,22 +12,24 @@ pub(crate) use neighbours::NONE;
 
 use crate::geom::{Aabb, Octree, Step};
 use crate::geometry::MaterialId;
-use attributes::Carried;
+use attributes::MeshAttributes;
 use below::Below;
 use build::{build, check};
 use std::ops::Range;
 
-/// Faces and their corners, cut into clusters that are culled one by one.
+/// An indexed mesh of triangles or convex polygons, grouped into clusters that are culled separately.
 ///
-/// Immutable. Building sorts faces by place, so the numbers of faces are not those of the input.
+/// Immutable. Building sorts the faces by position, so face numbers differ from those of the input.
+#[doc(alias = "vertex buffer")]
+#[doc(alias = "index buffer")]
 #[derive(Clone, Debug)]
 pub struct Mesh {
     positions: Vec<[f32; 3]>,
-    carried: Carried,
+    attributes: MeshAttributes,
     corners: Vec<u32>,
-    /// Where each face's corners begin, and the end of the last; empty where all faces are triangles.
+    /// Start of each face in `corners`, and the end of the last; empty if all faces are triangles.
     starts: Vec<u32>,
-    /// For each corner, the face of the cluster across the edge that begins there, or [`NONE`].
+    /// For each corner, the face of the cluster across the edge that starts there, or [`NONE`].
     neighbours: Vec<u8>,
     clusters: Vec<Cluster>,
     tree: Octree,
@@ -35,40 +37,45 @@ pub struct Mesh {
     bounds: Aabb,
 }
 
-/// Faces that lie near each other and have one material: what is culled and drawn at once.
+/// A meshlet: up to 128 nearby faces with one material, the unit of culling and drawing.
+#[doc(alias = "meshlet")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cluster {
-    /// Its faces, as numbers of the mesh's faces.
+    /// Range of the mesh's faces.
     pub faces: Range<u32>,
-    /// Its corners' positions: no other cluster uses them.
+    /// Range of the mesh's positions that the faces use; no other cluster uses them.
     pub positions: Range<u32>,
-    /// What all its faces are made of.
+    /// Material of all faces.
     pub material: MaterialId,
-    /// The smallest box around it, in the space of the mesh.
+    /// AABB in object space.
     pub bounds: Aabb,
 }
 
-/// Part of a mesh as it comes in: faces of one material over their own positions.
+/// Input for a mesh: faces of one material over a list of positions.
+#[doc(alias = "submesh")]
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
-    /// Corner positions, in the space of the mesh.
+    /// Positions in object space, in scene units.
+    #[doc(alias = "vertices")]
     pub positions: &'a [[f32; 3]],
-    /// Indices into `positions`, face after face, each counter-clockwise seen from its front.
+    /// Indices into `positions`, face by face, each face counter-clockwise when seen from its front.
+    #[doc(alias = "indices")]
     pub corners: &'a [u32],
-    /// Corners of each face, in order; `None` where all are triangles.
+    /// Number of corners of each face, in order; `None` if all faces are triangles.
     pub sides: Option<&'a [u32]>,
-    /// What the faces are made of.
+    /// Material of all faces.
     pub material: MaterialId,
-    /// What its corners carry for who draws them.
+    /// Normals, texture coordinates and colors, for renderers.
     pub attributes: Attributes<'a>,
 }
 
 impl Mesh {
-    /// Checks the parts and sorts their faces into clusters.
+    /// Checks the parts and groups their faces into clusters.
+    ///
+    /// Triangles may have zero area; faces of more than three corners must be planar and convex.
     ///
     /// # Errors
-    /// One [`MeshError`] for the first broken rule. Triangles may have zero area; larger faces must be flat and
-    /// convex.
+    /// Returns the [`MeshError`] of the first invalid element.
     pub fn new(parts: &[Part]) -> Result<Mesh, MeshError> {
         let mut faces = Vec::new();
         for (number, part) in parts.iter().enumerate() {
@@ -77,12 +84,14 @@ impl Mesh {
         Ok(build(parts, faces))
     }
 
-    /// The mesh of no faces.
+    /// Returns a mesh without faces.
     pub(crate) fn nothing() -> Mesh {
         build(&[], Vec::new())
     }
 
-    /// The mesh of one part whose faces are all triangles.
+    /// Creates a mesh of triangles with one material.
+    ///
+    /// `corners` has three indices into `positions` per triangle, counter-clockwise when seen from the front.
     ///
     /// # Errors
     /// As [`Mesh::new`].
@@ -100,39 +109,39 @@ impl Mesh {
         }])
     }
 
-    /// Corner positions, cluster after cluster.
+    /// Returns the positions in object space, cluster by cluster.
     pub fn positions(&self) -> &[[f32; 3]] {
         &self.positions
     }
 
-    /// The normals of corners, by position; zero where a corner has none, and no list where none has
+    /// Returns the shading normals, by position: zero where a part has none; empty if no part has any
     /// ([`Attributes::normals`]).
     pub fn normals(&self) -> &[[f32; 3]] {
-        &self.carried.normals
+        &self.attributes.normals
     }
 
-    /// Where corners are in their texture, by position; no list where none says so ([`Attributes::texture`]).
+    /// Returns the texture coordinates, by position; empty if no part has any ([`Attributes::texture`]).
     pub fn texture(&self) -> &[[f32; 2]] {
-        &self.carried.texture
+        &self.attributes.texture
     }
 
-    /// The colors of corners, by position; white where a corner has none, and no list where none has
+    /// Returns the vertex colors, by position: white where a part has none; empty if no part has any
     /// ([`Attributes::colors`]).
     pub fn colors(&self) -> &[[f32; 4]] {
-        &self.carried.colors
+        &self.attributes.colors
     }
 
-    /// The clusters, in the order of their faces.
+    /// Returns the clusters, in the order of their faces.
     pub fn clusters(&self) -> &[Cluster] {
         &self.clusters
     }
 
-    /// The cluster that a face is in.
+    /// Returns the index of the cluster that contains a face.
     pub fn cluster_of(&self, face: u32) -> usize {
         self.clusters.partition_point(|cluster| cluster.faces.end <= face)
     }
 
-    /// How many faces there are.
+    /// Returns the number of faces.
     pub fn face_count(&self) -> u32 {
         if self.starts.is_empty() {
             (self.corners.len() / 3) as u32
@@ -141,18 +150,18 @@ impl Mesh {
         }
     }
 
-    /// How many triangles the faces have.
+    /// Returns the number of triangles after triangulating all faces.
     pub fn triangle_count(&self) -> u64 {
         self.corners.len() as u64 - 2 * u64::from(self.face_count())
     }
 
-    /// How many triangles the faces of a cluster have.
+    /// Returns the number of triangles in a cluster.
     pub fn triangles_in(&self, cluster: usize) -> u64 {
         let faces = &self.clusters[cluster].faces;
         self.runs(faces.clone()).0.len() as u64 - 2 * faces.len() as u64
     }
 
-    /// The corners of a face, as indices into [`Mesh::positions`].
+    /// Returns the corners of a face, as indices into [`Mesh::positions`].
     pub fn face(&self, face: u32) -> &[u32] {
         let face = face as usize;
         if self.starts.is_empty() {
@@ -162,12 +171,12 @@ impl Mesh {
         }
     }
 
-    /// The smallest box around all faces; empty where there are none.
+    /// Returns the AABB of all faces, in object space; empty for a mesh without faces.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// Memory in bytes.
+    /// Returns the memory used, in bytes.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&*self.positions)
             + size_of_val(&*self.corners)
@@ -175,27 +184,28 @@ impl Mesh {
             + size_of_val(&*self.neighbours)
             + size_of_val(&*self.clusters)
             + self.below.bytes()
-            + self.carried.bytes()) as u64
+            + self.attributes.bytes()) as u64
             + self.tree.bytes()
     }
 
-    /// Meets nodes and clusters from near to far as seen from `eye` (in the space of the mesh); things are numbers
-    /// of clusters. See [`Octree::walk`].
+    /// Traverses the octree over the clusters front to back from `eye`, in object space; its things are indices of
+    /// clusters. See [`Octree::walk`].
     pub fn walk(&self, eye: [f64; 3], visit: impl FnMut(Step) -> bool) {
         self.tree.walk(eye, visit);
     }
 
-    /// The tree over the clusters.
+    /// Returns the octree over the clusters.
     pub(crate) fn tree(&self) -> &Octree {
         &self.tree
     }
 
-    /// What is in the nodes of [`Mesh::tree`] and below them.
+    /// Returns the precomputed subtrees of [`Mesh::tree`].
     pub(crate) fn below(&self) -> &Below {
         &self.below
     }
 
-    /// For each corner of a run of faces, the face across the edge that begins there, as a number within the cluster.
+    /// Returns, for each corner of a range of faces, the face across the edge that starts there, as a number in the
+    /// cluster.
     pub(crate) fn neighbours(&self, faces: Range<u32>) -> &[u8] {
         let at = |face: u32| match self.starts.get(face as usize) {
             Some(&start) => start as usize,
@@ -204,7 +214,7 @@ impl Mesh {
         &self.neighbours[at(faces.start)..at(faces.end)]
     }
 
-    /// All corners of a run of faces, and where each face begins among them (`None`: every three).
+    /// Returns the corners of a range of faces, and the start of each face (`None` for triangles).
     pub(crate) fn runs(&self, faces: Range<u32>) -> (&[u32], Option<&[u32]>) {
         let (start, end) = (faces.start as usize, faces.end as usize);
         if self.starts.is_empty() {
@@ -227,7 +237,7 @@ mod tests {
     const STONE: MaterialId = MaterialId(0);
     const GLASS: MaterialId = MaterialId(1);
 
-    /// A sheet of n × n squares, two triangles each.
+    /// Returns a grid of n × n squares, two triangles each.
     fn sheet(n: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
         let positions = (0..(n + 1) * (n + 1))
             .map(|i| [(i % (n + 1)) as f32, (i / (n + 1)) as f32, 0.0])
@@ -245,7 +255,7 @@ mod tests {
     #[test]
     fn every_face_of_a_large_mesh_is_in_one_cluster_with_its_corners() {
         let (positions, corners) = sheet(40);
-        let mesh = Mesh::triangles(&positions, &corners, STONE).expect("a sound sheet");
+        let mesh = Mesh::triangles(&positions, &corners, STONE).expect("a valid grid");
         assert_eq!(mesh.face_count(), 3200);
         assert!(mesh.clusters().len() >= 25);
         let mut triangles: Vec<_> = Vec::new();
@@ -286,7 +296,7 @@ mod tests {
             material,
             attributes: Attributes::default(),
         };
-        let mesh = Mesh::new(&[part(STONE), part(GLASS)]).expect("a sound pair");
+        let mesh = Mesh::new(&[part(STONE), part(GLASS)]).expect("two valid parts");
         let materials: Vec<_> = mesh.clusters().iter().map(|cluster| cluster.material).collect();
         assert_eq!(materials, [STONE, GLASS]);
     }
@@ -325,7 +335,7 @@ mod tests {
 
     #[test]
     fn a_mesh_of_nothing_is_empty_but_sound() {
-        let mesh = Mesh::new(&[]).expect("nothing is wrong with nothing");
+        let mesh = Mesh::new(&[]).expect("an empty mesh is valid");
         assert_eq!((mesh.face_count(), mesh.triangle_count()), (0, 0));
         assert!(mesh.bounds().is_empty());
     }
@@ -342,7 +352,7 @@ mod tests {
             (&corners[..], &shared),
             (&points[..], &shared),
         ] {
-            let mesh = Mesh::triangles(positions, corners, STONE).expect("sound faces");
+            let mesh = Mesh::triangles(positions, corners, STONE).expect("valid faces");
             assert_eq!(mesh.face_count(), 100_000);
             assert_eq!(mesh.clusters().len(), 100_000_usize.div_ceil(CLUSTER_FACES));
             assert!(mesh.tree().node_count() <= 21, "{}", mesh.tree().node_count());

@@ -1,12 +1,12 @@
-//! Which faces of a cluster share an edge.
+//! Edge adjacency of the faces of a cluster.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// A map for a few hundred keys that nobody chose to collide.
+/// A hash map for a few hundred keys that no attacker chooses.
 pub(super) type SmallMap<K, V> = HashMap<K, V, BuildHasherDefault<Mix>>;
 
-/// Mixes numbers fast; not safe against keys chosen by an enemy, who could only slow a cluster of 128 faces down.
+/// A fast hasher. Not resistant to chosen keys, which could at worst slow down a cluster of 128 faces.
 #[derive(Default)]
 pub(super) struct Mix(u64);
 
@@ -26,13 +26,13 @@ impl Hasher for Mix {
     }
 }
 
-/// No face of the cluster is across an edge.
+/// No face of the cluster is across the edge.
 pub(crate) const NONE: u8 = u8::MAX;
 
-/// For each corner of each face, the face across the edge that begins there, as a number within the cluster.
+/// Returns, for each corner of each face, the face across the edge that starts there, as a number in the cluster.
 ///
-/// `faces` gives each face's corners by numbers that are equal where corners are in one place. An edge of three faces
-/// or more joins the first two.
+/// `faces` has each face's corners, as numbers that are equal for corners at the same position. Of an edge with three
+/// or more faces the first two are neighbours.
 pub(super) fn neighbours(faces: &[Vec<u32>]) -> Vec<Vec<u8>> {
     let mut across: Vec<Vec<u8>> = faces.iter().map(|corners| vec![NONE; corners.len()]).collect();
     let mut open: SmallMap<(u32, u32), (usize, usize)> = SmallMap::default();
@@ -56,7 +56,7 @@ pub(super) fn neighbours(faces: &[Vec<u32>]) -> Vec<Vec<u8>> {
     across
 }
 
-/// An order of the faces in which neighbours follow each other where they can.
+/// Returns an order of the faces in which neighbours follow each other where possible.
 pub(super) fn neighbours_together(across: &[Vec<u8>]) -> Vec<usize> {
     let mut order = Vec::with_capacity(across.len());
     let mut met = vec![false; across.len()];

@@ -58,15 +58,15 @@ fn each_broken_rule_is_told_by_its_number() {
         ),
         (
             vec![node(HERE, CellSide::Node(0))],
-            "node 0 is reached on two ways",
+            "node 0 is reached by two paths",
         ),
         (
             vec![node(CellSide::Node(1), CellSide::Node(1)), node(HERE, HERE)],
-            "node 1 is reached on two ways",
+            "node 1 is reached by two paths",
         ),
         (
             vec![node(CellSide::Node(1), HERE), node(HERE, CellSide::Node(0))],
-            "node 0 is reached on two ways",
+            "node 0 is reached by two paths",
         ),
     ];
     for (nodes, expected) in cases {

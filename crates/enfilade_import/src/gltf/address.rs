@@ -1,4 +1,4 @@
-//! Addresses: files beside the document, and data inside it.
+//! URIs: files in the same folder as the document, and data URIs.
 
 use super::document::short;
 use crate::budget::Budget;
@@ -8,13 +8,13 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 use std::path::{Component, Path, PathBuf};
 
-/// Written with or without its padding.
+/// Base64 with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// All bytes of what an address names.
+/// Reads all bytes of a URI.
 pub(super) fn fetch_all(
     uri: &str,
     place: &str,
@@ -24,7 +24,7 @@ pub(super) fn fetch_all(
     fetch(uri, u64::MAX, &|| place.to_owned(), folder, budget)
 }
 
-/// At most the first `most` bytes of what an address names.
+/// Reads at most the first `most` bytes of a URI.
 pub(super) fn fetch(
     uri: &str,
     most: u64,
@@ -57,7 +57,7 @@ pub(super) fn fetch(
     }
 }
 
-/// The file that an address names, if it names one in the folder.
+/// Returns the file path of a URI, if it is a file in the folder.
 pub(super) fn file(uri: &str, folder: &Path) -> Option<PathBuf> {
     let is_file = !uri.is_empty() && scheme(uri).is_none();
     let inside = is_file
@@ -66,7 +66,7 @@ pub(super) fn file(uri: &str, folder: &Path) -> Option<PathBuf> {
     Some(folder.join(inside?))
 }
 
-/// What stands before the first colon, if that makes it an address with a scheme.
+/// Returns the scheme of a URI, if it has one.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;
     let mut letters = scheme.chars();
@@ -74,6 +74,7 @@ fn scheme(uri: &str) -> Option<&str> {
     (begins && letters.all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))).then_some(scheme)
 }
 
+/// Decodes a base64 data URI.
 fn decode(uri: &str, place: &dyn Fn() -> String, budget: &mut Budget) -> Result<Vec<u8>, BrokenRule> {
     let bad = |why: String| BrokenRule::BadUri { place: place(), why };
     let (head, data) = uri
@@ -88,7 +89,7 @@ fn decode(uri: &str, place: &dyn Fn() -> String, budget: &mut Budget) -> Result<
         .map_err(|why| bad(format!("its data URI is not base64: {why}")))
 }
 
-/// The path that a relative address names, which must not lead out of the folder that it starts from.
+/// Returns the path of a relative URI, which must not leave the folder.
 fn inside_folder(uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, BrokenRule> {
     let decoded = percent_decode_str(uri)
         .decode_utf8()

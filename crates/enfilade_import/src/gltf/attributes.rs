@@ -1,7 +1,7 @@
-//! What corners carry besides their places: normals, texture coordinates and colors, planned and then read.
+//! Vertex attributes: normals, texture coordinates and colors, planned first and then read.
 //!
-//! Texture coordinates are those of the one set that the material's texture names, moved as its `KHR_texture_transform`
-//! says: whoever draws knows one place in the texture for each corner, and no transform.
+//! Texture coordinates come from the set that the material's texture uses, transformed by its `KHR_texture_transform`:
+//! the renderer gets one set and no transform.
 //! Source: glTF 2.0 Specification, section 3.7.2.1; KHR_texture_transform.
 
 use super::accessor::{Row, Wanted};
@@ -11,12 +11,12 @@ use crate::BrokenRule;
 use crate::warning::{WarningKind, Warnings};
 use enfilade::Attributes;
 
-/// Where on a texture a face is.
+/// The texture coordinate set and transform of a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Coordinates {
-    /// The set of coordinates that says it.
+    /// Index of the coordinate set.
     set: u32,
-    /// From those to places on the texture: columns, the last one moves.
+    /// The transform, as columns; the last one is the translation.
     place_from_coordinates: [[f64; 2]; 3],
 }
 
@@ -30,8 +30,8 @@ impl Coordinates {
             tex_coord,
         } = transform;
         let (sin, cos) = rotation.sin_cos();
-        // The specification's own listing turns the other way; its example, its sample model and all others this way
-        // (https://github.com/KhronosGroup/glTF/issues/1563).
+        // The code listing in the specification rotates the other way; its example, the sample model and all other
+        // implementations rotate this way (https://github.com/KhronosGroup/glTF/issues/1563).
         Coordinates {
             set: tex_coord.unwrap_or(info.tex_coord),
             place_from_coordinates: [
@@ -49,7 +49,7 @@ impl Coordinates {
     }
 }
 
-/// What the corners of a primitive carry, checked as far as it can be without its bytes.
+/// The attributes of a primitive, checked as far as possible without their bytes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AttributePlan {
     normals: Option<Row>,
@@ -58,7 +58,7 @@ pub(super) struct AttributePlan {
 }
 
 impl AttributePlan {
-    /// Checks what a primitive of `positions` positions carries, as far as its material has a use for it.
+    /// Checks the attributes of a primitive with `positions` vertices that its material uses.
     pub(super) fn new(
         document: &Document,
         primitive: &Primitive,
@@ -108,7 +108,7 @@ impl AttributePlan {
             .flatten()
     }
 
-    /// Bytes of what one position carries where another part of its mesh carries what this one does not, and so on.
+    /// Returns the attribute bytes per vertex of a mesh: all its parts store every attribute that any part has.
     pub(super) fn bytes_of_each<'a>(plans: impl Iterator<Item = &'a AttributePlan> + Clone) -> u64 {
         let any = |has: fn(&AttributePlan) -> bool| u64::from(plans.clone().any(has));
         12 * any(|plan| plan.normals.is_some())
@@ -116,7 +116,7 @@ impl AttributePlan {
             + 16 * any(|plan| plan.colors.is_some())
     }
 
-    /// Reads what some of the positions carry, in their order.
+    /// Reads the attributes of some of the vertices, in the given order.
     pub(super) fn read(&self, positions: &[u32], buffers: &Buffers) -> Carried {
         let mut carried = Carried::default();
         if let Some(row) = &self.normals {
@@ -151,7 +151,7 @@ impl AttributePlan {
     }
 }
 
-/// A list in which what is not finite is replaced, and whether anything was.
+/// Collects a list with elements that are not finite replaced by `instead`; `replaced` becomes `true` if there are any.
 fn sound<const N: usize>(
     list: impl Iterator<Item = [f32; N]>,
     instead: [f32; N],
@@ -168,13 +168,13 @@ fn sound<const N: usize>(
     list.map(checked).collect()
 }
 
-/// What corners carry, each list empty or one for each position.
+/// Vertex attributes; each list is empty or has one element per vertex.
 #[derive(Debug, Default)]
 pub(super) struct Carried {
     normals: Vec<[f32; 3]>,
     texture: Vec<[f32; 2]>,
     colors: Vec<[f32; 4]>,
-    /// Was something of them not finite, and replaced?
+    /// Whether any normal, texture coordinate or color was not finite and was replaced.
     odd: [bool; 3],
 }
 
@@ -187,7 +187,7 @@ impl Carried {
         }
     }
 
-    /// What there is to warn of.
+    /// Returns the warnings for replaced elements.
     pub(super) fn oddities(&self) -> impl Iterator<Item = WarningKind> {
         let kinds = [
             WarningKind::BadNormals,
@@ -216,7 +216,7 @@ mod tests {
                 {"offset": [0, 1], "rotation": 1.57079632679, "scale": [0.5, 0.5], "texCoord": 1}}}"#,
         );
         assert_eq!(turned.set, 1);
-        // Down is +v: the lower left quadrant is u from 0 to ½ and v from ½ to 1.
+        // +v points down: the lower left quadrant is u from 0 to ½ and v from ½ to 1.
         for (at, expected) in [
             ([0.0, 0.0], [0.0, 1.0]),
             ([1.0, 0.0], [0.0, 0.5]),

@@ -1,4 +1,4 @@
-//! Buffers: the binary chunk, files beside the document, and data inside it; and views of them that are compressed.
+//! Loads buffers from the binary chunk, separate files and data URIs, and decodes compressed buffer views.
 
 use super::address::fetch;
 use super::compressed::Compressed;
@@ -9,23 +9,23 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// The bytes of those buffers that are used, each at least as long as its document says, and of compressed views.
+/// The bytes of used buffers, each at least as long as declared, and of decoded buffer views.
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
     loaded: Vec<Option<Cow<'a, [u8]>>>,
     decoded: BTreeMap<u32, Vec<u8>>,
 }
 
-/// What bytes lie in.
+/// The memory that holds the elements of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Source {
     Buffer(u32),
-    /// A view that is compressed.
+    /// A compressed buffer view, decoded.
     View(u32),
 }
 
 impl<'a> Buffers<'a> {
-    /// Loads buffers, and decodes views; either may be named more than once.
+    /// Loads buffers and decodes compressed buffer views; `used` may repeat both.
     pub(super) fn load(
         document: &Document,
         used: impl Iterator<Item = Source>,
@@ -69,13 +69,13 @@ impl<'a> Buffers<'a> {
         Ok(())
     }
 
-    /// The bytes of what was loaded.
+    /// Returns the bytes of a loaded buffer or decoded buffer view.
     pub(super) fn bytes(&self, source: Source) -> &[u8] {
         match source {
             Source::Buffer(buffer) => self.loaded[buffer as usize].as_deref(),
             Source::View(view) => self.decoded.get(&view).map(Vec::as_slice),
         }
-        .expect("what a row lies in is loaded")
+        .expect("all sources of accessors are loaded")
     }
 }
 

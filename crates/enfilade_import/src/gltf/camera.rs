@@ -1,4 +1,4 @@
-//! Cameras of the scene, where their nodes put them.
+//! Cameras of the scene, with the transforms of their nodes.
 
 use super::document::{Camera as Source, Document, Orthographic, Perspective, find};
 use super::names::Names;
@@ -10,7 +10,7 @@ use crate::{BrokenRule, Camera, Room};
 use enfilade::{Aabb, SectorId, Transform};
 use glam::DVec3;
 
-/// The cameras among the nodes. Those that can make no picture are warned of.
+/// Returns the cameras of the scene; adds a warning for each invalid one.
 pub(super) fn read(
     document: &Document,
     plan: &Plan,
@@ -53,8 +53,8 @@ pub(super) fn read(
     Ok(cameras)
 }
 
-/// Where a camera stands, and which way its picture is up and goes back: it looks along −Z of its node with +Y up, and
-/// the node's scale does not count.
+/// Returns the position, up vector and backward vector of a camera, which looks along −Z of its node with +Y up. Scale
+/// is ignored.
 fn frame(world: &Transform) -> Option<[DVec3; 3]> {
     let [_, up, back, eye] = world.columns().map(|column| DVec3::from(column.map(f64::from)));
     Some([eye, up.try_normalize()?, back.try_normalize()?])
@@ -72,8 +72,8 @@ fn perspective(name: &str, lens: Perspective, world: &Transform) -> Option<Camer
         aspect_ratio,
     } = lens;
     let [eye, up, back] = frame(world)?;
-    // The screen says how wide the picture is, and nothing is too far to be seen; yet who writes nonsense there is not to
-    // be trusted with the rest.
+    // The aspect ratio and the far plane are not used, because the viewport defines the former and nothing is culled by
+    // distance. They are still validated, because a camera with an invalid value is probably wrong in others too.
     let others = zfar.is_none_or(|zfar| zfar > znear) && aspect_ratio.is_none_or(|ratio| ratio > 0.0);
     if !(others && yfov > 0.0 && yfov < std::f32::consts::PI && znear > 0.0 && znear.is_finite()) {
         return None;
@@ -91,11 +91,11 @@ fn perspective(name: &str, lens: Perspective, world: &Transform) -> Option<Camer
     })
 }
 
-/// How many times half the depth of a scene an eye stands away from its middle, so that at the sides of a picture 1280
-/// pixels wide nothing is more than half a pixel off where parallel lines of sight would have it.
+/// Camera distance for an orthographic view, as a multiple of half the depth range of the scene. With it, perspective
+/// moves nothing by more than half a pixel at the sides of a 1280-pixel-wide viewport.
 const AWAY: f64 = 1281.0;
 
-/// A camera whose lines of sight are parallel, as one with a lens that stands far behind it.
+/// Approximates an orthographic camera by a perspective one far behind it.
 fn orthographic(
     name: &str,
     lens: Orthographic,
@@ -115,7 +115,7 @@ fn orthographic(
     if !(others && ymag > 0.0 && znear >= 0.0 && ymag.is_finite() && znear.is_finite()) {
         return None;
     }
-    // Depths along the line of sight, from the camera: of what there is before it.
+    // Depth range of the scene in front of the camera, along the view direction.
     let all = rooms
         .iter()
         .fold(Aabb::EMPTY, |all, room| all.union(&room.geometry.bounds()));
@@ -127,7 +127,7 @@ fn orthographic(
         false => depths.into_iter().fold(f64::NAN, better).max(znear),
     };
     let (nearest, farthest) = (ends(f64::min, znear), ends(f64::max, znear + 1.0));
-    // What its author has too far to be seen need not be in its place, and the eye need not stand so far away for it.
+    // Geometry beyond the far plane needs no accuracy, so the camera can stay closer.
     let farthest = if zfar > nearest {
         farthest.min(zfar)
     } else {
@@ -147,12 +147,12 @@ fn orthographic(
     };
     let numbers = camera.eye.into_iter().chain(camera.toward);
     let is_finite = numbers.chain([camera.near]).all(f32::is_finite);
-    // What is too small for the place where it stands is lost in rounding.
+    // A view volume that is too small for its distance from the origin is lost to rounding.
     let is_seen = camera.eye != camera.toward && camera.fov_y > 0.0 && camera.near > 0.0;
     (is_finite && is_seen).then_some(camera)
 }
 
-/// The room that a camera stands in, which cannot be told from where the eye is that sees its picture.
+/// Returns the room of a camera in the file. The moved position of an orthographic camera cannot determine it.
 fn home(plan: &Plan, placed: &Placed, rooms: &[Room]) -> Option<SectorId> {
     let eye = placed.world.columns()[3];
     let [own, rest] = plan.homes(placed, rooms.len());

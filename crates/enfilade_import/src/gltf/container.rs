@@ -1,12 +1,12 @@
-//! The file as a whole: which bytes are JSON, which are the binary chunk.
+//! Splits a file into its JSON and its binary chunk.
 
 use crate::BrokenRule;
 
-/// The two parts of a file.
+/// The JSON and the binary chunk of a file.
 #[derive(Debug, PartialEq)]
 pub(super) struct Container<'a> {
     pub(super) json: &'a [u8],
-    /// The binary chunk of a `.glb`, where it has one.
+    /// The binary chunk of a `.glb`, if it has one.
     pub(super) binary: Option<&'a [u8]>,
 }
 
@@ -16,7 +16,7 @@ const JSON: [u8; 4] = *b"JSON";
 const BINARY: [u8; 4] = *b"BIN\0";
 
 impl<'a> Container<'a> {
-    /// Finds the parts. The first bytes decide what the file is, since names lie.
+    /// Splits a file. The first bytes decide between `.glb` and `.gltf`, because file extensions may be wrong.
     pub(super) fn split(bytes: &'a [u8]) -> Result<Container<'a>, BrokenRule> {
         if is_binary(bytes) {
             return split_binary(bytes);
@@ -31,7 +31,7 @@ impl<'a> Container<'a> {
     }
 }
 
-/// Do the bytes begin as those of glTF files do?
+/// Returns `true` if the bytes begin like a glTF file.
 pub(crate) fn begins_like_gltf(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC) || begins_like_json(bytes)
 }
@@ -40,12 +40,12 @@ fn begins_like_json(bytes: &[u8]) -> bool {
     without_mark(bytes).trim_ascii_start().starts_with(b"{")
 }
 
-/// What a byte order mark stands before.
+/// Returns the bytes without a byte order mark.
 fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
 }
 
-/// Says what a file begins with: "begins with `…`", or "is empty".
+/// Describes the first bytes of a file: "begins with `…`", or "is empty".
 pub(crate) fn beginning(bytes: &[u8]) -> String {
     match bytes {
         [] => "is empty".to_owned(),
@@ -53,7 +53,7 @@ pub(crate) fn beginning(bytes: &[u8]) -> String {
     }
 }
 
-/// A `.glb`: magic, version and length, then chunks, each with its own length and kind.
+/// Splits a `.glb`: magic, version and length, then chunks, each with its length and type.
 fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
     let word = |at: usize| bytes.get(at..).and_then(|rest| rest.first_chunk::<4>());
     let has = bytes.len() as u64;
@@ -94,12 +94,12 @@ fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
     Ok(Container { json, binary })
 }
 
-/// Are bytes a `.glb`?
+/// Returns `true` if the bytes are a `.glb`.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// The bytes of a `.glb` with these two chunks; `None` where there are more than it can have.
+/// Returns a `.glb` with these two chunks; `None` if it would exceed 4 GiB.
 pub(super) fn joined(json: &[u8], binary: &[u8]) -> Option<Vec<u8>> {
     let padded = |bytes: &[u8]| bytes.len().next_multiple_of(4);
     let chunks = [(JSON, json, b' '), (BINARY, binary, 0)];

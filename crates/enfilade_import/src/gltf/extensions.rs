@@ -1,10 +1,10 @@
-//! Extensions: which are read, which can be left out with a warning, and which make a file unreadable.
+//! Extensions: those that are supported, those that are ignored with a warning, and those that make a file unreadable.
 
 use super::document::{Document, short};
 use crate::BrokenRule;
 use crate::warning::{WarningKind, Warnings};
 
-/// Extensions that are read.
+/// The supported extensions.
 const READ: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -26,7 +26,7 @@ fn is_read(name: &str) -> bool {
     READ.contains(&name)
 }
 
-/// Refuses a file that requires what is not read; warns of what else it uses.
+/// Returns an error if the file requires an unsupported extension; adds a warning for each one that it only uses.
 pub(super) fn check(document: &Document, warnings: &mut Warnings) -> Result<(), BrokenRule> {
     let required = document.extensions_required.iter();
     let unread: Vec<&String> = required.filter(|name| !is_read(name)).collect();

@@ -1,7 +1,7 @@
-//! Hints that authors leave in the art: rooms, portals, mirrors and terrain, by the endings of names or in `extras.enfilade`.
+//! Reads authoring hints: rooms, portals, mirrors and terrain, marked by node names or in `extras.enfilade`.
 //!
-//! The convention: `NAME-room`, `NAME-portal`, `NAME-mirror`, `NAME-terrain`, with Blender's `.001` after it or not. What
-//! `extras.enfilade.kind` says goes before the name.
+//! The name endings are `-room`, `-portal`, `-mirror` and `-terrain`, optionally followed by Blender's numeric suffix
+//! (`.001`). `extras.enfilade.kind` takes precedence over the name.
 
 use super::document::{Document, Node, short};
 use crate::AuthoringError;
@@ -13,24 +13,24 @@ use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
-/// What a node is besides an item.
+/// The role of a marked node.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Hint {
-    /// What is below it is a sector.
+    /// The node's descendants form a sector.
     Room { method: Option<Method> },
-    /// Its mesh is an opening.
+    /// The node's mesh is an opening.
     Opening {
         way: Way,
-        /// By name alone, as also a node may be called whose author has never heard of rooms.
+        /// Marked only by its name, which authors who do not know the convention may also use.
         by_name: bool,
     },
-    /// An opening whose author's notes make no sense: its mesh is not drawn, and it leads nowhere.
+    /// An opening with invalid extras: its mesh is not drawn, and it leads nowhere.
     Hole,
-    /// Its mesh is a grid of heights.
+    /// The node's mesh is a grid of heights.
     Terrain,
 }
 
-/// Where an opening leads, as its author wrote it.
+/// The target of an opening, as written by the author.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Way {
     Portal {
@@ -56,8 +56,8 @@ const KINDS: [(&str, Kind); 4] = [
     ("terrain", Kind::Terrain),
 ];
 
-/// The hints of all nodes that have one, by their numbers. A node whose notes make no sense is reported, and has the hint of
-/// its kind without them, so that the rest of the file can be checked too.
+/// Returns the hints of all marked nodes, by node index. A node with invalid extras is reported and keeps the default
+/// hint of its kind, so that the rest of the file can be checked too.
 pub(super) fn read(document: &Document, faults: &mut Faults, warnings: &mut Warnings) -> BTreeMap<u32, Hint> {
     let mut hints = BTreeMap::new();
     for (number, node) in (0_u32..).zip(&document.nodes) {
@@ -78,7 +78,7 @@ pub(super) fn read(document: &Document, faults: &mut Faults, warnings: &mut Warn
     hints
 }
 
-/// The method that the scene says for what stands in no room: `extras.enfilade.method`.
+/// Returns `extras.enfilade.method` of the scene: the method of the room for nodes outside every room.
 pub(super) fn method_of_scene(document: &Document) -> Result<Option<Method>, AuthoringError> {
     let number = document.scene.unwrap_or(0);
     match document.scenes.get(number as usize) {
@@ -87,7 +87,7 @@ pub(super) fn method_of_scene(document: &Document) -> Result<Option<Method>, Aut
     }
 }
 
-/// The hint of one node; where its notes make no sense, what is wrong and the kind that it has all the same.
+/// Returns the hint of a node; if its extras are invalid, the error and the kind that it still has.
 fn hint(
     document: &Document,
     number: u32,
@@ -111,7 +111,7 @@ fn hint(
     Ok(Some(hint))
 }
 
-/// The kind that a name ends in, once Blender's number is taken off: `Hall-portal.001`.
+/// Returns the kind that a name ends in, ignoring Blender's numeric suffix: `Hall-portal.001`.
 fn kind_by_name(name: &str) -> Option<Kind> {
     let base = match name.rsplit_once('.') {
         Some((base, digits)) if digits.len() >= 3 && digits.bytes().all(|byte| byte.is_ascii_digit()) => base,
@@ -124,12 +124,12 @@ fn kind_by_name(name: &str) -> Option<Kind> {
         .map(|(_, kind)| *kind)
 }
 
-/// Does a name end as the convention has it for rooms, portals and mirrors?
+/// Returns `true` if a name marks a room, a portal or a mirror.
 pub(crate) fn is_called_like_an_opening_or_a_room(name: &str) -> bool {
     kind_by_name(name).is_some_and(|kind| kind != Kind::Terrain)
 }
 
-/// A hint is a few words.
+/// Maximum length of a hint, in bytes; a valid one is much shorter.
 const MAX_BYTES: usize = 1 << 16;
 
 #[derive(Deserialize)]
@@ -138,7 +138,7 @@ struct Extras<'a> {
     enfilade: Option<&'a RawValue>,
 }
 
-/// What stands in a node's `extras.enfilade`, less what has been read.
+/// The unread entries of a node's `extras.enfilade`.
 struct Notes {
     spoken: String,
     values: Map<String, Value>,
@@ -152,7 +152,7 @@ impl Notes {
     fn written(spoken: String, extras: Option<&RawValue>) -> Result<Notes, AuthoringError> {
         let extras = extras.and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok());
         let ours = extras.and_then(|extras| extras.enfilade).map(RawValue::get);
-        // Whatever is longer is not ours, and might take much more memory than text.
+        // A longer value is not a valid hint, and parsing it might take much more memory than its text.
         let ours = match ours {
             Some(text) if text.len() > MAX_BYTES => Some(Value::String(short(text))),
             text => text.and_then(|text| serde_json::from_str(text).ok()),
@@ -209,11 +209,11 @@ impl Notes {
         match self.values.remove(key) {
             None | Some(Value::Null) => Ok(None),
             Some(Value::String(text)) => Ok(Some(text)),
-            Some(other) => Err(self.wrong(key, &other, "a text")),
+            Some(other) => Err(self.wrong(key, &other, "a string")),
         }
     }
 
-    /// True or false, or 1 or 0, as exporters write them.
+    /// Reads a boolean; exporters also write 1 or 0.
     fn truth(&mut self, key: &'static str) -> Result<bool, AuthoringError> {
         match self.values.remove(key) {
             None | Some(Value::Null) => Ok(false),

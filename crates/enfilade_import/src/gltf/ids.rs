@@ -1,6 +1,6 @@
-//! Ids of nodes: what their `extras` say that other programs know them by.
+//! Reads the ids of nodes from their `extras`.
 //!
-//! See [`SourceNodes::id`](crate::SourceNodes::id) for what counts as one.
+//! [`SourceNodes::id`](crate::SourceNodes::id) defines which values are ids.
 
 use super::document::Document;
 use super::nodes::Placed;
@@ -12,17 +12,17 @@ use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// The keys of ids in lower case and without underscores, the best first: a `globalId` is the same in every file of a building,
-/// while an `id` may be anything.
+/// Keys of ids in lower case and without underscores, in order of preference: a `globalId` is the same in every file of
+/// a building, while an `id` may be anything.
 const KEYS: [&str; 5] = ["globalid", "ifcguid", "guid", "uuid", "id"];
 
-/// Whatever is longer is a text for people.
+/// Maximum length of an id, in bytes; a longer string is probably a description.
 const MAX_BYTES: usize = 256;
 
-/// What an id takes besides its text.
+/// Memory of an id in addition to its text, in bytes.
 const BYTES_PER_ID: u64 = 64;
 
-/// Reads the ids of those nodes that have one, by the numbers of the nodes.
+/// Reads the ids of nodes that have one, by node index.
 pub(super) fn read(
     document: &Document,
     placed: &[Placed],
@@ -32,7 +32,7 @@ pub(super) fn read(
     for placed in placed {
         let extras = document.nodes[placed.node as usize].extras;
         if let Some(id) = extras.and_then(id_in) {
-            // Once here and once in its room.
+            // Stored twice: here and in the node's room.
             let bytes = 2 * (BYTES_PER_ID + id.len() as u64);
             budget.take(bytes, || format!("{}, its id", document.node_name(placed.node)))?;
             ids.insert(placed.node, id);
@@ -43,11 +43,11 @@ pub(super) fn read(
 
 fn id_in(extras: &RawValue) -> Option<String> {
     let mut text = serde_json::Deserializer::from_str(extras.get());
-    // Extras may be anything; what is no object has no id.
+    // `extras` may be any JSON value; only objects have ids.
     text.deserialize_any(BestId).ok().flatten()
 }
 
-/// Finds the best id in an object, without keeping anything else of it.
+/// Finds the preferred id in an object without storing the rest of it.
 struct BestId;
 
 impl<'de> Visitor<'de> for BestId {

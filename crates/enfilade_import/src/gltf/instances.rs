@@ -1,4 +1,4 @@
-//! Instances: one node that shows its mesh many times.
+//! Reads instances: nodes that show their mesh several times.
 //!
 //! Source: EXT_mesh_gpu_instancing.
 //! Cost: O(instances).
@@ -15,10 +15,10 @@ use enfilade::Transform;
 use glam::{DAffine3, DQuat, DVec3, DVec4};
 use std::collections::BTreeMap;
 
-/// Where instances stand, checked as far as it can be without the bytes.
+/// The instance attributes of nodes, checked as far as possible without their bytes.
 pub(super) struct InstancePlan(BTreeMap<u32, Rows>);
 
-/// Of one node; at least one row, and all of one length.
+/// The instance attributes of one node: at least one row, and all of the same length.
 struct Rows {
     places: Option<Row>,
     turns: Option<Row>,
@@ -26,11 +26,11 @@ struct Rows {
     count: u64,
 }
 
-/// Where instances stand, by the numbers of their nodes.
+/// The transforms of instances, by node index.
 pub(super) struct Instances(BTreeMap<u32, Vec<Transform>>);
 
 impl InstancePlan {
-    /// Checks the instances of all items, and sets aside the memory that they will take.
+    /// Checks the instances of all items and reserves their memory.
     pub(super) fn new(
         document: &Document,
         plan: &Plan,
@@ -57,14 +57,14 @@ impl InstancePlan {
             let turns = row(attributes.rotation, Wanted::Turns)?;
             let scales = row(attributes.scale, Wanted::Scales)?;
             let named = [
-                ("places (TRANSLATION)", &places),
-                ("turns (ROTATION)", &turns),
+                ("translations (TRANSLATION)", &places),
+                ("rotations (ROTATION)", &turns),
                 ("scales (SCALE)", &scales),
             ];
             let mut counts = named
                 .iter()
                 .filter_map(|(what, row)| Some((*what, row.as_ref()?.count)));
-            // Without any there is nothing to tell instances by: the node stands for itself.
+            // Without attributes the number of instances is unknown, so the node is a single item.
             let Some((first_what, count)) = counts.next() else {
                 continue;
             };
@@ -99,7 +99,7 @@ impl InstancePlan {
             .flatten()
     }
 
-    /// Reads where the instances stand.
+    /// Reads the transforms of the instances.
     pub(super) fn read(&self, document: &Document, buffers: &Buffers) -> Result<Instances, BrokenRule> {
         let read = |(&node, rows): (&u32, &Rows)| Ok((node, rows.read(document, node, buffers)?));
         Ok(Instances(
@@ -143,7 +143,7 @@ impl Rows {
 }
 
 impl Instances {
-    /// Where the instances of a node stand, in its space; `None` where it has none and stands for itself.
+    /// Returns the transforms of a node's instances relative to the node; `None` if it has none and is a single item.
     pub(super) fn of(&self, node: u32) -> Option<&[Transform]> {
         self.0.get(&node).map(Vec::as_slice)
     }

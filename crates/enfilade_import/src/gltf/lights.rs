@@ -1,4 +1,4 @@
-//! Lights of the scene, where their nodes put them, and in which rooms.
+//! Lights of the scene, with the transforms of their nodes, and the rooms that contain them.
 //!
 //! Source: KHR_lights_punctual.
 
@@ -10,7 +10,7 @@ use crate::{BrokenRule, Room};
 use enfilade::{Light, LightShape, SectorId, Transform};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// The lights of the scene's nodes, in the order of these.
+/// Returns the lights of the scene, in node order.
 pub(super) fn read(
     document: &Document,
     plan: &Plan,
@@ -45,9 +45,9 @@ pub(super) fn read(
     Ok(lights)
 }
 
-/// A light that shines along −Z of its node, whose scale does not count; `None` where it can light nothing.
+/// Returns a light that shines along −Z of its node, ignoring scale; `None` if its parameters are invalid.
 fn light(source: &Source, world: &Transform) -> Option<Light> {
-    // What a white surface sends back of an illuminance of π is 1.
+    // glTF intensities are photometric; a white diffuse surface with an illuminance of π has radiance 1.
     let color = source.color.map(|part| part * (source.intensity / PI));
     let is_bright = color.iter().all(|part| part.is_finite() && *part >= 0.0) && source.intensity > 0.0;
     let range = source.range.unwrap_or(f32::INFINITY);
@@ -68,7 +68,7 @@ fn light(source: &Source, world: &Transform) -> Option<Light> {
             }
             LightShape::Spot {
                 direction: direction()?,
-                // Exporters write the same angle twice for a cone with a hard edge.
+                // Exporters write equal angles for a cone with a hard edge.
                 inner: inner.min(outer.next_down()),
                 outer,
             }
@@ -84,7 +84,7 @@ fn light(source: &Source, world: &Transform) -> Option<Light> {
     })
 }
 
-/// The room with the largest box.
+/// Returns the room with the largest AABB.
 fn largest(rooms: &[Room]) -> SectorId {
     let volume = |number: &u32| rooms[*number as usize].geometry.bounds().volume();
     let numbers = 0..rooms.len() as u32;

@@ -1,4 +1,4 @@
-//! Materials: colors, coverage, light that they send out, sides, and which textures they name.
+//! Materials: color, alpha mode, emission, double-sidedness, and texture references.
 
 use super::attributes::Coordinates;
 use super::document::{Document, Material as Source, short};
@@ -7,23 +7,23 @@ use enfilade::{Alpha, Material, MaterialId};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-/// A material, and the textures of the document that it names.
+/// A material and the document's textures that it uses.
 #[derive(Debug)]
 pub(super) struct Surface {
-    /// Without textures, which get their numbers when it is known which of them are used.
+    /// Without textures; their ids are assigned once it is known which textures are used.
     pub(super) material: Material,
     pub(super) texture: Option<u32>,
     pub(super) emission_texture: Option<u32>,
-    /// Where on them faces are.
+    /// Texture coordinates of both textures.
     pub(super) coordinates: Option<Coordinates>,
-    /// Had it a texture of what it sends out, which lies otherwise than that of its color? Then it sends out nothing.
+    /// Whether emission was dropped, because the emissive texture uses other coordinates than the color texture.
     pub(super) lost_emission: bool,
-    /// Maps of it that are not drawn.
+    /// Number of textures that are not drawn.
     pub(super) other_maps: usize,
 }
 
-/// The document's materials by their numbers, then the one of primitives that name none. Without `textures` none is
-/// named.
+/// Returns the document's materials by index, followed by the default material. Without `textures`, no texture is
+/// referenced.
 pub(super) fn read(document: &Document, textures: bool) -> Result<Vec<Surface>, BrokenRule> {
     let mut surfaces = Vec::with_capacity(document.materials.len() + 1);
     for (number, source) in document.materials.iter().enumerate() {
@@ -38,7 +38,7 @@ pub(super) fn read(document: &Document, textures: bool) -> Result<Vec<Surface>, 
     Ok(surfaces)
 }
 
-/// What a primitive that names no material is made of.
+/// Returns the material of primitives without a material.
 pub(super) fn default_material(document: &Document) -> MaterialId {
     MaterialId(document.materials.len() as u32)
 }
@@ -59,7 +59,8 @@ fn textured(mut material: Material, source: &Source) -> Surface {
     let base = pbr.base_color_texture.as_deref();
     let mut emissive = source.emissive_texture.as_deref();
     let coordinates = base.or(emissive).map(Coordinates::of);
-    // There is one place in both for each corner. Without its texture all of a thing would shine that is mostly dark.
+    // A vertex has only one set of texture coordinates. Emitting without the texture would light up whole objects that
+    // are mostly dark.
     let lost_emission = emissive.is_some_and(|info| Some(Coordinates::of(info)) != coordinates)
         && material.emission != [0.0; 3];
     if lost_emission {
@@ -87,7 +88,7 @@ fn textured(mut material: Material, source: &Source) -> Surface {
 fn material(number: usize, source: &Source) -> Result<Material, BrokenRule> {
     let transmission = source.extensions.transmission.transmission_factor.clamp(0.0, 1.0);
     let alpha = match &*source.alpha_mode {
-        // Light goes through, and so does sight: it must not hide what is behind it, whatever its coverage.
+        // A transmissive material is transparent, so it must not occlude what is behind it, whatever its alpha mode.
         "OPAQUE" | "MASK" if transmission > 0.0 => Alpha::Blend,
         "OPAQUE" => Alpha::Opaque,
         "MASK" => Alpha::Mask,
@@ -104,7 +105,7 @@ fn material(number: usize, source: &Source) -> Result<Material, BrokenRule> {
         .base_color_factor
         .map(|value| value.clamp(0.0, 1.0));
     let a = if source.alpha_mode == "OPAQUE" { 1.0 } else { a };
-    // Never quite nothing: the clearest glass is still seen, by its reflections.
+    // Never fully transparent: even the clearest glass is visible by its reflections.
     const OF_CLEAR_GLASS: f32 = 0.1;
     let a = a * (1.0 - (1.0 - OF_CLEAR_GLASS) * transmission);
     let strength = source.extensions.emissive.emissive_strength.clamp(0.0, f32::MAX);
@@ -122,7 +123,8 @@ fn material(number: usize, source: &Source) -> Result<Material, BrokenRule> {
     })
 }
 
-/// Is it marked by `{"enfilade": {"detail": true}}`? What is not of that form is someone else's.
+/// Returns `true` if `extras` is `{"enfilade": {"detail": true}}`. Other values belong to other programs and are
+/// ignored.
 fn is_detail(extras: Option<&RawValue>) -> bool {
     #[derive(Deserialize)]
     struct Extras {
@@ -132,7 +134,7 @@ fn is_detail(extras: Option<&RawValue>) -> bool {
     struct Ours {
         detail: Mark,
     }
-    /// Exporters write 1 for true.
+    /// Exporters write 1 for `true`.
     #[derive(Deserialize)]
     #[serde(untagged)]
     enum Mark {

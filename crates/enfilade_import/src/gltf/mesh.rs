@@ -1,8 +1,8 @@
 //! Meshes: planned from the document alone, then built from the buffers.
 //!
-//! A part takes only those positions that its own triangles use, so a large accessor that a thousand primitives
-//! share is neither copied nor searched a thousand times, and what no triangle uses cannot do harm.
-//! Cost: O(triangles), or O(triangles · log) where a part's positions are scattered; memory O(triangles).
+//! A part copies only the positions that its triangles use. So a large accessor shared by a thousand primitives is not
+//! copied or searched a thousand times, and invalid positions that no triangle uses are harmless.
+//! Cost: O(triangles), or O(triangles · log triangles) if the positions of a part are scattered; memory O(triangles).
 
 use super::accessor::{Row, Wanted};
 use super::attributes::{AttributePlan, Carried};
@@ -15,24 +15,24 @@ use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
 use enfilade::{MaterialId, Mesh, Part};
 
-/// A mesh of the document, everything about it checked that can be without its bytes.
+/// A mesh of the document, checked as far as possible without its bytes.
 #[derive(Debug)]
 pub(super) struct MeshPlan {
     mesh: u32,
     parts: Vec<PartPlan>,
     triangles: u64,
-    /// Bytes that a position takes for what it carries.
+    /// Attribute bytes per vertex.
     carried_bytes: u64,
 }
 
-/// A mesh, and what was odd in its bytes.
+/// A mesh and the warnings from its bytes.
 pub(super) struct Built {
     pub(super) mesh: Mesh,
-    /// By place, in order.
+    /// Kind and primitive of each warning, in order.
     pub(super) oddities: Vec<(WarningKind, String)>,
 }
 
-/// A primitive that has triangles.
+/// A primitive with triangles.
 #[derive(Debug)]
 struct PartPlan {
     primitive: usize,
@@ -43,15 +43,15 @@ struct PartPlan {
     attributes: AttributePlan,
 }
 
-/// What a triangle takes in a mesh, at most: where it shares no corner with another. What corners carry comes to it.
+/// Maximum bytes per triangle of a mesh, if it shares no vertex, without attributes.
 const BYTES_KEPT: u64 = 52;
-/// What it takes besides, while its mesh is built.
+/// Additional bytes per triangle while a mesh is built.
 const BYTES_AT_WORK: u64 = 132;
-/// Triangles of meshes that are built at once, if it is not one mesh that has more. So memory does not grow with the
-/// number of threads, and there is still enough for each.
+/// Maximum number of triangles of meshes that are built at the same time, unless a single mesh has more. So memory use
+/// does not grow with the number of threads.
 const CROWD: u64 = 1_000_000;
 
-/// Runs of meshes that are built at once.
+/// Splits the meshes into batches that are built in parallel.
 pub(super) fn crowds(plans: &[MeshPlan]) -> impl Iterator<Item = &[MeshPlan]> {
     let mut rest = plans;
     std::iter::from_fn(move || {
@@ -67,7 +67,7 @@ pub(super) fn crowds(plans: &[MeshPlan]) -> impl Iterator<Item = &[MeshPlan]> {
     })
 }
 
-/// What it takes, besides the meshes, to build the largest crowd of them.
+/// Returns the memory to build the largest batch, in bytes, without the finished meshes.
 pub(super) fn bytes_to_build(plans: &[MeshPlan]) -> u64 {
     let bytes = |plan: &MeshPlan| {
         plan.triangles
@@ -78,7 +78,7 @@ pub(super) fn bytes_to_build(plans: &[MeshPlan]) -> u64 {
 }
 
 impl MeshPlan {
-    /// Checks a mesh that is there, and sets aside the memory that it will keep.
+    /// Checks an existing mesh and reserves the memory that it will keep.
     pub(super) fn new(
         document: &Document,
         surfaces: &[Surface],
@@ -108,7 +108,7 @@ impl MeshPlan {
         })
     }
 
-    /// Its number in the document.
+    /// Returns the mesh's index in the document.
     pub(super) fn number(&self) -> u32 {
         self.mesh
     }
@@ -117,19 +117,19 @@ impl MeshPlan {
         self.triangles
     }
 
-    /// What it takes once it is built.
+    /// Returns the memory of the finished mesh, in bytes.
     pub(super) fn bytes_kept(&self) -> u64 {
         self.triangles.saturating_mul(BYTES_KEPT + 3 * self.carried_bytes)
     }
 
-    /// The numbers of two primitives that are of different materials.
+    /// Returns two primitives with different materials, if there are any.
     pub(super) fn of_two_materials(&self) -> Option<[usize; 2]> {
         let (first, rest) = self.parts.split_first()?;
         let other = rest.iter().find(|part| part.material != first.material)?;
         Some([first.primitive, other.primitive])
     }
 
-    /// What it is built from; some rows lie in one place.
+    /// Returns the accessors that the mesh is built from; some may repeat.
     pub(super) fn rows(&self) -> impl Iterator<Item = &Row> {
         self.parts.iter().flat_map(|part| {
             let shape = [Some(&part.positions), part.indices.as_ref()];
@@ -137,7 +137,7 @@ impl MeshPlan {
         })
     }
 
-    /// What it is made of; some materials are named more than once.
+    /// Returns the materials of the mesh; some may repeat.
     pub(super) fn materials(&self) -> impl Iterator<Item = u32> {
         self.parts.iter().map(|part| part.material.0)
     }
@@ -175,7 +175,7 @@ impl MeshPlan {
 }
 
 impl PartPlan {
-    /// Checks a primitive; `None` where it has no triangle.
+    /// Checks a primitive; returns `None` if it has no triangles.
     fn new(
         document: &Document,
         surfaces: &[Surface],
@@ -251,7 +251,7 @@ impl PartPlan {
         Ok((part.triangles() > 0).then_some(part))
     }
 
-    /// Corners that its triangles are made from.
+    /// Returns the number of indices, or of vertices if the primitive is not indexed.
     fn corners(&self) -> u64 {
         self.indices.as_ref().unwrap_or(&self.positions).count
     }
@@ -260,6 +260,7 @@ impl PartPlan {
         self.topology.triangles(self.corners())
     }
 
+    /// Reads the triangles and the positions and attributes that they use.
     fn read(&self, mesh: u32, buffers: &Buffers) -> Result<Triangles, BrokenRule> {
         let place = || place(mesh, self.primitive);
         let row = match &self.indices {
@@ -301,14 +302,14 @@ fn place(mesh: u32, primitive: usize) -> String {
     format!("meshes[{mesh}].primitives[{primitive}]")
 }
 
-/// Triangles over their own positions.
+/// Triangles, and the vertices that they use.
 struct Triangles {
     positions: Vec<[f32; 3]>,
     corners: Vec<u32>,
     carried: Carried,
 }
 
-/// The positions that `corners` name, each once; the corners then name their places among these.
+/// Returns the positions that `corners` reference, each once, and renumbers the corners to match.
 fn gather(corners: &mut [u32]) -> Vec<u32> {
     let (Some(&least), Some(&most)) = (corners.iter().min(), corners.iter().max()) else {
         return Vec::new();
@@ -316,7 +317,7 @@ fn gather(corners: &mut [u32]) -> Vec<u32> {
     let reach = (most - least) as usize + 1;
     if reach <= 2 * corners.len() {
         let mut used = Vec::new();
-        // Where each stands among the positions taken, plus one; 0 where it is not yet taken.
+        // Index among the used positions plus one; 0 if the position is not used yet.
         let mut taken = vec![0_u32; reach];
         for corner in corners {
             let slot = &mut taken[(*corner - least) as usize];

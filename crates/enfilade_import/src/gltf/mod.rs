@@ -1,9 +1,10 @@
-//! glTF 2.0: from bytes to items, in steps that each check what the next one relies on.
+//! Reads glTF 2.0 in stages, each of which validates the input of the next.
 //!
-//! Container, document, extensions, nodes and the plan of every mesh are checked first, and memory is set aside by
-//! an estimate; only then are buffers loaded and meshes built, side by side. Nothing that no item uses is looked at.
+//! The container, document, extensions, nodes and a plan of every mesh are validated first, and memory is reserved by
+//! an estimate; only then are buffers loaded and meshes built, in parallel. Elements that no item uses are not
+//! validated.
 //! Source: The Khronos Group, glTF 2.0 Specification, 2.0.1.
-//! Cost: O(bytes of the file + triangles + nodes), but for `Mesh::new`, which sorts.
+//! Cost: O(bytes of the file + triangles + nodes), except for `Mesh::new`, which sorts.
 
 mod accessor;
 mod address;
@@ -56,7 +57,7 @@ use std::sync::Arc;
 use terrain::{TerrainPlan, Terrains};
 use textures::TexturePlan;
 
-/// Reads the bytes of a `.glb` or `.gltf` file called `name`; `folder` is where its buffers and images lie.
+/// Reads the bytes of a `.glb` or `.gltf` file called `name`; its buffers and images are looked for in `folder`.
 pub(crate) fn import(
     bytes: &[u8],
     folder: Option<&Path>,
@@ -66,12 +67,12 @@ pub(crate) fn import(
 ) -> Result<Import, BrokenRule> {
     let mut faults = Faults::new(options);
     let import = import_with(bytes, folder, name, options, budget, &mut faults);
-    // Authoring errors were found before whatever ended the reading, so they are reported first.
+    // Authoring errors were found before the error that ended the reading, so they are reported first.
     faults.into_result()?;
     import
 }
 
-/// Reads the bytes, and reports what is wrong in what an author marked.
+/// Reads the bytes, and collects authoring errors in `faults`.
 fn import_with(
     bytes: &[u8],
     folder: Option<&Path>,
@@ -158,16 +159,16 @@ fn import_with(
     })
 }
 
-/// The files that buffers and images are in.
+/// Returns the separate files that buffers and images reference.
 fn files(document: &Document, folder: &Path) -> Vec<PathBuf> {
-    // Where images make no sense, none is read.
+    // If the image list is invalid, no image is read.
     let images: Vec<document::Image> = document::list(document.images, "images").unwrap_or_default();
     let buffers = document.buffers.iter().map(|buffer| &buffer.uri);
     let named = buffers.chain(images.iter().map(|image| &image.uri));
     named.filter_map(|uri| address::file(uri, folder)).collect()
 }
 
-/// Builds meshes, side by side.
+/// Builds meshes in parallel.
 fn build(
     plans: &[MeshPlan],
     buffers: &Buffers,
@@ -176,7 +177,7 @@ fn build(
     let mut meshes = Vec::with_capacity(plans.len());
     for crowd in mesh::crowds(plans) {
         let built: Vec<_> = crowd.par_iter().map(|plan| plan.build(buffers)).collect();
-        // In order, so that of several broken meshes the first is named, whichever thread was done first.
+        // In order, so that of several broken meshes the first is named, whichever thread finishes first.
         for built in built {
             let built = built?;
             for (kind, place) in built.oddities {
@@ -188,35 +189,35 @@ fn build(
     Ok(meshes)
 }
 
-/// What rooms are made from.
+/// Everything that rooms are built from.
 struct Things {
     meshes: Meshes,
     materials: Arc<[Material]>,
     textures: Arc<[Arc<Texture>]>,
     instances: Instances,
     terrains: Terrains,
-    /// What other programs call nodes.
+    /// Ids of nodes in other programs, by node.
     ids: BTreeMap<u32, String>,
 }
 
-/// The meshes of the document that something uses.
+/// The meshes that nodes of the scene use.
 struct Meshes {
-    /// Their numbers, in order.
+    /// Their indices in the document, increasing.
     used: Vec<u32>,
     built: Vec<Arc<Mesh>>,
 }
 
 impl Meshes {
-    /// A mesh by its number, which is one of those used.
+    /// Returns a used mesh by its index in the document.
     fn get(&self, mesh: u32) -> &Arc<Mesh> {
         &self.built[self.used.partition_point(|&before| before < mesh)]
     }
 }
 
-/// About what a node that shows something takes while it becomes an item.
+/// Approximate memory of a node while it becomes an item, in bytes.
 const BYTES_PER_NODE: u64 = 400;
 
-/// The meshes that items are copies of, each once, in order.
+/// Returns the indices of the meshes that the nodes use, increasing and unique.
 fn used_meshes(document: &Document, placed: &[Placed]) -> Result<Vec<u32>, BrokenRule> {
     let mut used = Vec::new();
     for Placed { node, .. } in placed {
@@ -230,14 +231,14 @@ fn used_meshes(document: &Document, placed: &[Placed]) -> Result<Vec<u32>, Broke
     Ok(used)
 }
 
-/// Warns of what stands at the top of the document and is left there.
+/// Adds warnings for top-level elements of the document that are not read.
 fn warn_of_the_unread(document: &Document, warnings: &mut Warnings) {
     warnings.count(WarningKind::OtherScenes, document.scenes.len().saturating_sub(1));
     warnings.count(WarningKind::Skins, document.skins.len());
     warnings.count(WarningKind::Animations, document.animations.len());
 }
 
-/// Warns of what used materials have and pictures have not.
+/// Adds warnings for properties of used materials that are not drawn.
 fn warn_of_surfaces(surfaces: &[Surface], used: &BTreeSet<u32>, warnings: &mut Warnings) {
     for &number in used {
         let surface = &surfaces[number as usize];
@@ -248,7 +249,7 @@ fn warn_of_surfaces(surfaces: &[Surface], used: &BTreeSet<u32>, warnings: &mut W
     }
 }
 
-/// Says which node is meant where the geometry knows only the item.
+/// Replaces the item in a geometry error by its node.
 fn name_the_node(why: BrokenRule, document: &Document, placed: &[Placed], names: &Names) -> BrokenRule {
     let (name, rule): (_, fn(String) -> BrokenRule) = match &why {
         BrokenRule::Geometry(GeometryError::NotFinite(name)) => (name, BrokenRule::NodeNotFinite),

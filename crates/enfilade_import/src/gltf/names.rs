@@ -1,21 +1,21 @@
-//! Names of items: a node's own where it is the only one, with its number where it is not.
+//! Unique item names: the node's name if no other node has it, otherwise with the node's index.
 
 use super::document::{Document, Node};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 
-/// The names of some nodes of a file, no two of them equal.
+/// Unique names of some nodes of a file.
 ///
-/// The whole file counts, not one scene, so that a name does not depend on which scene is read.
+/// Counts the nodes of the whole file, so that a name does not depend on the scene that is read.
 pub(super) struct Names<'d> {
-    /// How many of the nodes have a name.
+    /// Number of nodes with each name.
     bearers: HashMap<&'d str, u32>,
-    /// What stands before two numbers in a name.
+    /// Names without their last two numbers, such as `NAME` of `NAME 3 7`.
     like_blocks: HashSet<&'d str>,
 }
 
 impl<'d> Names<'d> {
-    /// Counts the names of the nodes that are `meant`.
+    /// Counts the names of the nodes that `meant` accepts.
     pub(super) fn of(document: &'d Document, meant: impl Fn(&Node) -> bool) -> Names<'d> {
         let mut bearers: HashMap<&'d str, u32> = HashMap::new();
         for node in document.nodes.iter().filter(|node| meant(node)) {
@@ -28,10 +28,10 @@ impl<'d> Names<'d> {
         }
     }
 
-    /// The name of one of those nodes: `NAME`, `NAME#number` or `node#number`.
+    /// Returns the name of one of those nodes: `NAME`, `NAME#index` or `node#index`.
     ///
-    /// Two names that end in numbers differ there. So a made name can only be that of a node which has its name for
-    /// itself; then the number is set behind it once more.
+    /// Generated names differ by their index. So a generated name can only collide with the unique name of another
+    /// node; then the index is appended again.
     pub(super) fn name(&self, number: u32, node: &'d Node) -> Cow<'d, str> {
         let is_taken = |name: &str| !name.is_empty() && self.bearers.get(name) == Some(&1);
         if is_taken(&node.name) {
@@ -45,9 +45,9 @@ impl<'d> Names<'d> {
         Cow::Owned(name)
     }
 
-    /// The name that the blocks of a terrain begin with, which are called `NAME ROW COLUMN`.
+    /// Returns the prefix of a terrain's block names, which are `NAME ROW COLUMN`.
     ///
-    /// As above, where a node is called as if it were one of them.
+    /// Appends the index, as above, if a node is named like one of the blocks.
     pub(super) fn terrain(&self, name: &str, number: u32) -> String {
         let mut name = name.to_owned();
         while self.like_blocks.contains(&*name) {
@@ -56,9 +56,9 @@ impl<'d> Names<'d> {
         name
     }
 
-    /// The name of one of several things that such a node shows: `NAME[7]`.
+    /// Returns the name of an instance: `NAME[7]`.
     ///
-    /// A node may be called so; then the number of the node is set behind it, as above.
+    /// Appends the node's index, as above, if a node has that name.
     pub(super) fn instance(&self, name: &str, number: u32, instance: usize) -> String {
         let mut name = format!("{name}[{instance}]");
         while self.bearers.contains_key(&*name) {
@@ -68,6 +68,7 @@ impl<'d> Names<'d> {
     }
 }
 
+/// Returns a name without its last two words, if both are numbers.
 fn before_two_numbers(name: &str) -> Option<&str> {
     let mut words = name.rsplitn(3, ' ');
     let is_number = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());

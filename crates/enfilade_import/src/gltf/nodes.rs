@@ -1,4 +1,4 @@
-//! Nodes: the forest is checked, then walked without recursion, each place worked out in f64.
+//! Nodes: validates the hierarchy, then traverses it without recursion and accumulates transforms in f64.
 //!
 //! Source: glTF 2.0 Specification, section 3.5.
 //! Cost: O(nodes), however deep they are nested.
@@ -9,16 +9,17 @@ use crate::warning::{WarningKind, Warnings};
 use enfilade::Transform;
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
-/// A node of the scene, and where it stands.
+/// A node of the scene and its world transform.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
     pub(super) node: u32,
     pub(super) world: Transform,
-    /// The nearest node at or above it that is a room.
+    /// The nearest room node at or above it.
     pub(super) room: Option<u32>,
 }
 
-/// The nodes of the default scene that show something (a mesh, a camera, a light) or are `wanted` besides, by their numbers.
+/// Returns the nodes of the default scene that have a mesh, a camera or a light, or that `wanted` accepts, by node
+/// index.
 pub(super) fn place(
     document: &Document,
     is_room: impl Fn(u32) -> bool,
@@ -31,14 +32,14 @@ pub(super) fn place(
     }
     let mut placed = Vec::new();
     let mut entered = vec![false; document.nodes.len()];
-    // A stack: what is to be entered first is pushed last.
+    // A stack: the node to be visited first is pushed last.
     let mut waiting: Vec<(u32, DAffine3, Option<u32>)> = roots(document, &parents)?
         .iter()
         .rev()
         .map(|&root| (root, DAffine3::IDENTITY, None))
         .collect();
     while let Some((number, world_from_parent, outer_room)) = waiting.pop() {
-        // A scene may name a node twice; it is there once all the same.
+        // A scene may list a node twice; it is visited once.
         if std::mem::replace(&mut entered[number as usize], true) {
             continue;
         }
@@ -68,12 +69,13 @@ pub(super) fn place(
     Ok(placed)
 }
 
-/// The nodes that the scene begins with.
+/// Returns the root nodes of the scene.
 pub(super) fn scene_roots(document: &Document) -> Result<Vec<u32>, BrokenRule> {
     roots(document, &parents(document)?)
 }
 
-/// The nodes that the scene begins with: those of the default scene, else of the first, else all without a parent.
+/// Returns the root nodes of the default scene, or of the first scene, or all nodes without a parent if there are no
+/// scenes.
 fn roots(document: &Document, parents: &[Option<u32>]) -> Result<Vec<u32>, BrokenRule> {
     let Some(number) = document.scene.or((!document.scenes.is_empty()).then_some(0)) else {
         return Ok((0_u32..)
@@ -97,6 +99,7 @@ fn roots(document: &Document, parents: &[Option<u32>]) -> Result<Vec<u32>, Broke
     Ok(scene.nodes.clone())
 }
 
+/// Returns the parent of each node.
 fn parents(document: &Document) -> Result<Vec<Option<u32>>, BrokenRule> {
     let mut parents: Vec<Option<u32>> = vec![None; document.nodes.len()];
     for (parent, node) in (0_u32..).zip(&document.nodes) {
@@ -111,9 +114,9 @@ fn parents(document: &Document) -> Result<Vec<Option<u32>>, BrokenRule> {
     Ok(parents)
 }
 
-/// A node that is its own ancestor, if there is one.
+/// Returns a node that is its own ancestor, if there is one.
 fn on_a_cycle(parents: &[Option<u32>]) -> Option<u32> {
-    // Each climb stops where an earlier one came by, so all climbs together meet a node at most twice.
+    // Each climb stops at a node that an earlier climb visited, so all climbs together visit a node at most twice.
     let mut met_from: Vec<Option<u32>> = vec![None; parents.len()];
     for start in 0..parents.len() as u32 {
         let mut next = Some(start);
@@ -128,7 +131,7 @@ fn on_a_cycle(parents: &[Option<u32>]) -> Option<u32> {
     None
 }
 
-/// The nodes of a cycle, from a parent to its child and so on, the first again at the end.
+/// Returns the names of the nodes of a cycle, each parent before its child, with the first repeated at the end.
 fn name_the_cycle(document: &Document, parents: &[Option<u32>], node: u32) -> String {
     const MOST: usize = 6;
     let upward = std::iter::successors(parents[node as usize], |&at| parents[at as usize]);
@@ -141,12 +144,13 @@ fn name_the_cycle(document: &Document, parents: &[Option<u32>], node: u32) -> St
         .map(|&at| document.node_name(at))
         .collect();
     if cycle.len() > MOST {
-        names.push(format!("and so on: {} more", cycle.len() - MOST));
+        names.push(format!("and {} more", cycle.len() - MOST));
     }
     names.push(document.node_name(node));
     names.join(", ")
 }
 
+/// Returns the local transform of a node.
 fn parent_from_node(
     document: &Document,
     number: u32,
@@ -173,7 +177,7 @@ fn parent_from_node(
     let rotation = match node.rotation.as_deref() {
         None => DQuat::IDENTITY,
         Some(&[x, y, z, w]) => {
-            // Scaled by the largest part first: squares of what JSON can hold may vanish or overflow.
+            // Divided by the largest component first, because squares of extreme JSON numbers underflow or overflow.
             let largest = [x, y, z, w]
                 .into_iter()
                 .fold(0.0_f64, |most, part| most.max(part.abs()));
@@ -190,7 +194,7 @@ fn parent_from_node(
     ))
 }
 
-/// Do axes that were square to each other no longer stand so, beyond what 32-bit numbers lose?
+/// Returns `true` if the axes are not perpendicular, beyond the rounding error of 32-bit floats.
 fn shears(affine: &DAffine3) -> bool {
     let [x, y, z] = [
         affine.matrix3.x_axis,
@@ -202,7 +206,7 @@ fn shears(affine: &DAffine3) -> bool {
         .any(|(a, b)| a.dot(b).abs() > 1e-4 * a.length() * b.length())
 }
 
-/// As items keep their places: rounded once, after all multiplying is done.
+/// Rounds a transform to f32, once, after all multiplications.
 fn rounded(affine: &DAffine3) -> Transform {
     Transform::from_columns(
         affine

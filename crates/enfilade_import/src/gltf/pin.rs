@@ -1,4 +1,4 @@
-//! Writes into a copy of a file by which method each of its rooms is to be seen.
+//! Writes the visibility method of each room into a copy of a file.
 
 use super::container::{Container, is_binary, joined};
 use super::document::Document;
@@ -10,8 +10,8 @@ use crate::{BrokenRule, ReadOptions};
 use enfilade::Method;
 use serde_json::{Map, Value, json};
 
-/// A copy of a file of which room n is seen by method n; of what stands in no room its scene says it. `None` where a `.glb`
-/// would be larger than one can be.
+/// Returns a copy of a file in which room n has method n; the method of the room for nodes outside every room is stored
+/// in the scene. `None` if a `.glb` would exceed its size limit.
 pub(crate) fn with_methods(
     bytes: &[u8],
     methods: &[Method],
@@ -19,7 +19,7 @@ pub(crate) fn with_methods(
 ) -> Result<Option<Vec<u8>>, BrokenRule> {
     let container = Container::split(bytes)?;
     let document = Document::parse(container.json, &mut budget)?;
-    // Only rooms matter here. Whether bad portals are tolerated was decided when the file was read.
+    // Only rooms matter here. Invalid portals were accepted or rejected when the file was read.
     let mut faults = Faults::new(&ReadOptions {
         skip_bad_portals: true,
         ..ReadOptions::default()
@@ -27,7 +27,7 @@ pub(crate) fn with_methods(
     let plan = Plan::new(&document, false, &mut faults, &mut Warnings::default())?;
     faults.into_result()?;
     let rooms = plan.room_nodes();
-    // As large as it can be once read, with every number a value of its own.
+    // Upper estimate of the parsed JSON, with a separate value for every number.
     budget.take(container.json.len() as u64 * BYTES_OF_VALUES, || {
         "its JSON, to be written again".to_owned()
     })?;
@@ -50,13 +50,13 @@ pub(crate) fn with_methods(
     })
 }
 
-/// Bytes of values for each byte of text, at most about.
+/// Approximate maximum of parsed JSON bytes per byte of text.
 const BYTES_OF_VALUES: u64 = 16;
 
 fn pin(thing: &mut Value, method: Method) {
     let mut extras = thing.get_mut("extras").map_or(Value::Null, Value::take);
     if !extras.is_object() {
-        // Something else can stand there, which goes by a name now.
+        // Keeps `extras` that are not an object as `was` of a new object.
         let was = std::mem::replace(&mut extras, Value::Object(Map::new()));
         if !was.is_null() {
             extras["was"] = was;

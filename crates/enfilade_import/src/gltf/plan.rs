@@ -1,4 +1,4 @@
-//! From nodes and hints to rooms: which node belongs to which room, what is an item, and what an opening.
+//! Turns nodes and hints into rooms: assigns each node to a room, and decides whether it is an item or an opening.
 
 use super::Things;
 use super::document::{Document, short};
@@ -13,22 +13,22 @@ use enfilade::{GeometryBuilder, MeshId, Method, Portal, SectorId};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
-/// The nodes of the scene, and what each is.
+/// The nodes of the scene and their roles.
 pub(super) struct Plan<'d> {
     document: &'d Document<'d>,
     placed: Vec<Placed>,
     hints: BTreeMap<u32, Hint>,
-    /// The nodes that are rooms, in order; none where nobody marked any, or where the file is read as flat.
+    /// Indices of the room nodes, increasing; empty if none is marked or the file is read as flat.
     rooms: Vec<u32>,
-    /// Where the first two nodes of each name that is an exit's stand among those placed.
+    /// For each name that a portal uses as an exit, the positions in `placed` of the first two nodes with that name.
     exits: HashMap<&'d str, [Option<usize>; 2]>,
     flat: bool,
-    /// How what stands in no room is to be seen, where the scene says so.
+    /// Method of the room for nodes outside every room, if the scene defines one.
     method_of_rest: Option<Method>,
 }
 
 impl<'d> Plan<'d> {
-    /// Places all nodes, and checks what is written of rooms and portals.
+    /// Computes the transforms of all nodes and checks the marks of rooms and portals.
     pub(super) fn new(
         document: &'d Document<'d>,
         flat: bool,
@@ -76,23 +76,23 @@ impl<'d> Plan<'d> {
         Ok(plan)
     }
 
-    /// The nodes of the scene that show something or are named by a portal, by their numbers.
+    /// Returns the nodes that are visible or that are exits of portals, by node index.
     pub(super) fn shown(&self) -> &[Placed] {
         &self.placed
     }
 
-    /// The nodes that are rooms, in the order of the rooms.
+    /// Returns the room nodes, in room order.
     pub(super) fn room_nodes(&self) -> &[u32] {
         &self.rooms
     }
 
-    /// The nodes that are terrain, by their numbers.
+    /// Returns the terrain nodes, by node index.
     pub(super) fn terrains(&self) -> impl Iterator<Item = u32> {
         let nodes = self.placed.iter().map(|placed| placed.node);
         nodes.filter(|node| self.hints.get(node) == Some(&Hint::Terrain))
     }
 
-    /// Names must tell rooms apart; and where there is no room, openings are none.
+    /// Checks that room names are unique; if there are no rooms, removes all openings.
     fn check_rooms(&mut self, faults: &mut Faults, warnings: &mut Warnings) {
         let document = self.document;
         let mut named: HashMap<&str, u32> = HashMap::new();
@@ -132,7 +132,7 @@ impl<'d> Plan<'d> {
             .retain(|_, hint| !matches!(hint, Hint::Opening { by_name: true, .. }));
     }
 
-    /// Builds the rooms; `name` is that of all that stands in none.
+    /// Builds the rooms; `name` is the name of the room for nodes outside every room.
     pub(super) fn rooms(
         &self,
         name: &str,
@@ -155,7 +155,7 @@ impl<'d> Plan<'d> {
         if has_rest {
             shells.push(Shell {
                 name: name.to_owned(),
-                spoken: "what stands in no room".to_owned(),
+                spoken: "the space outside every room".to_owned(),
                 builder: things.builder(),
                 method: self.method_of_rest,
                 nodes: SourceNodes::default(),
@@ -189,21 +189,21 @@ impl<'d> Plan<'d> {
         Ok((rooms, portals))
     }
 
-    /// The room that a node stands in, by its place among all.
+    /// Returns the index of a node's room.
     fn room(&self, placed: &Placed) -> Option<usize> {
         let room = placed.room.filter(|_| !self.flat)?;
         self.rooms.binary_search(&room).ok()
     }
 
-    /// The room that a node is below, and the one that all is in which is below none: of the rooms that [`Plan::rooms`]
-    /// built, of which there are so many.
+    /// Returns the room above a node, and the room for nodes outside every room; `rooms` is the number of rooms that
+    /// [`Plan::rooms`] built.
     pub(super) fn homes(&self, placed: &Placed, rooms: usize) -> [Option<SectorId>; 2] {
         let marked = if self.flat { 0 } else { self.rooms.len() };
         let rest = (rooms > marked).then_some(marked);
         [self.room(placed), rest].map(|room| room.map(|room| SectorId(room as u32)))
     }
 
-    /// Does a node show its mesh? A portal does not; a mirror does where everything is one room.
+    /// Returns `true` if the node's mesh is drawn: a portal's is not, a mirror's only if everything is one room.
     pub(super) fn is_item(&self, placed: &Placed) -> bool {
         let has_mesh = self.document.nodes[placed.node as usize].mesh.is_some();
         has_mesh
@@ -214,6 +214,7 @@ impl<'d> Plan<'d> {
             }
     }
 
+    /// Creates an empty room for a room node.
     fn shell(&self, room: u32, things: &Things) -> Shell {
         let name = &*self.document.nodes[room as usize].name;
         let method = match self.hints.get(&room) {
@@ -233,7 +234,7 @@ impl<'d> Plan<'d> {
         }
     }
 
-    /// Puts items into a room, and the meshes that they are copies of, each once.
+    /// Adds items to a room, and each mesh that they use once.
     fn fill(
         &self,
         shell: &mut Shell,
@@ -284,7 +285,7 @@ impl<'d> Plan<'d> {
         Ok(())
     }
 
-    /// Every opening, with where its author says that it leads.
+    /// Returns every valid opening with its target; reports the others.
     fn marked(
         &self,
         things: &Things,
@@ -327,6 +328,7 @@ impl<'d> Plan<'d> {
         })
     }
 
+    /// Resolves the target of an opening.
     fn way(&self, placed: &Placed, way: &Way, spoken: &str) -> Result<rooms::Way, AuthoringError> {
         let Way::Portal { to, one_way, exit } = way else {
             return Ok(rooms::Way::Mirror);
@@ -393,7 +395,7 @@ impl<'d> Plan<'d> {
 }
 
 impl Things {
-    /// Starts a room.
+    /// Creates the builder of a room, with the shared materials and textures.
     fn builder(&self) -> GeometryBuilder {
         let mut builder = GeometryBuilder::new(Arc::clone(&self.materials));
         builder.textures(Arc::clone(&self.textures));

@@ -1,6 +1,6 @@
-//! Terrain: nodes that show a mesh which is a grid of heights.
+//! Terrain nodes: nodes whose mesh is a grid of heights.
 //!
-//! Cost: O(corners · log) for each such mesh.
+//! Cost: O(corners · log corners) for each such mesh.
 
 use super::document::Document;
 use super::mesh::MeshPlan;
@@ -15,21 +15,21 @@ use enfilade::HeightField;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The nodes that are terrain, with their meshes, checked as far as it can be without the bytes.
+/// The terrain nodes and their meshes, checked as far as possible without their bytes.
 pub(super) struct TerrainPlan(Vec<(u32, u32)>);
 
-/// The height fields that nodes show, by the numbers of the nodes.
+/// Height fields, by node index.
 pub(super) struct Terrains(BTreeMap<u32, Arc<HeightField>>);
 
-/// About what a block takes besides its triangles: an item and a mesh.
+/// Approximate memory of a block without its triangles: an item and a mesh.
 const BYTES_PER_BLOCK: u64 = 2 * BYTES_PER_NODE;
 
-/// A block has at least so many triangles, but for the last ones of a terrain.
+/// Minimum number of triangles of a block, except for the last blocks of a terrain.
 const TRIANGLES_PER_BLOCK: u64 = 64;
 
 impl TerrainPlan {
-    /// Checks the nodes, and sets aside the memory that their fields and blocks will take. `plans` are those of all meshes that
-    /// nodes show, by number.
+    /// Checks the nodes and reserves the memory of their height fields and blocks. `plans` holds the plans of all used
+    /// meshes, by mesh index.
     pub(super) fn new(
         document: &Document,
         plan: &Plan,
@@ -52,7 +52,7 @@ impl TerrainPlan {
             let triangles = planned.triangles();
             let blocks = triangles / TRIANGLES_PER_BLOCK + 1;
             let bytes = [
-                // The field and the blocks, each at most as large as the mesh.
+                // The height field and the blocks; each is at most as large as the mesh.
                 planned.bytes_kept().saturating_mul(2),
                 triangles.saturating_mul(grid::BYTES_AT_WORK),
                 blocks.saturating_mul(BYTES_PER_BLOCK + node.name.len() as u64),
@@ -65,7 +65,7 @@ impl TerrainPlan {
         Ok(TerrainPlan(terrains))
     }
 
-    /// Recognises the grids, those of nodes that share a mesh once.
+    /// Recognises the grids; a mesh that several nodes share is converted once.
     pub(super) fn read(
         &self,
         document: &Document,
@@ -93,7 +93,7 @@ impl TerrainPlan {
     }
 }
 
-/// The mesh that a node shows as terrain, checked as far as it can be without the bytes.
+/// Returns the mesh of a terrain node, checked as far as possible without its bytes.
 fn mesh_of_terrain<'p>(
     document: &Document,
     number: u32,
@@ -134,7 +134,7 @@ fn mesh_of_terrain<'p>(
 }
 
 impl Terrains {
-    /// The field that a node shows; `None` where it is no terrain.
+    /// Returns the height field of a node; `None` if the node is not terrain.
     pub(super) fn of(&self, node: u32) -> Option<&Arc<HeightField>> {
         self.0.get(&node)
     }

@@ -1,7 +1,7 @@
-//! Textures: which images used materials name, how each is looked up, and their texels.
+//! Textures: finds the images and samplers that used materials reference, and decodes the images.
 //!
-//! A texture here is an image with a sampler: what the document says twice is kept once. Which there are is checked
-//! before buffers are loaded; images are decoded after, side by side. A picture that cannot be had is grey.
+//! A texture here is an image with a sampler; duplicates in the document are merged. The references are checked before
+//! buffers are loaded; images are decoded afterwards, in parallel. An image that cannot be read becomes grey.
 //! Source: glTF 2.0 Specification, section 3.8.
 
 use super::accessor::Stretch;
@@ -19,14 +19,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The textures that used materials name.
+/// The textures of the used materials.
 pub(super) struct TexturePlan<'d> {
-    /// By [`TextureId`]: an image by its place among those used, and how it is looked up.
+    /// By [`TextureId`]: the index of an image in `images`, and its sampler state.
     textures: Vec<(usize, Lookup)>,
     images: Vec<ImagePlan<'d>>,
 }
 
-/// How an image is looked up.
+/// Sampler state: wrap modes and filters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Lookup {
     wrap: [Wrap; 2],
@@ -36,12 +36,12 @@ struct Lookup {
 
 struct ImagePlan<'d> {
     name: String,
-    /// What messages call it.
+    /// Name of the image in messages.
     place: String,
     bytes: Bytes<'d>,
 }
 
-/// Where an image lies.
+/// Location of an encoded image.
 enum Bytes<'d> {
     View(Stretch, u64),
     Address(Cow<'d, str>),
@@ -49,7 +49,7 @@ enum Bytes<'d> {
 }
 
 impl<'d> TexturePlan<'d> {
-    /// Numbers the textures of those materials that are used, and gives the materials these numbers.
+    /// Assigns ids to the textures of used materials and stores them in the materials.
     pub(super) fn new(
         document: &Document<'d>,
         surfaces: &mut [Surface],
@@ -85,7 +85,7 @@ impl<'d> TexturePlan<'d> {
         Ok(plan)
     }
 
-    /// The number that a texture of the document has here.
+    /// Returns the id of a texture of the document.
     fn texture(
         &mut self,
         document: &Document,
@@ -116,12 +116,12 @@ impl<'d> TexturePlan<'d> {
                 self.images.push(ImagePlan {
                     name: short(&texture.name),
                     place: place(),
-                    bytes: Bytes::Nowhere("it has no image, or one of a kind that is not read"),
+                    bytes: Bytes::Nowhere("it has no image, or one of an unsupported format"),
                 });
                 self.images.len() - 1
             }
         };
-        // There are few ways to look an image up, so a list of them is short.
+        // An image has few different samplers, so a linear search is fast.
         lists.here.resize_with(self.images.len(), Vec::new);
         let known = lists.here[image].iter().find(|(known, _)| *known == lookup);
         let here = known.map_or(TextureId(self.textures.len() as u32), |(_, here)| *here);
@@ -133,7 +133,7 @@ impl<'d> TexturePlan<'d> {
         Ok(here)
     }
 
-    /// The buffers that images lie in.
+    /// Returns the buffers that hold images.
     pub(super) fn sources(&self) -> impl Iterator<Item = Source> {
         self.images.iter().filter_map(|image| match &image.bytes {
             Bytes::View(stretch, _) => Some(stretch.source),
@@ -185,20 +185,20 @@ impl<'d> TexturePlan<'d> {
     }
 }
 
-/// What is looked into for materials, and what was found there.
+/// The parsed lists of the document, and the ids assigned so far.
 struct Lists<'d> {
     textures: Vec<document::Texture<'d>>,
     samplers: Vec<Sampler>,
     images: Vec<Image<'d>>,
-    /// Of the document's textures.
+    /// Ids by texture index of the document.
     numbers: BTreeMap<u32, TextureId>,
-    /// Of the document's images.
+    /// Indices in `images` of the plan, by image index of the document.
     image_places: BTreeMap<u32, usize>,
-    /// The textures of each image, by its place among those used.
+    /// The textures of each image, by its index in `images` of the plan.
     here: Vec<Vec<(Lookup, TextureId)>>,
 }
 
-/// An image once more, for another sampler; grey where there is no room for it.
+/// Returns a copy of an image for another sampler; grey if the budget does not allow it.
 fn copied(image: Option<&Texture>, budget: &mut Budget, warnings: &mut Warnings) -> Option<Texture> {
     let image = image?;
     if budget.take(image.bytes(), String::new).is_ok() {
@@ -206,7 +206,7 @@ fn copied(image: Option<&Texture>, budget: &mut Budget, warnings: &mut Warnings)
     }
     warnings.name(WarningKind::BadImages, || {
         format!(
-            "{}: once more, for another sampler, needs more memory than is allowed",
+            "{}: a copy for another sampler needs more memory than is allowed",
             image.name
         )
     });
@@ -224,7 +224,7 @@ impl<'d> ImagePlan<'d> {
                 let (stretch, length) = Stretch::whole_view(document, view, || place.clone())?;
                 Bytes::View(stretch, length)
             }
-            None if image.uri.is_empty() => Bytes::Nowhere("it has neither an address nor a bufferView"),
+            None if image.uri.is_empty() => Bytes::Nowhere("it has neither a uri nor a bufferView"),
             None => Bytes::Address(image.uri.clone()),
         };
         let is_file = !image.uri.is_empty() && !image.uri.starts_with("data:");
@@ -237,7 +237,7 @@ impl<'d> ImagePlan<'d> {
     }
 }
 
-/// Source: glTF 2.0 Specification, section 5.26.
+/// Converts a sampler. Source: glTF 2.0 Specification, section 5.26.
 fn lookup(number: u32, sampler: &Sampler) -> Result<Lookup, BrokenRule> {
     let bad = |what, value| BrokenRule::BadSampler {
         place: format!("sampler {number}"),

@@ -1,20 +1,20 @@
-//! Lists, strips and fans: which corners make triangles.
+//! Triangle topologies: lists, strips and fans.
 //!
 //! Source: glTF 2.0 Specification, section 3.7.2.1.
 
-/// How a row of corners makes triangles.
+/// The topology of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Topology {
-    /// Three corners each.
+    /// Three corners per triangle.
     List,
-    /// Each corner from the third on makes a triangle with the two before it.
+    /// Each corner from the third on forms a triangle with the two before it.
     Strip,
-    /// Each corner from the third on makes a triangle with the one before it and the first.
+    /// Each corner from the third on forms a triangle with the one before it and the first.
     Fan,
 }
 
 impl Topology {
-    /// Triangles that a row of so many corners makes.
+    /// Returns the number of triangles of `corners` corners.
     pub(super) fn triangles(self, corners: u64) -> u64 {
         match self {
             Topology::List => corners / 3,
@@ -22,14 +22,14 @@ impl Topology {
         }
     }
 
-    /// Corners of a row of triangles, three each, all counter-clockwise from one side.
+    /// Converts to a triangle list with consistent winding.
     pub(super) fn list(self, mut row: Vec<u32>) -> Vec<u32> {
         match self {
             Topology::List => {
                 row.truncate(row.len() / 3 * 3);
                 row
             }
-            // Every second triangle of a strip winds the other way round, so its last two corners change places.
+            // Every second triangle of a strip has the opposite winding, so its last two corners are swapped.
             Topology::Strip => {
                 let turned = |i: usize| [[0, 1, 2], [0, 2, 1]][i % 2];
                 (0..row.len().saturating_sub(2))

@@ -1,11 +1,11 @@
-//! A corner of a face, as it is written: `7`, `7/2`, `7/2/-1` or `7//-1`.
+//! Parses the corners of a face: `7`, `7/2`, `7/2/-1` or `7//-1`.
 
 use super::ObjError;
 use super::survey::Counts;
 use super::text::quoted;
 use std::num::NonZeroU32;
 
-/// A corner of a face: the place of its position among all, and the numbers, from 1, of what else it has.
+/// A corner of a face: the index of its position from 0, and the indices of its other attributes from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Corner {
     pub(super) position: u32,
@@ -13,7 +13,7 @@ pub(super) struct Corner {
     pub(super) normal: Option<NonZeroU32>,
 }
 
-/// How many of each stand before a line.
+/// Numbers of elements before a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SoFar {
     pub(super) positions: usize,
@@ -22,7 +22,7 @@ pub(super) struct SoFar {
 }
 
 impl Corner {
-    /// Reads a corner in a file that has `all` of each.
+    /// Parses a corner in a file with `all` elements.
     pub(super) fn parse(word: &[u8], so_far: SoFar, all: &Counts) -> Result<Corner, BadCorner> {
         let mut parts = word.split(|&byte| byte == b'/');
         let mut next = |kind, before, count| match parts.next() {
@@ -47,12 +47,12 @@ impl Corner {
     }
 }
 
-/// Why a word is no corner.
+/// Why a word is not a valid corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum BadCorner {
-    /// It is not written as one.
+    /// The word has the wrong form.
     Form,
-    /// A number in it names nothing.
+    /// An index is out of range.
     Number {
         kind: &'static str,
         number: i64,
@@ -61,7 +61,7 @@ pub(super) enum BadCorner {
 }
 
 impl BadCorner {
-    /// The same of a word in a line.
+    /// Converts to the error of a word in a line.
     pub(super) fn error(self, line: usize, word: &[u8]) -> ObjError {
         let found = quoted(word);
         let BadCorner::Number { kind, number, why } = self else {
@@ -87,7 +87,7 @@ impl BadCorner {
     }
 }
 
-/// A whole number; one too large to be held is as large as can be held.
+/// Parses an integer; saturates if it is too large.
 fn whole(word: &[u8]) -> Option<i64> {
     let (negative, digits) = match word {
         [b'-', digits @ ..] => (true, digits),
@@ -105,7 +105,7 @@ fn whole(word: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// Why a number names nothing.
+/// Why an index is out of range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Absurd {
     Zero,
@@ -113,8 +113,8 @@ pub(super) enum Absurd {
     TooFarBack { before: usize },
 }
 
-/// What a number names: the first is 1, and -1 the last of those that stand `before`. There are `count` in the file; also
-/// those that come later can be named.
+/// Resolves an index: 1 is the first element, and −1 the last of the `before` elements above the line. The file has
+/// `count` elements; later ones may be referenced too.
 fn resolve(number: i64, before: usize, count: usize) -> Result<NonZeroU32, Absurd> {
     let place = if number < 0 {
         before as i64 + number + 1

@@ -1,4 +1,4 @@
-//! Files that an OBJ file names: they lie in its folder, or below it.
+//! Paths of files that an OBJ file references: inside its folder or below it.
 
 use crate::budget::Budget;
 use crate::read_regular_file;
@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct Inside(PathBuf);
 
 impl Inside {
-    /// What `name` means in a file that is `here`. A path that is of another machine, or leads out of the folder, stands for
-    /// the file of that name beside the one that names it, which is where it lies as a rule when such files are handed on.
+    /// Resolves `name`, written in the file `here`. An absolute path, or one that leaves the folder, is replaced by the
+    /// file of that name next to `here`, where shared files usually are.
     pub(super) fn of(name: &str, here: &Inside) -> Inside {
         let beside = here.0.parent().unwrap_or(Path::new(""));
         let name = name.replace('\\', "/");
@@ -19,24 +19,24 @@ impl Inside {
         Inside(followed.unwrap_or_else(|| beside.join(last_part(&name))))
     }
 
-    /// Its bytes, or why they cannot be had.
+    /// Returns the bytes of the file, or the reason why it cannot be read.
     pub(super) fn read(&self, folder: Option<&Path>, budget: &mut Budget) -> Result<Vec<u8>, String> {
         let folder = folder.ok_or_else(|| "no folder was given to look for it".to_owned())?;
         read_regular_file(&folder.join(&self.0), None, &|| self.spoken(), budget)
             .map_err(|why| why.to_string())
     }
 
-    /// Where it is.
+    /// Returns the full path.
     pub(super) fn path(&self, folder: Option<&Path>) -> Option<PathBuf> {
         Some(folder?.join(&self.0))
     }
 
-    /// Is there such a file?
+    /// Returns `true` if the file exists.
     pub(super) fn exists(&self, folder: Option<&Path>) -> bool {
         folder.is_some_and(|folder| folder.join(&self.0).is_file())
     }
 
-    /// As people write it, on any machine, but not longer than one can read.
+    /// Returns the path for messages: with `/` on every system, and truncated if it is very long.
     pub(super) fn spoken(&self) -> String {
         const LONGEST: usize = 120;
         let path = self.0.to_string_lossy().replace('\\', "/");
@@ -47,7 +47,7 @@ impl Inside {
     }
 }
 
-/// Goes the steps of a path from a folder, if none of them leads above where all folders begin, nor they all nowhere.
+/// Resolves a path relative to a folder; `None` if it leaves the root folder or ends in it.
 fn follow(from: &Path, name: &str) -> Option<PathBuf> {
     let mut at = from.to_owned();
     for step in name.split('/') {
@@ -64,7 +64,7 @@ fn follow(from: &Path, name: &str) -> Option<PathBuf> {
     (!at.as_os_str().is_empty()).then_some(at)
 }
 
-/// The name without folders, or one that no file has.
+/// Returns the file name without folders, or a placeholder if there is none.
 fn last_part(name: &str) -> &str {
     name.rsplit(['/', ':'])
         .find(|part| !matches!(*part, "" | "." | ".."))

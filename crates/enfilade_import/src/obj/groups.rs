@@ -1,4 +1,4 @@
-//! Which faces make which item: a line `o` or `g` begins one.
+//! Groups the faces into items: a line `o` or `g` begins one.
 
 use super::parse::{Faces, Mark, What};
 use crate::BrokenRule;
@@ -7,44 +7,44 @@ use std::collections::{HashMap, HashSet};
 use std::num::NonZeroU32;
 use std::ops::Range;
 
-/// An item in the making.
+/// The faces of an item.
 #[derive(Debug)]
 pub(super) struct Group {
-    /// No other item of the file has it.
+    /// Unique in the file.
     pub(super) name: String,
     pub(super) runs: Vec<Run>,
 }
 
-/// Faces that follow each other and have everything in common.
+/// Consecutive faces with the same material and smoothing group.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Run {
-    /// Which piece of the text.
+    /// Index of the text chunk.
     pub(super) piece: usize,
-    /// Which of its faces.
+    /// Indices of its faces.
     pub(super) faces: Range<usize>,
-    /// A place in [`Groups::materials`]; `None` where the file names none.
+    /// Index into [`Groups::materials`]; `None` if the file specifies no material.
     pub(super) material: Option<usize>,
     pub(super) smooth: Option<NonZeroU32>,
 }
 
-/// What the marks between faces come to.
+/// The groups, materials and material files of a text.
 #[derive(Debug, Default)]
 pub(super) struct Groups {
-    /// Those that have faces, in order.
+    /// Groups with faces, in order.
     pub(super) groups: Vec<Group>,
-    /// Names of those materials that faces are made of, in the order of their first use.
+    /// Names of used materials, in the order of their first use.
     pub(super) materials: Vec<String>,
-    /// What lines `mtllib` say, in order and each once.
+    /// Arguments of `mtllib` lines, in order and without duplicates.
     pub(super) libraries: Vec<String>,
 }
 
-/// What the standard calls faces that stand before any group, or in one without a name.
+/// Name of faces before any group, or in one without a name, as defined by the standard.
 const UNNAMED: &str = "default";
-/// About what a run takes, its group included.
+/// Approximate memory of a run, including its group.
 const BYTES_PER_RUN: u64 = 500;
 
 impl Groups {
-    /// Goes through all marks in order.
+    /// Applies all state statements in order.
     pub(super) fn of(pieces: &[Faces], budget: &mut Budget) -> Result<Groups, BrokenRule> {
         let marks = pieces.iter().flat_map(|faces| &faces.marks);
         let needs = |mark: &Mark| BYTES_PER_RUN + 3 * mark.what.name().len() as u64;
@@ -65,20 +65,20 @@ impl Groups {
         Ok(found)
     }
 
-    /// Are there faces in a smoothing group?
+    /// Returns `true` if any face is in a smoothing group.
     pub(super) fn any_smooth(&self) -> bool {
         let runs = self.groups.iter().flat_map(|group| &group.runs);
         runs.into_iter().any(|run| run.smooth.is_some())
     }
 }
 
-/// What holds where the walk is.
+/// State while the statements are applied.
 #[derive(Default)]
 struct Walk<'a> {
     found: Groups,
-    /// How the group is called that faces now go to; empty for the one without a name.
+    /// Name of the current group; empty for the unnamed group.
     name: &'a str,
-    /// Has it a face?
+    /// Whether the current group has a face.
     begun: bool,
     material: Option<&'a str>,
     smooth: Option<NonZeroU32>,
@@ -89,7 +89,7 @@ struct Walk<'a> {
 impl<'a> Walk<'a> {
     fn mark(&mut self, what: &'a What) {
         match what {
-            // Some programs repeat the name with every material.
+            // Some programs repeat the group name with every material.
             What::Group(name) => {
                 self.begun &= *name == self.name;
                 self.name = name;
@@ -122,7 +122,11 @@ impl<'a> Walk<'a> {
                 materials.len() - 1
             })
         });
-        let group = self.found.groups.last_mut().expect("one was begun");
+        let group = self
+            .found
+            .groups
+            .last_mut()
+            .expect("the current group was added above");
         group.runs.push(Run {
             piece,
             faces,
@@ -132,10 +136,10 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Sets its number behind the name of each group that shares it, as names of glTF nodes are told apart.
+/// Makes group names unique: appends its index to the name of each group that shares it, as for glTF nodes.
 ///
-/// Two names that end in numbers differ there. So a made name can only be that of a group which has its name for itself;
-/// then the number is set behind it once more.
+/// Generated names differ by their index. So a generated name can only collide with the unique name of another group;
+/// then the index is appended again.
 fn tell_apart(groups: &mut [Group]) {
     let mut bearers: HashMap<String, u32> = HashMap::new();
     for group in &*groups {

@@ -1,8 +1,8 @@
-//! What faces are made of: materials of MTL files as ours, and their images.
+//! Converts MTL materials, and loads their images.
 //!
-//! OBJ has no sides, so every material is seen from both. `Kd` and `Ke` are taken as linear, as Blender writes and reads
-//! them; an image is multiplied by them, but where they are black it stands alone, for a black image is nobody's wish.
-//! Alpha maps make cut-outs, since leaves and fences are what they are made for; `d` and `Tr` make glass.
+//! OBJ has no back-face culling, so every material is double-sided. `Kd` and `Ke` are linear, as in Blender. They
+//! multiply the image, except where they are black, because a completely black image is never intended. Alpha maps give
+//! alpha test, because they are used for leaves and fences; `d` and `Tr` give alpha blend.
 
 use super::files::Inside;
 use super::groups::Groups;
@@ -15,19 +15,19 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What the groups of a file are made of.
+/// The materials of a file.
 #[derive(Debug, Default)]
 pub(super) struct Materials {
-    /// One for each name in [`Groups::materials`], then the one of faces that name none.
+    /// One per name in [`Groups::materials`], followed by the default material.
     pub(super) materials: Vec<Material>,
     pub(super) textures: Vec<Arc<Texture>>,
-    /// Where images lie on faces of each material; `None` where it has none.
+    /// Texture coordinate transform of each material; `None` if it has no image.
     pub(super) placings: Vec<Option<Placing>>,
-    /// The files of materials, and the images that these name.
+    /// The material files and the images that they reference.
     pub(super) files: Vec<PathBuf>,
 }
 
-/// How texture coordinates of the file become those of the image.
+/// Transform from the file's texture coordinates to those of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placing {
     scale: [f32; 2],
@@ -35,7 +35,7 @@ pub(super) struct Placing {
 }
 
 impl Placing {
-    /// V counts upwards in OBJ, and downwards in ours. What cannot be held is 0.
+    /// Transforms texture coordinates. V points up in OBJ and down in Enfilade. Overflow gives 0.
     pub(super) fn place(&self, at: [f32; 2]) -> [f32; 2] {
         let [u, v] = [0, 1].map(|axis| at[axis] * self.scale[axis] + self.offset[axis]);
         let place = [u, 1.0 - v];
@@ -47,13 +47,13 @@ impl Placing {
     }
 }
 
-/// Of what no file defines: as grey as an image that cannot be had.
+/// Color of undefined materials: the same grey as unreadable images, in linear space.
 const GREY: [f32; 3] = [0.215_860_5; 3];
-/// What a line of an MTL file takes when it is read, as a multiple of its length.
+/// Memory of a parsed MTL line, as a multiple of its length.
 const TIMES_ITS_LENGTH: u64 = 40;
 
 impl Materials {
-    /// Reads the materials that are used. Without `with_images` none is read or named.
+    /// Reads the used materials. Without `with_images`, no image is read or referenced.
     pub(super) fn read(
         groups: &Groups,
         folder: Option<&Path>,
@@ -93,7 +93,7 @@ impl Materials {
     }
 }
 
-/// All materials of all files by their names, each with the file that it is from.
+/// All materials of all files, by name, each with its file.
 struct Library(HashMap<String, (Entry, Inside)>);
 
 impl Library {
@@ -125,7 +125,7 @@ impl Library {
                         let maps = [&entry.diffuse_map, &entry.emission_map, &entry.coverage_map];
                         let images = maps.into_iter().flatten().map(|map| Inside::of(&map.file, &here));
                         named.extend(images.filter_map(|image| image.path(folder)));
-                        // Of several that share a name the first counts.
+                        // If several materials share a name, the first wins.
                         library
                             .entry(entry.name.clone())
                             .or_insert_with(|| (entry, here.clone()));
@@ -138,13 +138,13 @@ impl Library {
     }
 }
 
-/// The files that a line names: one whose name has spaces in it, or several.
+/// Returns the files of an `mtllib` line: a single name that may contain spaces, or several.
 fn files<'s>(names: &'s str, folder: Option<&Path>) -> Vec<&'s str> {
     let names = names.trim_matches('"');
     if Inside::of(names, &Inside::default()).exists(folder) {
         return vec![names];
     }
-    // Cut after every `.mtl` that space follows.
+    // Split after every `.mtl` that is followed by a space.
     let mut files = Vec::new();
     let mut start = 0;
     for (at, ending) in names.to_ascii_lowercase().match_indices(".mtl ") {
@@ -160,7 +160,7 @@ struct Reader<'r> {
     folder: Option<&'r Path>,
     with_images: bool,
     found: Materials,
-    /// Images that were read, by file and whether they repeat.
+    /// Images already read, by file and whether they are clamped.
     known: HashMap<(Inside, bool), TextureId>,
     budget: &'r mut Budget,
     warnings: &'r mut Warnings,
@@ -189,7 +189,7 @@ impl Reader<'_> {
             && placing(diffuse) != placing(emission)
         {
             self.warnings.name(WarningKind::MaterialLines, || {
-                format!("{}: map_Ke has another place than map_Kd", entry.name)
+                format!("{}: map_Ke has other options than map_Kd", entry.name)
             });
         }
         let material = Material {
@@ -203,28 +203,28 @@ impl Reader<'_> {
         self.push(material, diffuse.or(emission).map(placing));
     }
 
-    /// How much of what is behind a material it hides.
+    /// Returns the opacity of a material.
     fn coverage(&mut self, entry: &Entry) -> f32 {
         let by_transparency = entry.transparency.map(|through| 1.0 - through);
         if let (Some(d), Some(other)) = (entry.coverage, by_transparency)
             && (d - other).abs() > 0.01
         {
-            // Some programs write `Tr` as if it was `d`, so of the two that is believed.
+            // Some programs write `Tr` with the meaning of `d`, so `d` wins.
             self.warnings.name(WarningKind::MaterialLines, || {
-                format!("{}: Tr says otherwise than d, which is taken", entry.name)
+                format!("{}: Tr contradicts d, which is used", entry.name)
             });
         }
         entry.coverage.or(by_transparency).unwrap_or(1.0)
     }
 
-    /// Whether it hides what is behind it must not depend on whether images are read.
+    /// Returns the alpha mode. It must not depend on whether images are read, because it decides whether faces occlude.
     fn alpha(&mut self, entry: &Entry, coverage: f32, here: &Inside) -> Alpha {
         let image = |map: &Map| Inside::of(&map.file, here);
         if let Some(map) = &entry.coverage_map
             && entry.diffuse_map.as_ref().map(image) != Some(image(map))
         {
             self.warnings.name(WarningKind::MaterialLines, || {
-                format!("{}: map_d is not the image of map_Kd", entry.name)
+                format!("{}: map_d is ignored: its image differs from map_Kd", entry.name)
             });
         }
         match entry.coverage_map {
@@ -234,6 +234,7 @@ impl Reader<'_> {
         }
     }
 
+    /// Loads an image, or returns its id if it is already loaded.
     fn texture(&mut self, map: &Map, here: &Inside) -> TextureId {
         let file = Inside::of(&map.file, here);
         let next = TextureId(self.found.textures.len() as u32);
@@ -257,7 +258,7 @@ impl Reader<'_> {
     }
 }
 
-/// A color that an image is multiplied by: white where it is black.
+/// Returns the color that multiplies an image: white instead of black.
 fn lit(color: [f32; 3], has_image: bool) -> [f32; 3] {
     if has_image && color == [0.0; 3] {
         [1.0; 3]

@@ -1,4 +1,4 @@
-//! Meshes: the faces of a group, cut into triangles, with what their corners carry.
+//! Builds meshes from the faces of a group: triangulates them and collects their vertices.
 
 use super::ObjError;
 use super::corner::Corner;
@@ -14,16 +14,16 @@ use enfilade::{Attributes, MaterialId, Mesh, Part};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
-/// All that meshes are made from.
+/// The input of all meshes.
 pub(super) struct Source<'a> {
     pub(super) pieces: &'a [Piece<'a>],
     pub(super) faces: &'a [Faces<'a>],
     pub(super) tables: &'a Tables,
-    /// One for each material, that of faces without one included.
+    /// One per material, including the default material.
     pub(super) placings: &'a [Option<Placing>],
 }
 
-/// Triangles, and corners of the polygons that they are cut from.
+/// Number of triangles, and of corners of the polygons that they come from.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Size {
     pub(super) triangles: u64,
@@ -37,13 +37,13 @@ impl AddAssign for Size {
     }
 }
 
-/// A mesh, and the faces, by piece and number, that cross themselves.
+/// A mesh, and the self-intersecting faces as chunk and face indices.
 pub(super) struct Built {
     pub(super) mesh: Mesh,
     pub(super) rough: Vec<(usize, usize)>,
 }
 
-/// Faces of one material: triangles over corners that are all different.
+/// Faces of one material, as an indexed triangle list.
 struct Triangles {
     material: usize,
     positions: Vec<[f32; 3]>,
@@ -53,14 +53,14 @@ struct Triangles {
     corners: Vec<u32>,
 }
 
-/// A corner that is told from others, and the number of its smoothing group where its normal is to be found.
+/// Key of a vertex: a corner, and its smoothing group if its normal is computed.
 type Key = (Corner, u32);
 
-/// Keys with their places, three to a triangle.
+/// Keys with their corner positions in the triangle list.
 type Keys = Vec<(Key, u32)>;
 
 impl Source<'_> {
-    /// How large a group is, or larger.
+    /// Returns the size of a group, or an upper bound.
     pub(super) fn size(&self, group: &Group) -> Size {
         let mut size = Size::default();
         group.runs.iter().for_each(|run| size += self.size_of(run));
@@ -109,7 +109,7 @@ impl Source<'_> {
         Ok(Built { mesh, rough })
     }
 
-    /// Cuts the faces of a run into triangles.
+    /// Triangulates the faces of a run.
     fn cut(
         &self,
         run: &Run,
@@ -159,7 +159,7 @@ impl Source<'_> {
         Ok(())
     }
 
-    /// The line that a face stands in. It is looked for anew: only who complains of a face asks.
+    /// Returns the line of a face. Searches the text, because only messages need it.
     pub(super) fn line(&self, piece: usize, face: usize) -> usize {
         let piece = &self.pieces[piece];
         Lines::of(piece.text, piece.before.lines)
@@ -168,9 +168,9 @@ impl Source<'_> {
             .map_or(0, |line| line.number)
     }
 
-    /// Makes of keys corners that are all different.
+    /// Merges equal keys into vertices.
     fn gather(&self, material: usize, mut keys: Keys, smooth: &SmoothNormals) -> Triangles {
-        // Sorted, not hashed: no file can make that slow.
+        // Sorted instead of hashed, so that no file can make this slow.
         keys.par_sort_unstable();
         let runs = || keys.chunk_by(|(a, _), (b, _)| a == b);
         let mut different: Vec<Key> = Vec::with_capacity(runs().count());
@@ -242,7 +242,7 @@ impl Triangles {
     }
 }
 
-/// Colors of corners are written as they look on a screen, by Blender and by scanners alike.
+/// Converts vertex colors from sRGB to linear; Blender and scanners write them as sRGB.
 fn linear(color: [f32; 3]) -> [f32; 4] {
     let [r, g, b] = color.map(|value| {
         let value = value.clamp(0.0, 1.0);

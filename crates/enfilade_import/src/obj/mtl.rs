@@ -1,11 +1,11 @@
-//! MTL files: what faces are made of, as far as we draw it.
+//! Parses MTL files: the material properties that are drawn.
 //!
-//! Nothing in them keeps a scene from being opened: a line that makes no sense is left out, and a warning names it.
+//! An invalid line never makes a scene unreadable: it is ignored, with a warning.
 
 use super::text::{Line, Lines, number, quoted, with_line_ends, without_mark};
 use crate::warning::{WarningKind, Warnings};
 
-/// A material as its file has it.
+/// A material as in its file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Entry {
     pub(super) name: String,
@@ -13,9 +13,9 @@ pub(super) struct Entry {
     pub(super) diffuse: Option<[f32; 3]>,
     /// `Ke`.
     pub(super) emission: Option<[f32; 3]>,
-    /// `d`: 1 hides what is behind it.
+    /// `d`: opacity, 1 is opaque.
     pub(super) coverage: Option<f32>,
-    /// `Tr`: the same from the other end, 1 cannot be seen.
+    /// `Tr`: transparency, 1 is invisible.
     pub(super) transparency: Option<f32>,
     /// `map_Kd`.
     pub(super) diffuse_map: Option<Map>,
@@ -25,20 +25,20 @@ pub(super) struct Entry {
     pub(super) coverage_map: Option<Map>,
 }
 
-/// An image that a material names.
+/// An image reference of a material.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Map {
-    /// As the file has it: it may have spaces, backslashes, or the name of a drive in it.
+    /// As in the file; may contain spaces, backslashes or a drive letter.
     pub(super) file: String,
-    /// `-s`: texture coordinates are multiplied by it,
+    /// `-s`: scale of the texture coordinates.
     pub(super) scale: [f32; 2],
-    /// `-o`: and this is added.
+    /// `-o`: offset, added after scaling.
     pub(super) offset: [f32; 2],
-    /// `-clamp`: it does not repeat.
+    /// `-clamp`: clamps instead of repeating.
     pub(super) clamp: bool,
 }
 
-/// Keywords of shading that we do not do; that each surface shines in its own way is no loss worth a warning.
+/// Keywords of specular and other shading, which is not drawn; ignored without a warning.
 const LEFT_ASIDE: [&[u8]; 16] = [
     b"Ka",
     b"Ks",
@@ -58,7 +58,7 @@ const LEFT_ASIDE: [&[u8]; 16] = [
     b"map_aat",
 ];
 
-/// The materials of a file; `file` is how warnings call it.
+/// Parses the materials of a file; `file` is its name in warnings.
 pub(super) fn parse(text: &[u8], file: &str, warnings: &mut Warnings) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     let text = with_line_ends(without_mark(text));
@@ -91,7 +91,7 @@ pub(super) fn parse(text: &[u8], file: &str, warnings: &mut Warnings) -> Vec<Ent
 }
 
 impl Entry {
-    /// Takes over what a line says, and tells what of it was `left`; `None` where nothing could be read.
+    /// Parses a line and passes ignored options to `left`; `None` if the line is invalid or unknown.
     fn read(&mut self, line: &Line, left: &mut dyn FnMut(&str)) -> Option<()> {
         match line.keyword() {
             b"Kd" => self.diffuse = Some(color(line)?),
@@ -107,7 +107,7 @@ impl Entry {
     }
 }
 
-/// Three numbers from 0, or one for all three. `spectral` and `xyz` are not read.
+/// Parses three non-negative numbers, or one for all three. `spectral` and `xyz` are not supported.
 fn color(line: &Line) -> Option<[f32; 3]> {
     let values: Vec<f32> = line.words().take(3).map(number).collect::<Option<_>>()?;
     let color = match *values {
@@ -121,14 +121,14 @@ fn color(line: &Line) -> Option<[f32; 3]> {
         .then_some(color)
 }
 
-/// A number from 0 to 1.
+/// Parses a number from 0 to 1.
 fn amount(line: &Line) -> Option<f32> {
     let value = number(line.words().next()?)?;
     (0.0..=1.0).contains(&value).then_some(value)
 }
 
 impl Map {
-    /// `[-OPTION WORD …] FILE`.
+    /// Parses `[-OPTION WORD …] FILE`.
     fn read(line: &Line, left: &mut dyn FnMut(&str)) -> Option<Map> {
         let rest = line.rest();
         let mut rest = &*rest;
@@ -140,12 +140,12 @@ impl Map {
         };
         while let Some((option, after)) = first_word(rest).filter(|(word, _)| word.starts_with('-')) {
             let (values, file) = match option {
-                // Up to three numbers; those left out are as if the option was not there.
+                // Up to three numbers; missing ones have their defaults.
                 "-s" | "-o" | "-t" => numbers(after),
                 "-mm" => skip(after, 2),
                 "-blendu" | "-blendv" | "-cc" | "-clamp" | "-texres" | "-bm" | "-boost" | "-imfchan"
                 | "-type" => skip(after, 1),
-                // No option: a file may be called so.
+                // Not an option: a file name may begin with a hyphen.
                 _ => break,
             };
             match (option, &*values) {
@@ -161,14 +161,14 @@ impl Map {
     }
 }
 
-/// The first word and what follows, if there is one.
+/// Returns the first word and the rest, if there is a word.
 fn first_word(text: &str) -> Option<(&str, &str)> {
     let text = text.trim_start();
     let end = text.find(char::is_whitespace).unwrap_or(text.len());
     (end > 0).then(|| (&text[..end], text[end..].trim_start()))
 }
 
-/// The numbers, up to three, that a text begins with, and what follows. The last word is the file, whatever it looks like.
+/// Returns up to three leading numbers, and the rest. The last word is never a number, because it is the file.
 fn numbers(mut text: &str) -> (Vec<f32>, &str) {
     let mut values = Vec::new();
     while let Some((word, after)) = first_word(text).filter(|(_, after)| !after.is_empty()) {
@@ -181,7 +181,7 @@ fn numbers(mut text: &str) -> (Vec<f32>, &str) {
     (values, text)
 }
 
-/// No numbers, and what follows some words.
+/// Skips some words; returns no numbers, and the rest.
 fn skip(text: &str, words: usize) -> (Vec<f32>, &str) {
     let after = (0..words).fold(text, |text, _| first_word(text).map_or("", |(_, after)| after));
     (Vec::new(), after)

@@ -1,7 +1,7 @@
-//! The second reading: the numbers of all positions, and of all corners of faces; names stay in the text.
+//! The second pass: parses positions, attributes and face corners; names stay in the text.
 //!
-//! Pieces of the text are read side by side. Each knows how much stands before it, so that also numbers counted backwards
-//! are known at once, and each writes what it reads where it belongs.
+//! Chunks of the text are parsed in parallel. The first pass counted the elements before each chunk, so relative
+//! indices are resolved immediately, and each chunk writes directly into its part of the tables.
 //! Cost: O(bytes).
 
 use super::ObjError;
@@ -14,52 +14,52 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::num::NonZeroU32;
 
-/// What corners of faces name by their numbers, in the order of the file.
+/// The elements that face corners reference, in file order.
 #[derive(Debug, Default)]
 pub(super) struct Tables {
-    /// Some may be not finite; that does no harm where no face uses them.
+    /// May contain values that are not finite; an error only if a face uses them.
     pub(super) positions: Vec<[f32; 3]>,
-    /// One for each position as the file has it, sRGB; or none, where no position has one.
+    /// sRGB colors, one per position; empty if no position has one.
     pub(super) colors: Vec<[f32; 3]>,
-    /// As the file has them, v upwards; finite.
+    /// As in the file, v up; finite.
     pub(super) texture: Vec<[f32; 2]>,
-    /// Finite.
+    /// As in the file; finite.
     pub(super) normals: Vec<[f32; 3]>,
 }
 
-/// Faces of a piece of the text, and what stands between them.
+/// The faces of a chunk, and the state statements between them.
 #[derive(Debug)]
 pub(super) struct Faces<'a> {
     pub(super) corners: Vec<Corner>,
-    /// Where the corners of each face end.
+    /// End of each face in `corners`.
     pub(super) ends: Vec<u32>,
     pub(super) marks: Vec<Mark<'a>>,
     warnings: Warnings,
     unread: BTreeSet<String>,
 }
 
-/// What changes for all faces that follow.
+/// A statement that applies to all faces after it.
 #[derive(Debug)]
 pub(super) struct Mark<'a> {
-    /// Faces of the piece that stand before it.
+    /// Number of faces of the chunk before it.
     pub(super) face: usize,
     pub(super) what: What<'a>,
 }
 
 #[derive(Debug)]
 pub(super) enum What<'a> {
-    /// An object or a group begins.
+    /// `o` or `g`: begins an object or a group.
     Group(Cow<'a, str>),
-    /// Faces are made of this.
+    /// `usemtl`: the material of the faces.
     Material(Cow<'a, str>),
-    /// Faces of one number are smooth where they meet; `None`: they are not.
+    /// `s`: the smoothing group of the faces; `None` for flat shading.
     Smooth(Option<NonZeroU32>),
-    /// Files of materials.
+    /// `mtllib`: material files.
     Libraries(Cow<'a, str>),
 }
 
 impl What<'_> {
-    /// What it is called, if it has a name.
+    /// Returns the argument of the statement, or an empty string.
     pub(super) fn name(&self) -> &str {
         match self {
             What::Group(name) | What::Material(name) | What::Libraries(name) => name,
@@ -69,14 +69,14 @@ impl What<'_> {
 }
 
 impl Faces<'_> {
-    /// The corners of a face.
+    /// Returns the corners of a face.
     pub(super) fn face(&self, face: usize) -> &[Corner] {
         let start = face.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.corners[start as usize..self.ends[face] as usize]
     }
 }
 
-/// Reads all pieces.
+/// Parses all chunks.
 pub(super) fn parse<'a>(
     pieces: &[Piece<'a>],
     all: &Counts,
@@ -100,7 +100,7 @@ pub(super) fn parse<'a>(
         });
     }
     let read: Vec<Result<(), ObjError>> = readers.par_iter_mut().map(Reader::read).collect();
-    // In order, so that of several broken lines the first is named, whichever thread was done first.
+    // In order, so that of several invalid lines the first is named, whichever thread finishes first.
     read.into_iter().collect::<Result<(), _>>()?;
 
     let mut colors = Vec::new();
@@ -124,26 +124,26 @@ pub(super) fn parse<'a>(
     Ok((tables, faces))
 }
 
-/// Takes the first `count` off a list.
+/// Splits the first `count` elements off a slice.
 fn take<'t, T>(list: &mut &'t mut [T], count: usize) -> &'t mut [T] {
     let (first, rest) = std::mem::take(list).split_at_mut(count);
     *list = rest;
     first
 }
 
-/// Reads one piece.
+/// Parses one chunk.
 struct Reader<'a, 't> {
     lines: Lines<'a>,
     before: Counts,
     all: &'t Counts,
-    /// How many of each were read in this piece.
+    /// Number of positions parsed in this chunk, and likewise for the others.
     positions_read: usize,
     texture_read: usize,
     normals_read: usize,
     positions: &'t mut [[f32; 3]],
     texture: &'t mut [[f32; 2]],
     normals: &'t mut [[f32; 3]],
-    /// One for each position up to the last that has one.
+    /// Colors up to the last position that has one.
     colors: Vec<[f32; 3]>,
     faces: Faces<'a>,
 }
@@ -192,7 +192,7 @@ impl<'a, 't> Reader<'a, 't> {
                 b"usemtl" => self.mark(line, What::Material),
                 b"mtllib" => self.mark(line, What::Libraries),
                 b"s" => {
-                    // `off` and 0 are the same.
+                    // `off` and 0 are equivalent.
                     let number = line.rest().parse().unwrap_or(0);
                     let smooth = What::Smooth(NonZeroU32::new(number));
                     self.mark(line, |_| smooth);
@@ -207,7 +207,7 @@ impl<'a, 't> Reader<'a, 't> {
         self.faces.warnings.name(kind, || format!("line {line}"));
     }
 
-    /// Notes what is not read, while there is little of it.
+    /// Records an unsupported keyword, up to a limit.
     fn unread(&mut self, keyword: &[u8]) {
         const FEW: usize = 64;
         if self.faces.unread.len() < FEW {
@@ -229,7 +229,7 @@ impl<'a, 't> Reader<'a, 't> {
         });
     }
 
-    /// `x y z`, `x y z w`, or `x y z r g b`. W is the weight of curves, which polygons do not have.
+    /// Parses `x y z`, `x y z w` or `x y z r g b`. The weight w applies only to curves, which are not supported.
     fn position(&mut self, line: &Line) -> Result<(), ObjError> {
         let ([x, y, z, colors @ ..], count) = numbers::<6>(line, "v", 3)?;
         self.positions[self.positions_read] = [x, y, z];
@@ -246,7 +246,7 @@ impl<'a, 't> Reader<'a, 't> {
         Ok(())
     }
 
-    /// Zeros in place of what only the look depends on and is not finite.
+    /// Replaces attributes that are not finite by 0; they do not affect visibility.
     fn finite<const N: usize>(&mut self, values: [f32; N]) -> [f32; N] {
         if values.iter().all(|value| value.is_finite()) {
             return values;
@@ -281,7 +281,7 @@ impl<'a, 't> Reader<'a, 't> {
     }
 }
 
-/// The first `N` numbers after the keyword, of which there must be at least `wants`, and how many there are of those.
+/// Parses up to `N` numbers after the keyword, at least `wants`; returns them and their count.
 fn numbers<const N: usize>(
     line: &Line,
     keyword: &'static str,

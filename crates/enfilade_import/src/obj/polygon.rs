@@ -1,24 +1,24 @@
-//! Polygons in space: what they are seen as from in front of them is cut into triangles.
+//! Triangulates polygons in space, by projecting them to a plane.
 //!
-//! A flat polygon is looked at along the axis that it faces most, so that nothing is rounded and corners in line stay in
-//! line; a bent one along its mean normal, from where it is the least bent. Where it crosses itself then, the other way is
-//! tried, too. Triangles turn the way that the polygon does.
+//! A flat polygon is projected along the axis closest to its normal, so that nothing is rounded and collinear corners
+//! stay collinear. A non-planar one is projected along its mean normal, which distorts it least. If the projection
+//! self-intersects, the other projection is tried too. Triangles keep the winding of the polygon.
 
 use super::ring::Ring;
 use glam::{DVec2, DVec3};
 
-/// Cuts polygons. What it holds is used again for the next.
+/// Triangulates polygons; reuses its memory for the next one.
 #[derive(Debug, Default)]
 pub(crate) struct Cutter {
     ring: Ring,
-    /// Corners that are not in the place of the one before, by their places in the polygon.
+    /// Indices of the corners without consecutive duplicates.
     apart: Vec<u32>,
     flat: Vec<[f64; 2]>,
 }
 
 impl Cutter {
-    /// Cuts the polygon with these corners, all of them finite, into triangles, which are handed out as places in
-    /// `corners`: none where it has no area. Says whether it is sound: one that crosses itself is cut as well as can be.
+    /// Triangulates a polygon with finite corners; appends triangles as indices into `corners`, none if the polygon has
+    /// no area. Returns `true` if the polygon is simple; a self-intersecting one is triangulated approximately.
     pub(crate) fn cut(&mut self, corners: &[[f32; 3]], triangles: &mut Vec<[u32; 3]>) -> bool {
         self.apart.clear();
         for (place, corner) in (0..).zip(corners) {
@@ -55,7 +55,7 @@ impl Cutter {
         rougher.min(rough) == 0
     }
 
-    /// Is some corner farther off the plane of the others than rounding can have put it?
+    /// Returns `true` if a corner is farther off the plane than rounding explains.
     fn is_bent(&self, normal: DVec3, corners: &[[f32; 3]]) -> bool {
         const ROUNDED: f64 = 1e-4;
         let origin = place(corners, self.apart[0]);
@@ -67,7 +67,7 @@ impl Cutter {
         off > ROUNDED * size
     }
 
-    /// The mean normal, twice as long as the polygon has area.
+    /// Returns the mean normal; its length is twice the area.
     fn normal(&self, corners: &[[f32; 3]]) -> DVec3 {
         let origin = place(corners, self.apart[0]);
         let arm = |&corner: &u32| place(corners, corner) - origin;
@@ -77,6 +77,7 @@ impl Cutter {
             .sum()
     }
 
+    /// Triangulates the projection of the polygon; returns the number of triangles that are only approximate.
     fn cut_along(&mut self, axes: &Axes, corners: &[[f32; 3]], triangles: &mut Vec<[u32; 3]>) -> usize {
         let flat = |&corner: &u32| axes.flat(place(corners, corner)).to_array();
         self.flat.clear();
@@ -92,7 +93,7 @@ fn place(corners: &[[f32; 3]], corner: u32) -> DVec3 {
     DVec3::from(corners[corner as usize].map(f64::from))
 }
 
-/// A direction of length 1, also of what is so long or short that its square is not a number; zero stays zero.
+/// Normalizes a vector, also if its squared length overflows or underflows; zero stays zero.
 fn unit(direction: DVec3) -> DVec3 {
     let scale = direction.abs().max_element();
     if scale > 0.0 {
@@ -102,15 +103,15 @@ fn unit(direction: DVec3) -> DVec3 {
     }
 }
 
-/// Two directions across which a polygon is looked at, so that it turns counter-clockwise.
+/// Two projection axes, in which the polygon is counter-clockwise.
 struct Axes([DVec3; 2]);
 
 impl Axes {
-    /// Those of the world that a polygon lies along most.
+    /// Returns the two coordinate axes that the polygon is closest to parallel to.
     fn nearest(normal: DVec3, apart: &[u32], corners: &[[f32; 3]]) -> Axes {
         let mut facing = normal;
         if facing == DVec3::ZERO {
-            // It turns as much one way as the other: it is looked at where it is largest.
+            // Its signed area is zero, so it is projected along the axis with the largest extent of the other two.
             let places = apart.iter().map(|&corner| place(corners, corner));
             let around = |(min, max): (DVec3, DVec3), at: DVec3| (min.min(at), max.max(at));
             let (min, max) = places.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), around);
@@ -122,6 +123,7 @@ impl Axes {
         Axes(if facing[axis] < 0.0 { [v, u] } else { [u, v] })
     }
 
+    /// Returns two axes perpendicular to the normal.
     fn along(normal: DVec3) -> Axes {
         let (u, v) = (normal / normal.abs().max_element())
             .normalize()

@@ -1,57 +1,57 @@
-//! Cuts ears off a ring of corners in the plane until nothing is left of it.
+//! Triangulates a simple polygon in the plane by ear clipping.
 //!
-//! An ear is a corner that sticks out, with no other corner of the ring in the triangle that it makes with its neighbours.
-//! Corners that do not stick out are kept in a grid, and a corner that is found not to be an ear waits until what is in
-//! its way is gone. Corners in line with their neighbours stay corners of triangles, since neighbours of the polygon have
-//! them too, and one would see between them otherwise. A ring that crosses itself has no ears at some time; then some
-//! corner is cut off as it is, so that all ends.
+//! An ear is a convex corner whose triangle with its two neighbours contains no other corner. Reflex corners are kept
+//! in a grid. A corner that is not an ear waits for the corner that blocks it. Collinear corners remain corners of
+//! triangles, because adjacent polygons have them too and cracks (T-junctions) would appear otherwise. A
+//! self-intersecting polygon runs out of ears; then another corner is clipped, so that the algorithm terminates.
 //! Source: Meisters. Polygons have ears. American Mathematical Monthly 82, 1975; Held. FIST: fast industrial-strength
 //! triangulation of polygons. Algorithmica 30, 2001.
-//! Cost: about O(corners) for outlines of things; what takes more than some thousand tests a corner is cut roughly.
-//! Exact: which way three corners turn is decided without rounding.
+//! Cost: about O(corners) for typical outlines; after some thousand tests per corner the rest is triangulated as a fan.
+//! Exact: orientation tests are computed without rounding error.
 
 use robust::{Coord, orient2d};
 use std::collections::VecDeque;
 
-/// A corner's place in the ring at the start.
+/// Index of a corner in the original polygon.
 type Place = u32;
 
-/// Tests that each corner may cost. Combs, spirals and stars of ten thousand corners need fewer.
+/// Maximum number of tests per corner. Combs, spirals and stars with ten thousand corners need fewer.
 const TESTS_PER_CORNER: u64 = 4096;
 
-/// A ring of corners. What it holds is used again for the next.
+/// A linked ring of corners; reuses its memory for the next polygon.
 #[derive(Debug, Default)]
 pub(super) struct Ring {
     at: Vec<[f64; 2]>,
     next: Vec<Place>,
     before: Vec<Place>,
-    /// `None` where it is cut off.
+    /// `None` once the corner is clipped.
     turn: Vec<Option<Turn>>,
-    /// How often its neighbours have changed.
+    /// Number of times that the neighbours of each corner have changed.
     changes: Vec<u32>,
     left: usize,
-    /// Corners to be tried, with their changes at that time; what has changed since is in here again.
+    /// Corners to be tested, each with its number of changes when it was queued; stale entries are skipped, because the
+    /// corner was queued again.
     waiting: VecDeque<(Place, u32)>,
-    /// For each corner, the first in `held_up` that waits for it.
+    /// For each corner, the head of the list in `held_up` of the corners that it blocks.
     holds_up: Vec<Option<u32>>,
     held_up: Vec<HeldUp>,
-    /// Places in `held_up` that are free again, so that it never has more than some for each corner.
+    /// Unused entries of `held_up`, which bound its length by the number of corners.
     free: Vec<u32>,
     grid: Grid,
     tests: u64,
 }
 
-/// How the ring turns at a corner, seen by one who goes round counter-clockwise.
+/// Orientation of a corner in a counter-clockwise polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Turn {
-    /// Left: it sticks out.
+    /// Left turn: a convex corner.
     Out,
     Straight,
-    /// Right.
+    /// Right turn: a reflex corner.
     In,
 }
 
-/// A corner that is no ear while another is there.
+/// A corner that is not an ear as long as another one blocks it.
 #[derive(Clone, Copy, Debug)]
 struct HeldUp {
     corner: Place,
@@ -59,7 +59,7 @@ struct HeldUp {
     next: Option<u32>,
 }
 
-/// Corners that did not stick out at the start, by where they are.
+/// A uniform grid of the corners that were reflex or straight at the start.
 #[derive(Debug, Default)]
 struct Grid {
     min: [f64; 2],
@@ -69,14 +69,15 @@ struct Grid {
     corners: Vec<Place>,
 }
 
+/// Exact orientation test: positive for a left turn.
 fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let coord = |[x, y]: [f64; 2]| Coord { x, y };
     orient2d(coord(a), coord(b), coord(c))
 }
 
 impl Ring {
-    /// Cuts the ring with corners at `at`, counter-clockwise, no two neighbours in one place. Hands out triangles as places
-    /// in it, and says how many were cut as if they were ears.
+    /// Triangulates the counter-clockwise polygon with corners at `at`, no two consecutive ones equal. Passes triangles
+    /// as corner indices to `triangle`; returns the number of clipped triangles that were not ears.
     pub(super) fn cut(&mut self, at: &[[f64; 2]], mut triangle: impl FnMut([Place; 3])) -> usize {
         self.begin(at);
         let most_tests = TESTS_PER_CORNER * at.len() as u64;
@@ -133,7 +134,7 @@ impl Ring {
         self.tests = 0;
         self.grid.fill(at, &self.turn);
         self.waiting.clear();
-        // From the second, so that a convex polygon of four corners is cut from its first, as everyone cuts it.
+        // Starts at the second corner, so that a convex quad is split from its first corner, as is customary.
         for corner in (1..count).chain([0]) {
             self.ask_again(corner);
         }
@@ -161,13 +162,14 @@ impl Ring {
         }
     }
 
+    /// Queues a convex corner to be tested.
     fn ask_again(&mut self, corner: Place) {
         if self.turn[corner as usize] == Some(Turn::Out) {
             self.waiting.push_back((corner, self.changes[corner as usize]));
         }
     }
 
-    /// The next corner that is an ear, if there is one and it is found in time.
+    /// Returns the next ear; `None` if there is none, or if the test limit is reached.
     fn next_ear(&mut self, most_tests: u64) -> Option<Place> {
         while let Some((corner, changes)) = self.waiting.pop_front() {
             if self.turn[corner as usize].is_none() || self.changes[corner as usize] != changes {
@@ -184,8 +186,8 @@ impl Ring {
         None
     }
 
-    /// A corner in the triangle that one makes with its neighbours, sides included. Corners in the same place as one of
-    /// these do not count: they are where a ring meets itself.
+    /// Returns a corner inside the triangle of a corner and its neighbours, or on its edges. Corners that coincide with
+    /// one of the three do not count: there, the polygon touches itself.
     fn in_the_way(&mut self, corner: Place) -> Option<Place> {
         let [a, b, c] = [self.before(corner), corner, self.next(corner)].map(|corner| self.place(corner));
         let min = [0, 1].map(|axis| a[axis].min(b[axis]).min(c[axis]));
@@ -213,12 +215,12 @@ impl Ring {
         None
     }
 
-    /// What to cut off where there is no ear, and whether it makes a triangle that can be seen: a fold, then what is in
-    /// line, then what sticks out, then anything.
+    /// Returns the corner to clip if there is no ear, and whether its triangle has area. Prefers folded corners, then
+    /// straight ones, then convex ones.
     fn least_bad(&mut self) -> (Place, bool) {
         let start = (0..self.at.len() as Place)
             .find(|&corner| self.turn[corner as usize].is_some())
-            .expect("some are left");
+            .expect("more than three corners are left");
         self.tests += 2 * self.at.len() as u64;
         let mut best = (3, start);
         let mut corner = start;
@@ -235,7 +237,7 @@ impl Ring {
         (best.1, best.0 >= 2)
     }
 
-    /// Does the ring go back from a corner the way that it came?
+    /// Returns `true` if the outline reverses its direction at a corner.
     fn folds(&self, corner: Place) -> bool {
         let [a, b, c] = [self.before(corner), corner, self.next(corner)].map(|corner| self.place(corner));
         (0..2)
@@ -246,6 +248,7 @@ impl Ring {
             || b == c
     }
 
+    /// Removes a corner from the ring and updates its neighbours.
     fn remove(&mut self, corner: Place) {
         let (before, next) = (self.before(corner), self.next(corner));
         self.next[before as usize] = next;
@@ -264,7 +267,7 @@ impl Ring {
         }
     }
 
-    /// Lets a corner wait until another, which is in its way, is gone or sticks out.
+    /// Makes a corner wait until the corner that blocks it is clipped or becomes convex.
     fn wait(&mut self, corner: Place, other: Place) {
         let place = self.free.pop().unwrap_or(self.held_up.len() as u32);
         let held = HeldUp {
@@ -278,7 +281,7 @@ impl Ring {
         }
     }
 
-    /// What has waited for a corner is asked again.
+    /// Queues the corners that a corner blocked.
     fn let_go(&mut self, corner: Place) {
         let mut waits = self.holds_up[corner as usize].take();
         while let Some(number) = waits {
@@ -289,7 +292,7 @@ impl Ring {
         }
     }
 
-    /// Cuts what is left from one corner; says into how many triangles.
+    /// Triangulates the remaining polygon as a fan; returns the number of triangles.
     fn fan(&mut self, first: Place, triangle: &mut impl FnMut([Place; 3])) -> usize {
         let mut corner = self.next(first);
         for _ in 2..self.left {
@@ -301,7 +304,7 @@ impl Ring {
 }
 
 impl Grid {
-    /// Sorts the corners that do not stick out into cells, about one in each.
+    /// Sorts the corners that are not convex into cells, about one per cell.
     fn fill(&mut self, at: &[[f64; 2]], turns: &[Option<Turn>]) {
         const MAX_CELLS: usize = 1 << 20;
         let kept = || (0..).zip(turns).filter(|(_, turn)| **turn != Some(Turn::Out));
@@ -321,7 +324,7 @@ impl Grid {
             size if size > 0.0 => self.side as f64 / size,
             _ => 0.0,
         });
-        // As many in each cell, then where those of each begin.
+        // First the number of corners per cell, then the start of each cell.
         self.starts.clear();
         self.starts.resize(self.side * self.side + 1, 0);
         for (_, place) in kept().map(|(corner, _)| (corner, at[corner as usize])) {
@@ -343,7 +346,7 @@ impl Grid {
         }
     }
 
-    /// Never less far along an axis for what is farther along it.
+    /// Returns the cell of a point; monotonic along each axis.
     fn cell(&self, at: [f64; 2]) -> [usize; 2] {
         [0, 1].map(|axis| {
             let cells = (at[axis] - self.min[axis]) * self.cells_per_unit[axis];

@@ -1,4 +1,4 @@
-//! Normals of faces that are to look smooth and have none: where faces of one smoothing group meet, the mean of theirs.
+//! Computes smooth normals: the mean normal of adjacent faces of the same smoothing group.
 
 use super::groups::Group;
 use super::parse::{Faces, Tables};
@@ -8,7 +8,7 @@ use glam::DVec3;
 pub(super) struct SmoothNormals(Vec<((u32, u32), [f32; 3])>);
 
 impl SmoothNormals {
-    /// Those of the faces of a group of which some corner has no normal of its own. Large faces count for more.
+    /// Computes the normals for faces of a group with corners that lack one. Weighted by face area.
     pub(super) fn of(group: &Group, pieces: &[Faces], tables: &Tables) -> SmoothNormals {
         let mut shares: Vec<((u32, u32), DVec3)> = Vec::new();
         for run in &group.runs {
@@ -31,7 +31,7 @@ impl SmoothNormals {
                 );
             }
         }
-        // Stable, so that sums are always made in the order of the file.
+        // A stable sort, so that sums are always computed in file order.
         shares.sort_by_key(|(key, _)| *key);
         let mean = |shares: &[((u32, u32), DVec3)]| {
             let sum: DVec3 = shares.iter().map(|(_, normal)| normal).sum();
@@ -46,7 +46,7 @@ impl SmoothNormals {
         SmoothNormals(shares.chunk_by(|a, b| a.0 == b.0).map(mean).collect())
     }
 
-    /// The normal at a position in a smoothing group; zero where there is none.
+    /// Returns the normal at a position in a smoothing group; zero if there is none.
     pub(super) fn at(&self, position: u32, number: u32) -> [f32; 3] {
         let found = self.0.binary_search_by_key(&(position, number), |(key, _)| *key);
         found.map_or([0.0; 3], |place| self.0[place].1)

@@ -1,12 +1,12 @@
-//! The first reading: only counts, so that memory is set aside once, and every piece of the text knows what stands before
-//! it.
+//! The first pass: counts elements, so that memory is reserved once and the number of elements before every chunk is
+//! known.
 
 use super::ObjError;
 use super::text::{Lines, pieces};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
-/// How many of each there are.
+/// Numbers of elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counts {
     pub(super) lines: usize,
@@ -15,9 +15,9 @@ pub(super) struct Counts {
     pub(super) normals: usize,
     pub(super) faces: usize,
     pub(super) corners: usize,
-    /// Lines that begin a group, a material or the like.
+    /// Lines with a state statement, point or line element.
     pub(super) marks: usize,
-    /// Lines that begin with no word of OBJ.
+    /// Lines with an unknown keyword.
     pub(super) unknown: usize,
 }
 
@@ -35,26 +35,26 @@ impl AddAssign for Counts {
 }
 
 impl Counts {
-    /// Is there anything that OBJ knows?
+    /// Returns `true` if there is any known statement.
     pub(super) fn any_known(&self) -> bool {
         self.positions + self.texture + self.normals + self.faces + self.marks > 0
     }
 }
 
-/// A piece of the text.
+/// A chunk of the text.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece<'a> {
     pub(super) text: &'a [u8],
-    /// What stands before it.
+    /// Counts before the chunk.
     pub(super) before: Counts,
-    /// What stands in it.
+    /// Counts in the chunk.
     pub(super) within: Counts,
 }
 
-/// What one thread reads at a time.
+/// Chunk size, in bytes.
 const PIECE: usize = 1 << 20;
 
-/// Cuts a text in pieces and counts what is in them, and in all of them.
+/// Splits a text into chunks; counts the elements of each, and of all.
 pub(super) fn survey(text: &[u8]) -> Result<(Vec<Piece<'_>>, Counts), ObjError> {
     let pieces = pieces(text, PIECE);
     let counted: Vec<(Counts, Option<usize>)> = pieces.par_iter().map(|piece| count(piece)).collect();
@@ -72,7 +72,7 @@ pub(super) fn survey(text: &[u8]) -> Result<(Vec<Piece<'_>>, Counts), ObjError> 
     Ok((surveyed, before))
 }
 
-/// Counts what is in a piece, and says in which of its lines a byte 0 is.
+/// Counts the elements of a chunk; also returns the line of the first NUL byte, if there is one.
 fn count(piece: &[u8]) -> (Counts, Option<usize>) {
     if let Some(at) = piece.iter().position(|&byte| byte == 0) {
         let lines = piece[..at].iter().filter(|&&byte| byte == b'\n').count();

@@ -1,28 +1,28 @@
-//! Lines, words and numbers, as OBJ and MTL files have them.
+//! Lines, words and numbers of OBJ and MTL files.
 
 use std::borrow::Cow;
 
-/// A line that says something, with those that it goes on in.
+/// A line that is neither empty nor a comment, joined with its continuation lines.
 #[derive(Debug)]
 pub(super) struct Line<'a> {
-    /// Counted from 1.
+    /// Line number, from 1.
     pub(super) number: usize,
-    /// Without space at its ends.
+    /// Without leading and trailing white space.
     pub(super) text: Cow<'a, [u8]>,
 }
 
 impl Line<'_> {
-    /// What stands first.
+    /// Returns the first word.
     pub(super) fn keyword(&self) -> &[u8] {
         words(&self.text).next().unwrap_or_default()
     }
 
-    /// The words after the keyword, up to a comment.
+    /// Returns the words after the keyword, up to a comment.
     pub(super) fn words(&self) -> impl Iterator<Item = &[u8]> {
         words(&self.text).skip(1).take_while(|word| word[0] != b'#')
     }
 
-    /// All after the keyword. Names may have spaces and `#` in them, so nothing in it counts as a comment.
+    /// Returns everything after the keyword. Names may contain spaces and `#`, so `#` does not begin a comment here.
     pub(super) fn rest(&self) -> Cow<'_, str> {
         String::from_utf8_lossy(self.text[self.keyword().len()..].trim_ascii())
     }
@@ -33,25 +33,26 @@ fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
         .filter(|word| !word.is_empty())
 }
 
-/// The lines of a text that are neither empty nor comments.
+/// Iterates over the lines that are neither empty nor comments.
 #[derive(Clone, Debug)]
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
-    /// Lines that were passed.
+    /// Number of physical lines consumed.
     passed: usize,
 }
 
 impl<'a> Lines<'a> {
-    /// Those of a text that begins after `passed` lines of the file.
+    /// Iterates over a text that begins after `passed` lines of the file.
     pub(super) fn of(text: &'a [u8], passed: usize) -> Lines<'a> {
         Lines { rest: text, passed }
     }
 
-    /// Lines that were passed, all of them after the last.
+    /// Returns the number of physical lines consumed.
     pub(super) fn passed(&self) -> usize {
         self.passed
     }
 
+    /// Returns the next physical line, trimmed.
     fn take(&mut self) -> Option<&'a [u8]> {
         if self.rest.is_empty() {
             return None;
@@ -74,7 +75,7 @@ impl<'a> Iterator for Lines<'a> {
         loop {
             let line = self.take()?;
             let number = self.passed;
-            // A comment does not go on: one may well end in the name of a folder.
+            // Comments are not continued, because one may end in a Windows folder name.
             if line.is_empty() || line[0] == b'#' {
                 continue;
             }
@@ -102,17 +103,17 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// What a byte order mark stands before.
+/// Returns the bytes without a byte order mark.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes)
 }
 
-/// Those of very old files are carriage returns alone.
+/// Returns `true` if the line ends are single carriage returns, as in files of classic Mac OS.
 pub(super) fn has_old_line_ends(bytes: &[u8]) -> bool {
     bytes.contains(&b'\r') && !bytes.contains(&b'\n')
 }
 
-/// The text with line ends that we know.
+/// Returns the text with line feeds as line ends.
 pub(super) fn with_line_ends(bytes: &[u8]) -> Cow<'_, [u8]> {
     if !has_old_line_ends(bytes) {
         return Cow::Borrowed(bytes);
@@ -121,13 +122,13 @@ pub(super) fn with_line_ends(bytes: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(bytes.iter().map(ends).collect())
 }
 
-/// Cuts a text where lines end that do not go on, into pieces of about `size` bytes.
+/// Splits a text at line ends that are not continued, into chunks of about `size` bytes.
 pub(super) fn pieces(text: &[u8], size: usize) -> Vec<&[u8]> {
     let mut pieces = Vec::new();
     let mut rest = text;
     while rest.len() > size {
         let is_end = |&byte: &u8| byte == b'\n';
-        // From where the line begins in which the piece would end, line by line.
+        // Start at the line that contains the desired end, and advance line by line.
         let mut start = rest[..size]
             .iter()
             .rposition(is_end)
@@ -152,17 +153,17 @@ pub(super) fn pieces(text: &[u8], size: usize) -> Vec<&[u8]> {
     pieces
 }
 
-/// A number, which may be NaN or infinite. Those too are written in many ways.
+/// Parses a number, which may be NaN or infinite in any common spelling.
 pub(super) fn number(word: &[u8]) -> Option<f32> {
     let text = std::str::from_utf8(word).ok()?;
     text.parse().ok().or_else(|| {
-        // As C libraries on Windows print them: 1.#QNAN0, -1.#IND00, -nan(ind).
+        // Spellings of C runtimes on Windows: 1.#QNAN0, -1.#IND00, -nan(ind).
         let text = text.trim_start_matches(['-', '+']);
         (text.starts_with("1.#") || text.starts_with("nan(")).then_some(f32::NAN)
     })
 }
 
-/// A word to be quoted, not longer than one can read.
+/// Returns a word for a message, truncated if it is very long.
 pub(super) fn quoted(word: &[u8]) -> String {
     const LONGEST: usize = 40;
     let text = String::from_utf8_lossy(&word[..word.len().min(LONGEST)]).into_owned();

@@ -1,10 +1,11 @@
-//! Which room is around a point, by boxes: for what no author put into one.
+//! Finds the room that contains a point, by AABBs, for nodes outside every marked room.
 
 use super::sky::{by_size, space};
 use crate::Room;
 use enfilade::SectorId;
 
-/// The room with the smallest box that holds a point. The box of a room without a top has none either.
+/// Returns the room with the smallest AABB that contains a point. The AABB of a room without a ceiling extends upwards
+/// without bound.
 pub(crate) fn room_around(rooms: &[Room], point: [f32; 3]) -> Option<SectorId> {
     let numbered = (0_u32..).zip(rooms);
     numbered
@@ -14,7 +15,7 @@ pub(crate) fn room_around(rooms: &[Room], point: [f32; 3]) -> Option<SectorId> {
         .map(|(room, _)| room)
 }
 
-/// The room whose box is nearest to a point.
+/// Returns the room whose AABB is nearest to a point.
 pub(crate) fn room_nearest(rooms: &[Room], point: [f32; 3]) -> Option<SectorId> {
     let away = |number: &u32| -> f64 {
         let bounds = rooms[*number as usize].geometry.bounds();

@@ -1,22 +1,22 @@
-//! Frames: where a node stands and how it is turned, without its scale.
+//! Frames: position and orientation of a node, without scale.
 
 use enfilade::Transform;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// A place and three axes of unit length, right-handed.
+/// A position and three orthonormal, right-handed axes.
 ///
-/// The scale of a node does not count: on a portal it is only the size of its rectangle.
+/// The scale of a node is ignored: for a portal, it is only the size of its rectangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame(DAffine3);
 
 impl Frame {
-    /// The frame of a node; `None` where its axes do not say how it is turned. Of axes that are not square to each
-    /// other z counts most, for one goes along it, then y; of a mirrored node x is turned round.
+    /// Returns the frame of a node; `None` if its axes do not define an orientation. If they are not orthogonal, z
+    /// takes precedence, because it is the direction of travel, then y. For a mirrored node, x is flipped.
     pub(crate) fn of(world_from_node: &Transform) -> Option<Frame> {
         let [x, y, z, place] = world_from_node
             .columns()
             .map(|column| DVec3::from(column.map(f64::from)));
-        // A node flattened along one axis still says where that points.
+        // If z has zero length, the other two axes still define it.
         let z = z.try_normalize().or_else(|| x.cross(y).try_normalize())?;
         let y = (y - z * y.dot(z)).try_normalize();
         let y = y.or_else(|| z.cross(x).try_normalize())?;
@@ -30,12 +30,12 @@ impl Frame {
         self.0.translation
     }
 
-    /// Against the way in.
+    /// Returns +z, which points against the direction of travel.
     pub(crate) fn back(&self) -> DVec3 {
         self.0.matrix3.z_axis
     }
 
-    /// The transform of one who goes in here and comes out at `exit`: rigid.
+    /// Returns the rigid transform from the space in front of this frame to the space behind `exit`.
     pub(crate) fn there_from_here(&self, exit: &Frame) -> Transform {
         let there_from_here = exit.0 * self.0.inverse();
         Transform::from_columns(

@@ -1,4 +1,4 @@
-//! Joins rooms: every marked mesh becomes openings of rooms, and portals that lead out of them.
+//! Joins rooms: turns each marked mesh into openings of rooms, and portals through them.
 
 use super::outline::outline;
 use super::overlap::overlaps;
@@ -14,9 +14,9 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// An opening of a room and where it leads.
+/// An opening of a room and its target.
 struct Lead {
-    /// Which marked mesh.
+    /// Index of the marked mesh.
     marked: usize,
     from: usize,
     outline: ConvexPolygon,
@@ -24,15 +24,14 @@ struct Lead {
     there_from_here: Transform,
 }
 
-/// Builds the rooms with their openings, and the portals between them. Marked meshes that make no sense are reported and left
-/// out.
+/// Builds the rooms with their openings, and the portals between them. Reports and skips invalid marked meshes.
 pub(crate) fn join(
     shells: Vec<Shell>,
     mut marked: Vec<Marked>,
     faults: &mut Faults,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
-    // Most files are one room without openings: nothing is to be asked of it.
+    // Most files are one room without openings, which needs no analysis.
     if shells.len() == 1 && marked.is_empty() {
         return finish(shells, &marked, Found::default());
     }
@@ -57,7 +56,7 @@ pub(crate) fn join(
         if !faults.skips_portals() {
             break;
         }
-        // Asked again without them: one that is gone can neither cover another nor close a room.
+        // Analysed again without them, because a skipped mesh must not cover another or close a room.
         let mut is_bad = is_bad.into_iter();
         marked.retain(|_| !is_bad.next().unwrap_or_default());
         found = find(&bare, &spoken, &marked);
@@ -66,16 +65,17 @@ pub(crate) fn join(
     finish(shells, &marked, found)
 }
 
-/// What marked meshes come to.
+/// Result of analysing the marked meshes.
 #[derive(Default)]
 struct Found {
     leads: Vec<Lead>,
-    /// Which rooms have no top.
+    /// Whether each room has no ceiling.
     open_above: Vec<bool>,
-    /// The marked meshes that make no sense, in order, and why.
+    /// The invalid marked meshes, in order, with the reason.
     bad: Vec<(usize, AuthoringError)>,
 }
 
+/// Analyses all marked meshes.
 fn find(rooms: &[Geometry], spoken: &[&str], marked: &[Marked]) -> Found {
     let outlines: Vec<Result<ConvexPolygon, AuthoringError>> = marked
         .par_iter()
@@ -115,7 +115,7 @@ fn find(rooms: &[Geometry], spoken: &[&str], marked: &[Marked]) -> Found {
     }
 }
 
-/// Adds the openings to their rooms and builds these.
+/// Adds the openings to their rooms and builds the rooms.
 fn finish(
     mut shells: Vec<Shell>,
     marked: &[Marked],
@@ -148,7 +148,7 @@ fn finish(
     Ok((rooms, portals))
 }
 
-/// The openings that one marked mesh makes.
+/// Returns the openings that one marked mesh creates.
 fn leads(
     rooms: Rooms,
     spoken: &[&str],
@@ -191,7 +191,7 @@ fn leads(
                 to,
             } = &**teleport;
             let normal = DVec3::from(outline.normal().map(f64::from));
-            // A face that leans by more than 80 degrees is one that was never turned.
+            // The angle is limited to 80 degrees: a larger one means that the node was never oriented.
             let facing = normal.dot(from.back());
             if facing.abs() < 0.17 {
                 let node = marked.spoken.clone();
@@ -217,17 +217,18 @@ fn leads(
     }
 }
 
-/// A marked mesh and what stands at its two sides.
+/// A marked mesh and the rooms on its two sides.
 struct Around<'a> {
     rooms: Rooms<'a>,
     spoken: &'a [&'a str],
     marked: &'a Marked,
-    /// Before its front and behind it.
+    /// In front of it, behind it.
     sides: [Side; 2],
 }
 
 impl Around<'_> {
-    /// The room that a door leads out of, the one it leads into, and whether the first is behind the front.
+    /// Returns the room that a door leads out of, the room that it leads into, and whether the first is behind the
+    /// front.
     fn two_rooms(&self, to: Option<usize>, one_way: bool) -> Result<(usize, usize, bool), AuthoringError> {
         let [front, back] = &self.sides;
         let owner = self.marked.owner;
@@ -237,7 +238,7 @@ impl Around<'_> {
         let mut best: Option<(bool, f64, usize, usize)> = None;
         for &a in &near {
             for &b in near.iter().filter(|&&b| b != a) {
-                // What the author names stands there, whatever the rays say.
+                // A room named by the author counts even if no rays hit it.
                 let part = |side: &Side, room: usize| {
                     let part = side.part(room);
                     (part >= LEAST || to == Some(room)).then_some(part)
@@ -280,6 +281,7 @@ impl Around<'_> {
         Ok((leads_out_of, other, turned))
     }
 
+    /// Returns the reason why a door does not join two rooms.
     fn no_two_rooms(&self, to: Option<usize>) -> AuthoringError {
         let node = self.marked.spoken.clone();
         let touched = self.sides.iter().filter_map(Side::first).next();
@@ -297,7 +299,7 @@ impl Around<'_> {
         }
     }
 
-    /// The room before the front, or behind it.
+    /// Returns the room in front of the mesh, or behind it if `turned`.
     fn before(&self, turned: bool) -> Result<usize, AuthoringError> {
         let side = &self.sides[usize::from(turned)];
         let owner = self.marked.owner.filter(|&owner| side.part(owner) >= LEAST);
@@ -307,8 +309,8 @@ impl Around<'_> {
         })
     }
 
-    /// The room that a mirror shows, and whether the side that it shows is behind the front of its mesh: so where that
-    /// is turned to a wall.
+    /// Returns the room of a mirror, and whether its reflecting side is behind the front of its mesh, because the front
+    /// faces a wall.
     fn mirrored(&self, outline: &ConvexPolygon) -> Result<(usize, bool), AuthoringError> {
         let room = match self.marked.owner {
             Some(owner) => owner,
@@ -319,8 +321,8 @@ impl Around<'_> {
     }
 }
 
-/// How free the sight is before one side of an opening: for each ray straight ahead 2 where it ends at the front of a
-/// face some way off, 1 where it does not end, 0 at a wall hard by or from within one.
+/// Rates the free space on one side of an opening, by rays along its normal: 2 for each that hits a front face at some
+/// distance, 1 for each that hits nothing, 0 for a near wall or a back face.
 fn free_rays(room: &Geometry, outline: &ConvexPolygon, side: f64) -> usize {
     let corners: Vec<DVec3> = points(outline);
     let size = area(&corners).sqrt();
@@ -345,8 +347,8 @@ fn free_rays(room: &Geometry, outline: &ConvexPolygon, side: f64) -> usize {
         .sum()
 }
 
-/// Marked meshes whose openings are those of earlier ones: they face the same way in one room, and cover each other for the
-/// most part. The earlier one, the later one, which is named once, and the room.
+/// Finds marked meshes whose openings duplicate earlier ones: they face the same way in one room and mostly cover each
+/// other. Returns the earlier one, the later one (once), and the room.
 fn same_places(leads: &[Lead]) -> Vec<(usize, usize, usize)> {
     let mut by_room: Vec<&Lead> = leads.iter().collect();
     by_room.sort_by(|a, b| {
@@ -376,7 +378,7 @@ fn same_places(leads: &[Lead]) -> Vec<(usize, usize, usize)> {
         .collect()
 }
 
-/// Do two outlines that face the same way lie over each other, nearly in one plane?
+/// Returns `true` if two outlines face the same way, are nearly coplanar, and mostly overlap.
 fn covers_most(a: &ConvexPolygon, b: &ConvexPolygon) -> bool {
     let normal = DVec3::from(a.normal().map(f64::from));
     let (a, mut rest, facing) = (
@@ -412,7 +414,7 @@ fn area(polygon: &[DVec3]) -> f64 {
     0.5 * sum.length()
 }
 
-/// What of a polygon lies on the inner side of a line. Sutherland, Hodgman, Reentrant Polygon Clipping, 1974.
+/// Clips a polygon to the inner side of a line. Sutherland, Hodgman, Reentrant Polygon Clipping, 1974.
 fn clipped(polygon: &[DVec3], origin: DVec3, inward: DVec3) -> Vec<DVec3> {
     let mut kept = Vec::new();
     for (i, &here) in polygon.iter().enumerate() {

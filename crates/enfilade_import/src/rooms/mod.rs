@@ -1,7 +1,8 @@
-//! Rooms that portals join: from marked meshes and frames to openings, portals and their sides.
+//! Joins rooms by portals: finds the openings of marked meshes and the rooms on their two sides.
 //!
-//! Nothing here knows a file format. What stands at the two sides of an opening is found by rays, for boxes overlap:
-//! a garden's box holds the whole house. Rays that meet nothing end in the sky, which belongs to rooms without a top.
+//! Independent of file formats. The rooms on both sides of an opening are found by ray casts, because AABBs overlap:
+//! the AABB of a garden contains the whole house. Rays that hit nothing end in the sky, which belongs to rooms without
+//! a ceiling.
 
 mod around;
 mod frame;
@@ -19,46 +20,46 @@ use crate::SourceNodes;
 use enfilade::{GeometryBuilder, Mesh, Method, Transform};
 use std::sync::Arc;
 
-/// A room before it has openings.
+/// A room before its openings are added.
 pub(crate) struct Shell {
     pub(crate) name: String,
-    /// What messages call it.
+    /// Name of the room in messages.
     pub(crate) spoken: String,
     pub(crate) builder: GeometryBuilder,
     pub(crate) method: Option<Method>,
     pub(crate) nodes: SourceNodes,
 }
 
-/// A placed mesh that someone marked as an opening.
+/// A transformed mesh that the author marked as an opening.
 pub(crate) struct Marked {
     pub(crate) name: String,
-    /// What messages call it.
+    /// Name of the opening in messages.
     pub(crate) spoken: String,
     pub(crate) mesh: Arc<Mesh>,
     pub(crate) world: Transform,
-    /// The room that it belongs to.
+    /// The room that contains its node.
     pub(crate) owner: Option<usize>,
     pub(crate) way: Way,
 }
 
-/// Where an opening leads. Rooms are given by their places in the list of all.
+/// The target of an opening. Rooms are indices.
 pub(crate) enum Way {
-    /// To the other side; `to` where the author says which room that is.
+    /// To the room on the other side; `to` if the author names it.
     Door {
         to: Option<usize>,
         one_way: bool,
     },
     Teleport(Box<Teleport>),
-    /// Back into the room.
+    /// Back into the same room, reflected.
     Mirror,
 }
 
-/// In along −Z of `from`, out along −Z of `exit`.
+/// Enters along −Z of `from`, leaves along −Z of `exit`.
 pub(crate) struct Teleport {
     pub(crate) from: Frame,
     pub(crate) exit: Frame,
-    /// What the exit is called.
+    /// Name of the exit in messages.
     pub(crate) exit_name: String,
-    /// The room that it leads to, where the author or the exit's ancestors say so.
+    /// The target room, if the author names it or the exit is below it.
     pub(crate) to: Option<usize>,
 }

@@ -1,6 +1,6 @@
-//! The outline of a flat mesh, if it is one convex polygon.
+//! Computes the outline of a flat mesh, if it is a single convex polygon.
 //!
-//! However it is cut into triangles: by area, they cover the convex hull of their corners, or it is not convex.
+//! Works for any triangulation: the mesh is convex if its triangles cover their convex hull, by area.
 //! Source of the hull: Andrew, Another Efficient Algorithm for Convex Hulls in Two Dimensions, 1979.
 
 use crate::AuthoringError;
@@ -8,16 +8,17 @@ use enfilade::geom::PolygonError;
 use enfilade::{ConvexPolygon, Mesh, Transform};
 use glam::{DVec2, DVec3};
 
-/// How far off its plane a corner may lie, relative to the outline's size: a millimetre on a door. It is then moved
-/// into the plane.
+/// Maximum distance of a corner from the plane, relative to the size of the outline: a millimetre on a door. Such
+/// corners are projected into the plane.
 const FLATNESS: f64 = 1e-3;
-/// What part of the hull the faces may leave open, or cover twice.
+/// Maximum fraction of the hull's area that faces may leave open, or cover twice.
 const COVERAGE: f64 = 2e-3;
 
-/// More triangles than this make no opening: many that share one mesh would take memory and time without end.
+/// Maximum number of triangles of an opening; more, in a mesh shared by many nodes, would take unbounded memory and
+/// time.
 const MAX_TRIANGLES: u64 = 50_000;
 
-/// The convex outline of a placed mesh, its front where the largest of its triangles has its own.
+/// Returns the convex outline of a transformed mesh; its front is that of the largest triangle.
 pub(super) fn outline(mesh: &Mesh, world: &Transform, spoken: &str) -> Result<ConvexPolygon, AuthoringError> {
     if mesh.triangle_count() > MAX_TRIANGLES {
         return Err(AuthoringError::TooFine {
@@ -28,7 +29,7 @@ pub(super) fn outline(mesh: &Mesh, world: &Transform, spoken: &str) -> Result<Co
     of_triangles(&triangles(mesh, world), spoken)
 }
 
-/// The triangles of a placed mesh, which has no larger faces.
+/// Returns the transformed triangles of a mesh, which has no larger faces.
 fn triangles(mesh: &Mesh, world: &Transform) -> Vec<[DVec3; 3]> {
     let [x, y, z, origin] = world.columns().map(|column| DVec3::from(column.map(f64::from)));
     let corner = |&index: &u32| {
@@ -105,12 +106,12 @@ fn of_triangles(triangles: &[[DVec3; 3]], spoken: &str) -> Result<ConvexPolygon,
         .collect();
     ConvexPolygon::new(&corners).map_err(|why| match why {
         PolygonError::TooFar(_) => AuthoringError::TooFar { node: node() },
-        // Far from the origin 32 bits may bend it again.
+        // Far from the origin, rounding to 32 bits may make it non-planar again.
         _ => AuthoringError::NotFlat { node: node(), off },
     })
 }
 
-/// The area of all triangles; one that is there twice, as exporters make both sides of a sheet, counts once.
+/// Returns the area of all triangles; duplicates, such as the two sides of a double-sided sheet, count once.
 fn covered(triangles: &[[DVec3; 3]]) -> f64 {
     let bits = |corner: &DVec3| corner.to_array().map(|value| (value + 0.0).to_bits());
     let mut keyed: Vec<([[u64; 3]; 3], f64)> = triangles
@@ -127,7 +128,7 @@ fn covered(triangles: &[[DVec3; 3]]) -> f64 {
     keyed.iter().map(|(_, area)| area).sum()
 }
 
-/// The corners of the convex hull, counter-clockwise, without those that lie on a side of it.
+/// Returns the convex hull, counter-clockwise, without collinear corners.
 fn hull(mut points: Vec<DVec2>, tolerance: f64) -> Vec<DVec2> {
     points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut hull: Vec<DVec2> = Vec::new();
@@ -148,7 +149,7 @@ fn hull(mut points: Vec<DVec2>, tolerance: f64) -> Vec<DVec2> {
                 hull.push(point);
             }
         }
-        // The last of each half is the first of the other.
+        // The last point of each half is the first point of the other.
         hull.pop();
         points.reverse();
     }
@@ -172,7 +173,7 @@ mod tests {
         let found = of_triangles(&fan(&square), "a").expect("a rectangle");
         assert_eq!(found.corners().len(), 4);
         assert_eq!(found.normal(), [0.0, 0.0, 1.0]);
-        // A corner on a side, both sides of the sheet, and a grid.
+        // A collinear corner, both sides of the sheet, and a grid.
         let more = [
             [0.0, 0.0, 5.0],
             [1.0, 0.0, 5.0],

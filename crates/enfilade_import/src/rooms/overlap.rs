@@ -1,8 +1,8 @@
-//! Rooms that claim one space.
+//! Finds overlapping rooms.
 //!
-//! A point lies inside a room where every ray from it ends at the front of one of the room's faces. In a closet within a
-//! hall a point lies inside both, but meets the closet first, whichever way it looks; where rooms overlap, it meets
-//! now the one first and now the other. That much is sure; less is not called an error.
+//! A point is inside a room if every ray from it hits the front of one of the room's faces. A point in a closet within
+//! a hall is inside both rooms, but all rays hit the closet first; where rooms overlap, some rays hit one room first
+//! and some the other. Only this unambiguous case is an error.
 
 use super::sides::spread;
 use enfilade::{Aabb, Geometry, Hit, Ray};
@@ -10,18 +10,18 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 const DIRECTIONS: usize = 18;
-/// What part of the rays must meet each room first.
+/// Minimum fraction of the rays that must hit each room first.
 const BOTH: f64 = 0.25;
-/// Points in each direction of the space that two boxes share, and how many of them must lie in both rooms.
+/// Sample points per axis in the intersection of two AABBs, and how many of them must be inside both rooms.
 const GRID: usize = 3;
 const SURE: usize = 2;
 
-/// Pairs that are named, at most. Many rooms in one place would make more than anybody reads.
+/// Maximum number of pairs that are reported.
 const MAX_PAIRS: usize = 20;
-/// Pairs that are asked about before it is known whether enough were found.
+/// Pairs tested in parallel, before checking whether enough were found.
 const AT_ONCE: usize = 256;
 
-/// Pairs of rooms that overlap, each with a point inside both.
+/// Returns pairs of overlapping rooms, each with a point inside both.
 pub(super) fn overlaps(rooms: &[Geometry]) -> Vec<(usize, usize, [f32; 3])> {
     let mut by_x: Vec<usize> = (0..rooms.len())
         .filter(|&room| !rooms[room].bounds().is_empty())
@@ -50,9 +50,10 @@ pub(super) fn overlaps(rooms: &[Geometry]) -> Vec<(usize, usize, [f32; 3])> {
     found
 }
 
+/// Returns a point inside both rooms, if they overlap.
 fn in_both(a: &Geometry, b: &Geometry) -> Option<[f32; 3]> {
     let shared = shared(&a.bounds(), &b.bounds())?;
-    // The smaller is more likely to leave the point out, and then the larger need not be asked.
+    // The smaller room is more likely not to contain the point; then the larger one is not tested.
     let smaller_first = if a.bounds().volume() <= b.bounds().volume() {
         [a, b]
     } else {

@@ -1,23 +1,23 @@
-//! Which rooms stand at the two sides of an opening.
+//! Finds the rooms on the two sides of an opening.
 //!
-//! From places a little before it, rays go ahead in a cone; each votes for the room whose face it meets first. So a
-//! garden whose box holds the house has no say in a parlour, a thick wall of one room has little in the next, and
-//! a door's leaf, which hangs nearer than the places are, has none. A ray that meets nothing votes for the room without a top
-//! that it begins in or above: that is whose sky it ends in.
+//! Rays start slightly in front of the opening and spread in a cone; each votes for the room whose face it hits first.
+//! So a garden whose AABB contains the house gets no votes in an inner room, a thick wall of one room gets few in the
+//! next, and a door leaf gets none, because it is closer than the ray origins. A ray that hits nothing votes for the
+//! room without a ceiling that its origin is in or above, because it ends in the sky of that room.
 
 use super::sky::{by_size, space};
 use enfilade::{Aabb, ConvexPolygon, Geometry, Hit, Ray};
 use glam::DVec3;
 
-/// What part of the votes makes a room one that stands there.
+/// Minimum fraction of the votes for a room to be on that side.
 pub(super) const LEAST: f64 = 0.15;
-/// How far before the opening rays begin, relative to the square root of its area.
+/// Distances of the ray origins from the opening, relative to the square root of its area.
 const BEFORE: [f64; 2] = [0.1, 0.3];
-/// Rays that go round in each of two cones about the one straight ahead, and the angle of these, as a tangent.
+/// Number of rays in each of two cones around the central one, and the tangents of their angles.
 const AROUND: usize = 6;
 const CONES: [f64; 2] = [0.55, 1.4];
 
-/// Rooms before they have openings, and which of them have no top.
+/// Rooms before their openings are added, and whether each has no ceiling.
 #[derive(Clone, Copy)]
 pub(super) struct Rooms<'a> {
     pub(super) all: &'a [Geometry],
@@ -29,7 +29,8 @@ impl Rooms<'_> {
         space(&self.all[room], self.open_above[room])
     }
 
-    /// The room without a top that a point is in or above; of several the one that covers the least ground.
+    /// Returns the room without a ceiling that a point is in or above; if there are several, the one with the smallest
+    /// footprint.
     fn sky_over(&self, near: &[usize], point: DVec3) -> Option<usize> {
         let point = point.as_vec3().into();
         let open = near.iter().copied().filter(|&room| self.open_above[room]);
@@ -38,22 +39,22 @@ impl Rooms<'_> {
     }
 }
 
-/// One side of an opening: what part of the rays meets which room first, or ends in its sky.
+/// One side of an opening: the fraction of the rays that hit each room first, or end in its sky.
 #[derive(Debug, Default)]
 pub(super) struct Side {
     parts: Vec<(usize, f64)>,
-    /// All rays end in the sky of rooms without a top.
+    /// Whether all rays end in the sky of rooms without a ceiling.
     pub(super) is_sky: bool,
 }
 
 impl Side {
-    /// The part of a room, 0 to 1.
+    /// Returns the fraction of a room, 0 to 1.
     pub(super) fn part(&self, room: usize) -> f64 {
         let entry = self.parts.iter().find(|(other, _)| *other == room);
         entry.map_or(0.0, |(_, part)| *part)
     }
 
-    /// The rooms that stand there.
+    /// Returns the rooms on this side.
     pub(super) fn rooms(&self) -> impl Iterator<Item = usize> {
         self.parts
             .iter()
@@ -61,14 +62,14 @@ impl Side {
             .map(|(room, _)| *room)
     }
 
-    /// The room that most rays meet.
+    /// Returns the room with the most votes.
     pub(super) fn first(&self) -> Option<usize> {
         self.rooms()
             .max_by(|a, b| self.part(*a).total_cmp(&self.part(*b)))
     }
 }
 
-/// Both sides of an opening: its front, then its back. Rooms that are not near it have no say.
+/// Returns both sides of an opening: front, then back. Rooms that are not near it get no votes.
 pub(super) fn sides(rooms: Rooms, outline: &ConvexPolygon) -> [Side; 2] {
     let corners: Vec<DVec3> = outline
         .corners()
@@ -87,7 +88,7 @@ pub(super) fn sides(rooms: Rooms, outline: &ConvexPolygon) -> [Side; 2] {
     [normal, -normal].map(|ahead| side(rooms, &near, &corners, middle, ahead))
 }
 
-/// The room that most rays in all directions from a point meet first.
+/// Returns the room that most rays in all directions from a point hit first.
 pub(super) fn around(rooms: Rooms, point: DVec3) -> Option<usize> {
     let mut votes = Votes::default();
     let all: Vec<usize> = (0..rooms.all.len()).collect();
@@ -97,7 +98,7 @@ pub(super) fn around(rooms: Rooms, point: DVec3) -> Option<usize> {
     votes.side().first()
 }
 
-/// Directions spread evenly over the sphere, by the golden angle; the first is nearly straight up.
+/// Returns directions evenly distributed over the sphere, by the golden angle; the first is nearly straight up.
 pub(super) fn spread(i: usize, count: usize) -> DVec3 {
     let height = 1.0 - (2 * i + 1) as f64 / count as f64;
     let angle = i as f64 * 2.399_963_229_728_653;
@@ -137,7 +138,7 @@ fn side(rooms: Rooms, near: &[usize], corners: &[DVec3], middle: DVec3, ahead: D
     if votes.rays > 0 {
         return votes.side();
     }
-    // Nothing is met, and the sky is no room's: the open air of the smallest box that holds it.
+    // No ray hits anything, and the sky belongs to no room: use the smallest AABB that contains the point.
     let outside = (middle + ahead * (BEFORE[1] * area.sqrt())).as_vec3().into();
     let volume = |room: &usize| rooms.all[*room].bounds().volume();
     let holds = near
@@ -162,13 +163,13 @@ fn meets(a: &Aabb, b: &Aabb, margin: f64) -> bool {
 struct Votes {
     rays: usize,
     first: Vec<(usize, usize)>,
-    /// How many of the rays end in a sky.
+    /// Number of rays that end in a sky.
     in_sky: usize,
 }
 
 impl Votes {
-    /// Lets one ray vote, if it meets anything or ends in a sky. Of rooms whose walls meet in one plane the one whose front is met
-    /// counts.
+    /// Casts one ray, which votes if it hits anything or ends in a sky. If walls of several rooms coincide, the room
+    /// whose front face is hit gets the vote.
     fn cast(&mut self, rooms: Rooms, near: &[usize], origin: DVec3, direction: DVec3) {
         let ray = Ray {
             origin: origin.as_vec3().into(),
@@ -212,7 +213,7 @@ impl Votes {
         }
     }
 
-    /// Gives a room one vote more.
+    /// Adds one vote for a room.
     fn count(&mut self, room: usize) {
         match self.first.iter_mut().find(|(other, _)| *other == room) {
             Some((_, votes)) => *votes += 1,

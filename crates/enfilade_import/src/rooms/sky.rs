@@ -1,23 +1,25 @@
-//! Rooms without a top: gardens, courtyards, rooms whose ceiling is missing.
+//! Finds rooms without a ceiling: gardens, courtyards, rooms whose ceiling is missing.
 //!
-//! Such a room extends upwards without end, so an opening to the open sky leads into it, however far above its faces the
-//! opening is. Up is +Y, as in glTF.
-//! Whether a room has a top is found by vertical rays on a grid: a column is open where the highest face is the ground. No portal
-//! may be above it, for what is above a portal belongs to the room on its other side.
+//! Such a room extends upwards without bound, so an opening to the open sky leads into it, however far above its faces
+//! the opening is. Up is +Y, as in glTF.
+//! Vertical rays on a grid decide whether a room has a ceiling: a column is open if its highest face is the ground. No
+//! portal may be above it, because the space above a portal belongs to the room on its other side.
 
 use enfilade::{Aabb, ConvexPolygon, Geometry, Ray};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
-/// Columns along each side of a room's box.
+/// Columns along each side of a room's AABB.
 const COLUMNS: usize = 12;
-/// What part of the columns that meet the room must be open: more than the balcony of a bedroom, less than a garden with a house.
+/// Minimum fraction of open columns among those that hit the room: more than the balcony of a bedroom, less than a
+/// garden with a house.
 const OPEN: f64 = 0.3;
-/// How thick the ground may be, relative to the height of the room or to the shorter side of the ground: a slab, not a storey.
+/// Maximum thickness of the ground, relative to the height of the room or to the shorter side of the ground: a slab,
+/// not a storey.
 const THICK: [f64; 2] = [1.0 / 8.0, 1.0 / 32.0];
 
-/// Which rooms have no top. `lids` are the outlines of all portals and mirrors.
+/// Returns whether each room has no ceiling. `lids` are the outlines of all portals and mirrors.
 pub(super) fn open_above(rooms: &[Geometry], lids: &[ConvexPolygon]) -> Vec<bool> {
     let is_open = |room: &Geometry| {
         let bounds = room.bounds();
@@ -29,7 +31,7 @@ pub(super) fn open_above(rooms: &[Geometry], lids: &[ConvexPolygon]) -> Vec<bool
     rooms.par_iter().map(is_open).collect()
 }
 
-/// The space of a room: its box, which has no top where the room has none.
+/// Returns the space of a room: its AABB, unbounded upwards if the room has no ceiling.
 pub(crate) fn space(room: &Geometry, open_above: bool) -> Aabb {
     let mut space = room.bounds();
     if open_above && !space.is_empty() {
@@ -38,7 +40,7 @@ pub(crate) fn space(room: &Geometry, open_above: bool) -> Aabb {
     space
 }
 
-/// Compares spaces by volume; those without a top by the ground that they cover.
+/// Compares spaces by volume; unbounded ones by their footprint.
 pub(crate) fn by_size(a: &Aabb, b: &Aabb) -> Ordering {
     let ground = |space: &Aabb| sides(space)[0] * sides(space)[2];
     let volumes = a.volume().total_cmp(&b.volume());
@@ -89,14 +91,14 @@ fn has_no_top(room: &Geometry, bounds: &Aabb, lids: &[&ConvexPolygon]) -> bool {
     open > 0 && f64::from(open as u32) >= OPEN * f64::from(met)
 }
 
-/// Whether the vertical ray up from a point meets a polygon.
+/// Returns `true` if the vertical ray up from a point hits a polygon.
 fn is_below(point: DVec3, polygon: &ConvexPolygon) -> bool {
     let corner = |i: usize| {
         let corners = polygon.corners();
         DVec3::from(corners[i % corners.len()].map(f64::from))
     };
     let normal = DVec3::from(polygon.normal().map(f64::from));
-    // A wall is no lid.
+    // A vertical polygon covers nothing below it.
     if normal.y.abs() < 1e-3 {
         return false;
     }

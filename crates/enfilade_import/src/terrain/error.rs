@@ -1,85 +1,88 @@
-//! Why terrain is not read.
+//! Errors of reading terrain.
 
 use crate::BrokenRule;
 use enfilade::HeightFieldError;
 use thiserror::Error;
 
-/// What is wrong with a description of terrain, or with its heights.
+/// The rule that a terrain description, or its heightmap, violates.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum TerrainError {
-    /// The JSON lacks something, or has it in another form.
+    /// The JSON lacks a key, or a value has the wrong type.
     #[error(
-        "describes terrain, but {0}; it needs width, height, format, cellMetresX and cellMetresZ, and may have file, noData and diagonal"
+        "describes terrain, but {0}; it needs width, height, format, cellMetresX and cellMetresZ, and may have file, noData, \
+         diagonal and method"
     )]
     Description(String),
-    /// Heights are stored in a way that is not read.
+    /// The sample type is not supported.
     #[error(
-        "has heights in the format `{0}`; `u16 little endian`, `u16 big endian`, `f32 little endian` and `f32 big endian` are read"
+        "has heights in the unknown format `{0}`; formats are `u16 little endian`, `u16 big endian`, `f32 little endian` and \
+         `f32 big endian`"
     )]
     Format(String),
-    /// The heights are in a file, and there is no folder to look in.
+    /// The heights are in a separate file, and no folder was given.
     #[error("describes heights in a file, but no folder was given to look for it; give one")]
     NoFolder,
-    /// There is no such file, or there are several.
+    /// No heightmap was found, or several.
     #[error("describes heights in a file `{wanted}` beside it, but {found}; name one as \"file\"")]
     NoFile {
-        /// How it would be called.
+        /// The file name that was tried first.
         wanted: String,
-        /// What is there.
+        /// The files that were found.
         found: String,
     },
-    /// The name of the file leads elsewhere.
+    /// `file` is a path outside the folder.
     #[error(
-        "has its heights in `{0}`, which is not beside it; move that file there, and give its name alone"
+        "has its heights in `{0}`, which is not in the same folder; move that file there, and give only its name"
     )]
     NotBeside(String),
-    /// The file of heights is not read.
+    /// The heightmap cannot be read.
     #[error("has its heights in {file}, which {why}")]
     File {
-        /// Where it was looked for.
+        /// The path that was tried.
         file: String,
-        /// What is wrong with it.
+        /// Why it cannot be read.
         why: Box<BrokenRule>,
     },
-    /// The file of heights is too short, or too long.
+    /// The heightmap has the wrong length.
     #[error(
-        "has {} x {} heights in {file}, which must have {needs} bytes, but has {has}; copy it again, or correct width and height",
+        "has {} x {} heights in {file}, which must have {needs} bytes, but has {has}; copy it again, or correct width and \
+         height",
         size[0], size[1]
     )]
     Length {
-        /// Which file.
+        /// The heightmap.
         file: String,
-        /// Heights from west to east and from north to south.
+        /// Number of columns and rows.
         size: [u32; 2],
-        /// The bytes that they take.
+        /// Required length, in bytes.
         needs: u64,
-        /// The bytes that are there.
+        /// Length of the file, in bytes.
         has: u64,
     },
-    /// A hole.
+    /// A sample has the `noData` value.
     #[error(
-        "has no height at column {column}, row {row}, which holds the noData value {number:?}; fill the hole, or cut the field in parts \
-         around it"
+        "has no height at column {column}, row {row}, which holds the noData value {number:?}; fill the hole, or split the \
+         terrain around it"
     )]
     NoData {
-        /// What stands there.
+        /// The `noData` value.
         number: f32,
-        /// Counted from the west.
+        /// Column, from the west, from 0.
         column: u32,
-        /// Counted from the north.
+        /// Row, from the north, from 0.
         row: u32,
     },
-    /// It says a method that there is none of.
-    #[error("is to be seen by the method `{method}`, which is not known; methods are {methods}")]
+    /// `method` is unknown.
+    #[error("has the unknown method `{method}`; methods are {methods}")]
     UnknownMethod {
-        /// What it says.
+        /// The value of `method`.
         method: String,
-        /// What there is.
+        /// Names of the known methods.
         methods: String,
     },
-    /// What is left to the field to check.
-    #[error("is no terrain: {0}")]
+    /// The [`HeightField`](enfilade::HeightField) rejects the heights.
+    #[error("is not a valid terrain: {0}")]
     Field(HeightFieldError),
 }
 

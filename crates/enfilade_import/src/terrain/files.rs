@@ -1,10 +1,10 @@
-//! Which file heights are in.
+//! Finds the heightmap of a description.
 
 use super::TerrainError;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// The file called `named`, or else the only one that belongs to a description called `name`.
+/// Returns the file called `named`, or else the only `.raw` file that belongs to a description called `name`.
 pub(super) fn heights_of(
     named: &Option<String>,
     folder: &Path,
@@ -43,7 +43,7 @@ pub(super) fn heights_of(
             begins && ends
         })
         .collect();
-    // Folders give their files in any order.
+    // `read_dir` returns files in any order.
     all.sort();
     match all.as_slice() {
         [one] => Ok(one.clone()),

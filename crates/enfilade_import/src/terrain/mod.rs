@@ -1,4 +1,4 @@
-//! Terrain: a file of heights, and a JSON file beside it that describes it; and meshes that are grids of heights.
+//! Reads terrain: a raw heightmap with a JSON description; and recognises meshes that are height grids.
 //!
 //! ```json
 //! {
@@ -9,17 +9,17 @@
 //! }
 //! ```
 //!
-//! `width` heights from west to east, `height` rows of them, the northern first, in metres. `format` says how each is stored: `u16
-//! little endian` and `u16 big endian` are numbers of 16 bits without sign, `f32 little endian` and `f32 big endian` those of 32
-//! bits with a fraction. `noData` is the number that stands for a hole, if one does. Without `file` the heights are in the only file beside it
-//! that is called as it is, or begins so, and ends in `.raw`. `diagonal` says where the diagonal of each cell begins:
-//! `north-east`, as where it is left out, or `north-west`. `method` says how it is to be seen, if it is there. Other keys are
-//! comments.
+//! The file holds `height` rows of `width` heights in metres, the northernmost row first, each from west to east.
+//! `format` is the sample type: `u16 little endian` or `u16 big endian` (unsigned integers), `f32 little endian` or
+//! `f32 big endian`. `noData`, if present, is the value of a missing sample. `file` names the heightmap; without it,
+//! the only `.raw` file in the same folder with the same stem, or a stem that begins with it, is used. `diagonal` is
+//! the corner where the diagonal of each cell begins: `north-east` (the default) or `north-west`. `method`, if present,
+//! is the visibility method. Other keys are ignored.
 //!
-//! Where the heights would take more as meshes than reading may, they stay in their file, which is mapped into memory.
+//! Heights that would take more memory as meshes than the limit stay in their file, which is mapped into memory.
 //! Source: ours.
-//! Cost: O(heights); memory, too, unless they stay in their file.
-//! Hostile: what is said of the heights is held against their file before anything is set aside.
+//! Cost: O(heights), also in memory unless they stay in their file.
+//! Hostile input: the sizes are checked against the length of the file before anything is allocated.
 
 mod error;
 mod files;
@@ -40,7 +40,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What the JSON file says.
+/// The JSON description.
 #[derive(Debug, Deserialize)]
 struct Description {
     width: u32,
@@ -58,7 +58,7 @@ struct Description {
     diagonal: Corner,
 }
 
-/// Where the diagonal of each cell begins.
+/// The corner where the diagonal of each cell begins.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Corner {
@@ -76,12 +76,12 @@ impl From<Corner> for Diagonal {
     }
 }
 
-/// A description is no longer than this.
+/// Maximum length of a description, in bytes.
 const LONGEST: usize = 1 << 16;
 
-/// Are bytes JSON that describes terrain, and not glTF?
+/// Returns `true` if the bytes are JSON that describes terrain, and not glTF.
 pub(crate) fn describes_terrain(bytes: &[u8]) -> bool {
-    /// By what each of the two is told.
+    /// The keys that distinguish the two: `asset` is required in glTF, the others in a description.
     #[derive(Deserialize)]
     struct Keys {
         asset: Option<serde::de::IgnoredAny>,
@@ -94,7 +94,7 @@ pub(crate) fn describes_terrain(bytes: &[u8]) -> bool {
             .is_ok_and(|keys| keys.asset.is_none() && (keys.width.is_some() || keys.cell_x.is_some()))
 }
 
-/// Reads terrain of which a JSON file called `name` says what its heights are, which lie in `folder`.
+/// Reads the terrain described by a JSON file called `name`; its heightmap is looked for in `folder`.
 pub(crate) fn import(
     bytes: &[u8],
     folder: Option<&Path>,
@@ -168,7 +168,7 @@ pub(crate) fn import(
     })
 }
 
-/// A copy of a description that says by which method the terrain is to be seen.
+/// Returns a copy of a description with `method` set.
 pub(crate) fn with_method(bytes: &[u8], method: Method) -> Result<Vec<u8>, BrokenRule> {
     let mut json: serde_json::Value =
         serde_json::from_slice(bytes).map_err(|why| TerrainError::Description(why.to_string()))?;
@@ -176,18 +176,18 @@ pub(crate) fn with_method(bytes: &[u8], method: Method) -> Result<Vec<u8>, Broke
     Ok(format!("{json:#}\n").into_bytes())
 }
 
-/// Dry grass.
+/// Terrain color: dry grass.
 const GROUND: [f32; 3] = [0.32, 0.36, 0.17];
 
-/// What a height takes: as a number, as a corner of two to four blocks with its normal, as two triangles.
+/// Memory per height: a number, a vertex with normal in up to four blocks, and two triangles.
 const BYTES_OF_SAMPLE: u64 = 4 + 30 + 2 * 40;
 
-/// Cells of a block of [`LargeTerrain`], and the bytes that it keeps of one, with those of the squares of blocks.
+/// Cells per block of [`LargeTerrain`], and the bytes that it stores per block, including its quadtree of blocks.
 const CELLS_OF_BLOCK: u64 = 32 * 32;
 const BYTES_OF_BLOCK: u64 = 11;
 
 impl Description {
-    /// How a height is stored: numbers of 16 bits without sign and of 32 bits with a fraction are read.
+    /// Returns the sample type: unsigned 16-bit integers and 32-bit floats are supported.
     fn format(&self) -> Result<HeightFormat, TerrainError> {
         let words: Vec<String> = self
             .format
@@ -208,6 +208,7 @@ impl Description {
         }
     }
 
+    /// Returns the visibility method, if the description names one.
     fn method(&self) -> Result<Option<Method>, TerrainError> {
         let Some(name) = &self.method else {
             return Ok(None);
@@ -219,7 +220,7 @@ impl Description {
         Ok(Some(known))
     }
 
-    /// The heights in bytes that have all of them.
+    /// Views bytes as the heights of this description.
     fn stored<B: AsRef<[u8]> + Send + Sync>(
         &self,
         bytes: B,
@@ -229,7 +230,7 @@ impl Description {
         HeightBytes::new(bytes, [self.width, self.height], format, hole).map_err(TerrainError::Field)
     }
 
-    /// Blocks as meshes.
+    /// Builds the terrain as block meshes.
     fn meshes(&self, raw: &[u8], format: HeightFormat) -> Result<Geometry, BrokenRule> {
         let stored = self.stored(raw, format, self.no_data)?;
         let mut heights = vec![0.0; self.width as usize * self.height as usize];
@@ -251,7 +252,7 @@ impl Description {
         geometry.build().map_err(BrokenRule::Geometry)
     }
 
-    /// Heights that stay in their file.
+    /// Builds the terrain from heights that stay in their file.
     fn large(&self, mapped: map::Map, format: HeightFormat) -> Result<LargeTerrain, TerrainError> {
         let stored = self.stored(mapped.clone(), format, self.no_data)?;
         let terrain = LargeTerrain::new(stored, [self.cell_x, self.cell_z], GROUND);
@@ -259,7 +260,7 @@ impl Description {
         Ok(terrain.cut_along(self.diagonal.into()))
     }
 
-    /// Why heights make no field: a hole may be one that was announced.
+    /// Converts an error of the height field; a hole may be a declared `noData` value.
     fn refusal<B: AsRef<[u8]> + Send + Sync>(
         &self,
         why: HeightFieldError,

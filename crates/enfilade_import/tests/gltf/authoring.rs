@@ -32,7 +32,7 @@ fn two_portals_for_one_opening() {
     let words = [
         "node 4 \"Door-portal\"",
         "node 5 \"Gate-portal\"",
-        "one opening",
+        "the same opening",
         "remove one",
     ];
     refuses(&other(0.0, 0.0), &words);
@@ -57,7 +57,7 @@ fn names_of_rooms_and_exits_that_are_not_there_or_not_clear() {
     refuses(&file, &["node 5 \"Out\"", "node 6 \"Out\"", "rename one"]);
     let mut file = with(json!({ "exit": "Out" }));
     file.node(json!({ "name": "Out", "translation": [500, 0, 0] }));
-    refuses(&file, &["node 4", "`Out`", "stands in no room", "`to`"]);
+    refuses(&file, &["node 4", "`Out`", "is in no room", "`to`"]);
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn a_teleport_that_has_no_direction() {
     );
     let mesh = edgewise.mesh(json!([floor]));
     edgewise.json["nodes"][4]["mesh"] = json!(mesh);
-    refuses(&edgewise, &["node 4 \"Door-portal\"", "-Z", "turn the node"]);
+    refuses(&edgewise, &["node 4 \"Door-portal\"", "-Z", "rotate the node"]);
 }
 
 #[test]
@@ -200,9 +200,9 @@ fn extras_of_the_wrong_type_or_with_unknown_words() {
             json!({ "kind": "gate" }),
             &["`gate`", "room, portal, mirror and terrain"],
         ),
-        (json!({ "kind": 3 }), &["kind = 3", "a text"]),
-        (json!({ "to": ["B-room"] }), &["to = [\"B-room\"]", "a text"]),
-        (json!({ "exit": 1 }), &["exit = 1", "a text"]),
+        (json!({ "kind": 3 }), &["kind = 3", "a string"]),
+        (json!({ "to": ["B-room"] }), &["to = [\"B-room\"]", "a string"]),
+        (json!({ "exit": 1 }), &["exit = 1", "a string"]),
         (json!({ "one_way": 2 }), &["one_way = 2", "true or false"]),
         (
             json!({ "one_way": "yes" }),
@@ -214,7 +214,7 @@ fn extras_of_the_wrong_type_or_with_unknown_words() {
         ),
         (
             json!({ "kind": "room", "method": true }),
-            &["method = true", "a text"],
+            &["method = true", "a string"],
         ),
     ] {
         let file = two_rooms(&[door("Door-portal", extras)]);
@@ -259,7 +259,7 @@ fn all_mistakes_of_a_file_are_named_at_once_each_with_its_node_and_remedy() {
     let text = refusal(&full_of_mistakes().glb()).expect("it is refused");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 1 + MISTAKES.len(), "{text}");
-    assert!(lines[0].contains("6 things are wrong with its rooms"), "{text}");
+    assert!(lines[0].contains("6 errors in its rooms"), "{text}");
     for (node, remedy) in MISTAKES {
         let named = |line: &&&str| line.contains(&format!("\"{node}\"")) && line.contains(remedy);
         assert_eq!(lines[1..].iter().filter(named).count(), 1, "{node} in {text}");
@@ -279,7 +279,7 @@ fn mistakes_of_rooms_portals_and_terrain_are_named_together() {
     };
     assert_eq!(errors.count(), MISTAKES.len() + 3, "{error}");
     let text = error.to_string();
-    for words in ["`bps`", "rename one of them", "no triangles to be terrain"] {
+    for words in ["`bps`", "rename one of them", "terrain without triangles"] {
         assert!(text.contains(words), "{text}");
     }
     assert!(!errors.can_be_skipped() && !errors.flat_ignores_them());
@@ -302,7 +302,7 @@ fn a_thousand_mistakes_are_a_page_and_a_count() {
     let nodes: Vec<Value> = (0..1200).map(far).collect();
     let text = refusal(&two_rooms(&nodes).glb()).expect("it is refused");
     assert_eq!(text.lines().count(), 22, "{text}");
-    assert!(text.contains("1200 things are wrong") && text.ends_with("\n  and 1180 more"));
+    assert!(text.contains("1200 errors in") && text.ends_with("\n  and 1180 more"));
 }
 
 #[test]

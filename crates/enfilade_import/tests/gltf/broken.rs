@@ -157,12 +157,12 @@ fn accessors_of_another_type() {
         (
             "positions of long whole numbers",
             &|j| j["accessors"][0]["componentType"] = json!(5125),
-            "accessor 0 holds VEC3 of UNSIGNED_INT, but positions as VEC3 of FLOAT, or of bytes or shorts are wanted; export",
+            "accessor 0 holds VEC3 of UNSIGNED_INT, but positions as VEC3 of FLOAT, or of bytes or shorts are expected; export",
         ),
         (
             "flat positions",
             &|j| j["accessors"][0]["type"] = json!("VEC2"),
-            "accessor 0 holds VEC2 of FLOAT, but positions as VEC3 of FLOAT, or of bytes or shorts are wanted",
+            "accessor 0 holds VEC2 of FLOAT, but positions as VEC3 of FLOAT, or of bytes or shorts are expected",
         ),
         (
             "broken indices",
@@ -188,7 +188,7 @@ fn accessors_of_another_type() {
                     .expect("an accessor")
                     .remove("bufferView");
             },
-            "meshes[0].primitives[0] is compressed (KHR_draco_mesh_compression), which is not read yet",
+            "meshes[0].primitives[0] is compressed (KHR_draco_mesh_compression), which is not supported yet",
         ),
     ]);
 }

@@ -110,18 +110,18 @@ fn buffers_that_cannot_be_had() {
             "/leaf.bin",
             "buffer 0 is `/leaf.bin`, which leads out of the file's folder",
         ),
-        ("%ff.bin", "buffer 0 has a bad address: `%ff.bin` is not UTF-8"),
+        ("%ff.bin", "buffer 0 has an invalid URI: `%ff.bin` is not UTF-8"),
         (
             "data:application/octet-stream;base64",
-            "buffer 0 has a bad address: its data URI has no comma",
+            "buffer 0 has an invalid URI: its data URI has no comma",
         ),
         (
             "data:text/plain,leaf",
-            "buffer 0 has a bad address: its data URI is not base64",
+            "buffer 0 has an invalid URI: its data URI is not base64",
         ),
         (
             "data:;base64,a?b=",
-            "buffer 0 has a bad address: its data URI is not base64",
+            "buffer 0 has an invalid URI: its data URI is not base64",
         ),
         (
             "data:;base64,AAAA",
@@ -244,12 +244,8 @@ fn headers_that_lie() {
         refusal(&file).unwrap_or_default()
     };
     for (at, bytes, expected) in [
-        (
-            4,
-            [1, 0, 0, 0],
-            "is of glTF version 1; export it again as glTF 2.0",
-        ),
-        (4, [0xff; 4], "is of glTF version 4294967295"),
+        (4, [1, 0, 0, 0], "is glTF version 1; export it again as glTF 2.0"),
+        (4, [0xff; 4], "is glTF version 4294967295"),
         (8, [0xff; 4], "should end at byte 4294967295"),
         (12, [0xff; 4], "its JSON chunk should end at byte 4294967315"),
         (16, *b"BIN\0", "its first chunk is not JSON"),

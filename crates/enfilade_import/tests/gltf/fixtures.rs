@@ -129,7 +129,7 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
         ),
         (
             "bad_data_uri.gltf",
-            "warning: images that cannot be read are grey (image 0 has a bad address",
+            "warning: images that cannot be read are grey (image 0 has an invalid URI",
         ),
         (
             "bad_lights.glb",
@@ -138,7 +138,7 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
         ("bad_normals.glb", "warning: normals that are not finite"),
         (
             "cut_jpeg.glb",
-            "warning: images that cannot be read are grey (image 0 \"letter\": it is cut short",
+            "warning: images that cannot be read are grey (image 0 \"letter\": it is truncated",
         ),
         ("cut_png.glb", "warning: images that cannot be read are grey"),
         ("empty_png.glb", "warning: images that cannot be read are grey"),
@@ -157,7 +157,7 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
         ),
         (
             "instances_differ.glb",
-            "error: node 0 \"letter\" has 3 places (TRANSLATION), but 5 scales (SCALE)",
+            "error: node 0 \"letter\" has 3 translations (TRANSLATION), but 5 scales (SCALE)",
         ),
         (
             "meshopt_count.glb",
@@ -194,7 +194,7 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
         ),
         (
             "not_an_image.glb",
-            "warning: images that cannot be read are grey (image 0 \"letter\": neither PNG nor JPEG",
+            "warning: images that cannot be read are grey (image 0 \"letter\": it is neither PNG nor JPEG",
         ),
         ("png_called_jpeg.glb", ""),
         (
@@ -228,11 +228,11 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
         ),
         (
             "unknown_required.glb",
-            "error: needs what is not read here: ACME_spout, ACME_teapot;",
+            "error: requires an unsupported extension: ACME_spout, ACME_teapot;",
         ),
         (
             "unknown_wrap.glb",
-            "error: sampler 0 has wrapS 12345, which glTF does not know",
+            "error: sampler 0 has wrapS 12345, which glTF does not define",
         ),
         (
             "view_out_of_range.glb",

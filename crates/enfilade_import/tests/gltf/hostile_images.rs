@@ -57,20 +57,26 @@ fn images_that_cannot_be_had_are_grey_and_say_why() {
             "image 0 \"Wall\" is the file `",
         ),
         (json!({ "uri": "folder.png" }), "is not a file"),
-        (json!({ "uri": "words.png" }), "image 0: neither PNG nor JPEG"),
+        (
+            json!({ "uri": "words.png" }),
+            "image 0: it is neither PNG nor JPEG",
+        ),
         (
             json!({ "uri": "data:image/png;base64,!!!" }),
-            "image 0 has a bad address: its data URI is not base64",
+            "image 0 has an invalid URI: its data URI is not base64",
         ),
         (
             json!({ "uri": "data:image/png;base64" }),
             "its data URI has no comma",
         ),
-        (json!({ "uri": "data:;base64," }), "image 0: neither PNG nor JPEG"),
+        (
+            json!({ "uri": "data:;base64," }),
+            "image 0: it is neither PNG nor JPEG",
+        ),
         (json!({ "uri": "%ff.png" }), "is not UTF-8"),
-        (json!({}), "image 0: it has neither an address nor a bufferView"),
+        (json!({}), "image 0: it has neither a uri nor a bufferView"),
         // Positions are no image.
-        (json!({ "bufferView": 0 }), "image 0: neither PNG nor JPEG"),
+        (json!({ "bufferView": 0 }), "image 0: it is neither PNG nor JPEG"),
     ] {
         let mut file = textured_leaf();
         file.json["images"] = json!([image]);
@@ -82,7 +88,7 @@ fn images_that_cannot_be_had_are_grey_and_say_why() {
     file.json["textures"] = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);
     is_grey(
         &reads(&file),
-        "texture 0: it has no image, or one of a kind that is not read",
+        "texture 0: it has no image, or one of an unsupported format",
     );
     // Bytes have no folder.
     let mut file = textured_leaf();
@@ -147,7 +153,7 @@ fn images_that_are_too_much_together_are_grey_from_the_first_that_does_not_fit()
     assert!(bytes < options.limit_bytes);
     let said = warnings(&import);
     assert!(
-        said[0].contains("700x700 texels need ") && said[0].contains("MB, more than is allowed"),
+        said[0].contains("700x700 texels need ") && said[0].contains("MB, more than the memory limit allows"),
         "{said:?}"
     );
 }
@@ -173,7 +179,7 @@ fn an_image_looked_up_in_a_hundred_ways_is_not_kept_a_hundred_times_without_aski
     assert!((1..8).contains(&grey), "{grey} are grey");
     let said = warnings(&import);
     assert!(
-        said[0].contains("once more, for another sampler, needs more memory than is allowed"),
+        said[0].contains("a copy for another sampler needs more memory than is allowed"),
         "{said:?}"
     );
 }

@@ -46,7 +46,7 @@ fn numbers_that_name_no_texture_sampler_or_image_are_refused() {
                 j["samplers"] = json!([{ "wrapT": 5 }]);
                 j["textures"][0]["sampler"] = json!(0);
             },
-            "sampler 0 has wrapT 5, which glTF does not know; export it again",
+            "sampler 0 has wrapT 5, which glTF does not define; export it again",
         ),
         (
             "a filter",

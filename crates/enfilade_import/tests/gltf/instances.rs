@@ -129,7 +129,7 @@ fn instances_that_make_no_sense_are_refused() {
             file.floats(&[0.0; 9], 3);
             file.floats(&[1.0; 6], 3);
         },
-        "node 0 \"Leaf\" has 3 places (TRANSLATION), but 2 scales (SCALE); export it again with one of each per instance",
+        "node 0 \"Leaf\" has 3 translations (TRANSLATION), but 2 scales (SCALE); export it again with one of each per instance",
     );
     refused(
         json!({ "TRANSLATION": 7 }),
@@ -141,7 +141,7 @@ fn instances_that_make_no_sense_are_refused() {
         &|file| {
             file.accessor(5120, "VEC4", 1, vec![0, 0, 0, 127]);
         },
-        "holds VEC4 of BYTE, but turns of instances as VEC4 of FLOAT, or of normalized BYTE or SHORT are wanted",
+        "holds VEC4 of BYTE, but rotations of instances as VEC4 of FLOAT, or of normalized BYTE or SHORT are expected",
     );
     refused(
         json!({ "ROTATION": 2 }),

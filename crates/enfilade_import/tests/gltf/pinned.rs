@@ -85,10 +85,7 @@ fn a_method_of_a_scene_that_is_none_is_refused_with_its_place_before_any_buffer_
     let why = read(&path, &ReadOptions::default())
         .expect_err("there is no such method")
         .to_string();
-    assert!(
-        why.contains("scene 0 is to be seen by the method `magic`"),
-        "{why}"
-    );
+    assert!(why.contains("scene 0 has the unknown method `magic`"), "{why}");
 }
 
 #[test]

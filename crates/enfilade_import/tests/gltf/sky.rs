@@ -385,7 +385,7 @@ fn an_opening_to_a_sky_that_is_nobodys_says_what_is_missing() {
 fn a_portal_in_a_top_that_is_open_around_it_says_that_the_room_has_none() {
     let words = [
         "\"Top-portal\"",
-        "\"Court-room\" has no top",
+        "\"Court-room\" has no ceiling",
         "as large as the open top",
     ];
     refuses(&courtyard(1.0), &words);
@@ -408,7 +408,7 @@ fn a_portal_in_mid_air_says_that_both_sides_are_sky() {
         &[
             "\"Lost-portal\"",
             "touches only one room, node 3 \"Garden-room\"",
-            "nothing but the open sky above that at both sides",
+            "only the open sky above it on both sides",
             "remove it",
         ],
     );

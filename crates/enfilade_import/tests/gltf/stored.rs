@@ -247,7 +247,7 @@ fn what_corners_carry_must_be_one_for_each_and_of_its_kind() {
             "NORMAL",
             2,
             3,
-            "holds VEC2 of FLOAT, but normals as VEC3 of FLOAT, BYTE or SHORT are wanted; export it again",
+            "holds VEC2 of FLOAT, but normals as VEC3 of FLOAT, BYTE or SHORT are expected; export it again",
         ),
         (
             "COLOR_0",
@@ -267,7 +267,7 @@ fn what_corners_carry_must_be_one_for_each_and_of_its_kind() {
     file.carry("TEXCOORD_0", wide);
     let said = refusal(&file.glb()).expect("an error");
     let expected =
-        "holds VEC3 of FLOAT, but texture coordinates as VEC2 of FLOAT, or of bytes or shorts are wanted";
+        "holds VEC3 of FLOAT, but texture coordinates as VEC2 of FLOAT, or of bytes or shorts are expected";
     assert!(said.contains(expected), "{said}");
     // Where no texture wants them, they may be anything.
     file.json["materials"][0] = json!({});

@@ -46,10 +46,10 @@ fn a_mesh_that_is_no_grid_is_told_the_first_place_without_a_corner() {
         grid.corners = vec![0, 1, 2, 0, 2, 3, 0, 3, 4];
     });
     let words = [
-        "the bytes given: node 0 \"hill-terrain\" is terrain, but its corners stand in 5 columns and 5 rows, but none at column 0, \
+        "the bytes given: node 0 \"hill-terrain\" is terrain, but its vertices are in 5 columns and 5 rows, but there is none at column 0, \
          row 0 (x -0.9422",
-        "fill the hole, or cut the terrain in parts around it",
-        "If it is none, give the node another name",
+        "fill the hole, or split the terrain around it",
+        "If it is no terrain, rename the node",
     ];
     refuses(&file, &words);
 }
@@ -68,7 +68,7 @@ fn holes_are_told_by_their_place() {
     });
     refuses(
         &file,
-        &["5 columns and 4 rows, but none at column 2, row 1 (x 20, z 2 in its own space)"],
+        &["5 columns and 4 rows, but there is none at column 2, row 1 (x 20, z 2 in object space)"],
     );
     // One triangle, or both, with all corners there.
     for gone in [3, 6] {
@@ -79,7 +79,7 @@ fn holes_are_told_by_their_place() {
         refuses(
             &file,
             &[
-                "the cell south-east of column 2, row 1 (x 20, z 2 in its own space) lacks a triangle",
+                "the cell south-east of column 2, row 1 (x 20, z 2 in object space) lacks a triangle",
                 "fill the hole",
             ],
         );
@@ -111,8 +111,8 @@ fn one_height_over_another_is_told_by_both() {
     refuses(
         &file,
         &[
-            "it has the heights 0 and -9 at column 4, row 1 (x 40, z 2 in its own space)",
-            "leave one of them",
+            "it has the heights 0 and -9 at column 4, row 1 (x 40, z 2 in object space)",
+            "remove one of them",
         ],
     );
     // A mesh with z up stands on its edge.
@@ -127,8 +127,8 @@ fn triangles_that_are_no_half_of_a_cell() {
         &file,
         &[
             "a triangle with a corner at column",
-            "reaches over more than one cell",
-            "cut every cell in two",
+            "spans more than one cell",
+            "split every cell into two",
         ],
     );
     let twice = wrong(|grid| {
@@ -140,8 +140,9 @@ fn triangles_that_are_no_half_of_a_cell() {
         refuses(
             &file,
             &[
-                "lie over one another in the cell south-east of column 1, row 1 (x 10, z 2",
-                "leave two",
+                "the cell south-east of column 1, row 1 (x 10, z 2",
+                "has overlapping triangles",
+                "keep only the two",
             ],
         );
     }
@@ -171,10 +172,10 @@ fn terrain_seen_from_below_is_to_be_flipped() {
 fn cells_cut_along_both_diagonals_are_not_mixed() {
     let file = wrong(|grid| cell(grid, 3, 2).copy_from_slice(&[13, 18, 19, 13, 19, 14]));
     let words = [
-        "the cell south-east of column 3, row 2 (x 30, z 4 in its own space) is cut in triangles along another diagonal",
+        "the cell south-east of column 3, row 2 (x 30, z 4 in object space) is split along another diagonal",
     ];
     refuses(&file, &words);
-    refuses(&file, &["cut all alike before exporting"]);
+    refuses(&file, &["split all cells alike before exporting"]);
 }
 
 #[test]
@@ -213,9 +214,9 @@ fn nodes_whose_terrain_could_not_stay_as_it_is() {
     };
     let node = "node 0 \"hill-terrain\"";
     let none = with(&|file| file.json["nodes"][0]["mesh"] = Value::Null);
-    refuses(&none, &[node, "has no triangles to be terrain", "another name"]);
+    refuses(&none, &[node, "is terrain without triangles", "rename it"]);
     let points = with(&|file| file.json["meshes"][0]["primitives"][0]["mode"] = json!(0));
-    refuses(&points, &[node, "has no triangles to be terrain"]);
+    refuses(&points, &[node, "is terrain without triangles"]);
     let skinned = with(&|file| {
         file.push("skins", json!({ "joints": [0] }));
         file.json["nodes"][0]["skin"] = json!(0);
@@ -234,7 +235,7 @@ fn nodes_whose_terrain_could_not_stay_as_it_is() {
     });
     refuses(
         &instanced,
-        &[node, "is terrain with instances", "a node of its own"],
+        &[node, "is terrain with instances", "a separate node"],
     );
     let two_materials = with(&|file| {
         file.push("materials", json!({}));
@@ -244,11 +245,7 @@ fn nodes_whose_terrain_could_not_stay_as_it_is() {
     });
     refuses(
         &two_materials,
-        &[
-            node,
-            "those of primitives 0 and 1 of its mesh differ",
-            "a node for each",
-        ],
+        &[node, "primitives 0 and 1 of its mesh differ", "one node for each"],
     );
     let line = wrong(|grid| {
         grid.positions
@@ -314,10 +311,10 @@ fn a_million_corners_that_are_no_grid_are_refused_fast() {
     for (file, words) in [
         (
             diagonal,
-            "999999 columns and 999999 rows, but none at column 0, row 0",
+            "999999 columns and 999999 rows, but there is none at column 0, row 0",
         ),
         (pile, "it has the heights"),
-        (row, "reaches over more than one cell"),
+        (row, "spans more than one cell"),
         (crowd, "hill-terrain"),
         (sparse, "hill-terrain"),
     ] {

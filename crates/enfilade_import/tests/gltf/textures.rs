@@ -261,7 +261,7 @@ fn a_jpeg_is_known_by_its_bytes_whatever_the_file_calls_it() {
     let cut = warnings(&with(&jpeg[..jpeg.len() - 2]));
     assert_eq!(
         cut,
-        ["images that cannot be read are grey (image 1: it is cut short)"]
+        ["images that cannot be read are grey (image 1: it is truncated)"]
     );
 }
 

@@ -58,8 +58,8 @@ fn words_that_are_no_corners() {
         refuses(
             &format!("f 1 2 {word}"),
             &format!(
-                "line 5: `{word}` is no corner of a face, which is POSITION, POSITION/TEXTURE, POSITION/TEXTURE/NORMAL or \
-                 POSITION//NORMAL, each a whole number"
+                "line 5: `{word}` is not a face corner, which is POSITION, POSITION/TEXTURE, POSITION/TEXTURE/NORMAL or \
+                 POSITION//NORMAL, each an integer"
             ),
         );
     }
@@ -69,17 +69,17 @@ fn words_that_are_no_corners() {
 
 #[test]
 fn numbers_that_are_none_or_too_few() {
-    refuses("v 0 1,5 0", "line 5: `1,5` is no number");
-    refuses("v 0 0 0 1 zero 0", "line 5: `zero` is no number");
+    refuses("v 0 1,5 0", "line 5: `1,5` is not a number");
+    refuses("v 0 0 0 1 zero 0", "line 5: `zero` is not a number");
     refuses("v 1 2", "line 5: `v` needs 3 numbers, but has 2");
     refuses("v", "line 5: `v` needs 3 numbers, but has 0");
     refuses("vn 1 # 2 3", "line 5: `vn` needs 3 numbers, but has 1");
     refuses("vt", "line 5: `vt` needs 1 numbers, but has 0");
-    refuses("vt a", "line 5: `a` is no number");
+    refuses("vt a", "line 5: `a` is not a number");
     let long = "9".repeat(50) + "x";
     refuses(
         &format!("v 0 0 {long}"),
-        &format!("line 5: `{}…` is no number", &long[..40]),
+        &format!("line 5: `{}…` is not a number", &long[..40]),
     );
 }
 
@@ -99,7 +99,8 @@ fn positions_that_are_not_finite_where_a_face_is() {
 
 #[test]
 fn what_is_no_text() {
-    let zero = "line 6 has a byte 0 in it, so this is no text; export it again, or name it for what it is";
+    let zero =
+        "line 6 has a byte 0 in it, so this is not text; export it again, or give it its proper extension";
     refuses("f 1 2 1\n\0\n", zero);
     // As editors on Windows may write text.
     let wide: Vec<u8> = "v 0 0 0\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
@@ -122,6 +123,6 @@ fn of_several_broken_lines_the_first_is_named() {
     }
     for _ in 0..5 {
         let said = refusal(text.as_bytes()).expect("a broken line");
-        assert!(said.contains("line 101: `x` is no number;"), "{said}");
+        assert!(said.contains("line 101: `x` is not a number;"), "{said}");
     }
 }

@@ -162,7 +162,7 @@ fn an_image_under_black_or_no_color_stands_alone() {
     let odd = with_wood("map_Ke -s 2 my wood.png\nmap_Kd tex/wood.png");
     assert_eq!(
         warnings(&odd),
-        ["unknown statements in material files are ignored (a: map_Ke has another place than map_Kd)"]
+        ["unknown statements in material files are ignored (a: map_Ke has other options than map_Kd)"]
     );
 }
 
@@ -184,7 +184,9 @@ fn alpha_maps_make_cut_outs() {
         assert_eq!(material(&other).alpha, Alpha::Mask, "{lines}");
         assert_eq!(
             warnings(&other),
-            ["unknown statements in material files are ignored (a: map_d is not the image of map_Kd)"]
+            [
+                "unknown statements in material files are ignored (a: map_d is ignored: its image differs from map_Kd)"
+            ]
         );
     }
 }

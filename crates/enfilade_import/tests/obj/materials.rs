@@ -71,7 +71,7 @@ fn d_and_tr_make_glass() {
     assert_eq!(material(&odd).alpha, Alpha::Opaque);
     assert_eq!(
         warnings(&odd),
-        ["unknown statements in material files are ignored (a: Tr says otherwise than d, which is taken)"]
+        ["unknown statements in material files are ignored (a: Tr contradicts d, which is used)"]
     );
 }
 

@@ -34,7 +34,7 @@ fn a_file_that_is_cut_short_ends_before_something() {
     );
     says("PRT2\n2\n2\n0\n0 -1\n", "ends before the leafs of cluster 1 of 2");
     says("PRT1\n3\n0\n7\n", "ends before solid face 0 of 7");
-    says("PRT2\n2\n1\n0\n0 -1\n", "ends before leaf 1 of 2 is in a cluster");
+    says("PRT2\n2\n1\n0\n0 -1\n", "ends before the cluster of leaf 1 of 2");
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn a_portal_that_is_none_is_named_by_its_line() {
 fn more_than_is_promised_is_refused() {
     says(
         &format!("PRT1\n2\n0\n4 0 1 {DOOR}\n"),
-        "line 4: this is more than the 2 clusters and 0 portals",
+        "line 4: the header promises only 2 clusters and 0 portals",
     );
 }
 
@@ -99,7 +99,7 @@ fn more_than_is_promised_is_refused() {
 fn every_leaf_is_in_one_cluster() {
     says(
         "PRT2\n2\n2\n0\n0 -1\n2 -1\n",
-        "line 6: leaf 2 is not there, and there are 2",
+        "line 6: leaf 2 does not exist, and there are 2",
     );
     says(
         "PRT2\n2\n2\n0\n0 1 -1\n1 -1\n",

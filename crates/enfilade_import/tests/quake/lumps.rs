@@ -92,7 +92,7 @@ fn a_map_that_is_damaged_or_another_is_refused() {
     let models = lump(&map, 14).start;
     let other = changed(models + 52, 4).to_string();
     assert!(
-        other.starts_with("has 4 leafs, its portals are of 3: they are of another map"),
+        other.starts_with("has 4 leafs, but its portals have 3: they are of another map"),
         "{other}"
     );
     for end in 0..map.len() - 12 {

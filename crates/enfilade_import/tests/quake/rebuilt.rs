@@ -236,7 +236,7 @@ fn a_tree_of_a_hundred_thousand_planes_in_a_row_is_walked() {
 #[test]
 fn a_map_that_makes_no_sense_is_refused() {
     let good = carved(&TWO_ROOMS);
-    refused(b"PRT1\n1\n0\n", &["no compiled map"]);
+    refused(b"PRT1\n1\n0\n", &["not a compiled map"]);
     let change = |change: &dyn Fn(&mut Raw)| {
         let mut raw = good.clone();
         change(&mut raw);
@@ -260,7 +260,7 @@ fn a_map_that_makes_no_sense_is_refused() {
         }
         refused(
             &change(&|raw| raw.nodes[2].1[0] = 1).bytes(format),
-            &["node 1 is met twice"],
+            &["node 1 is reached twice"],
         );
         refused(
             &change(&|raw| raw.nodes[3].0 = 99).bytes(format),
@@ -275,7 +275,7 @@ fn a_map_that_makes_no_sense_is_refused() {
                 .find(|child| **child == SOLID);
             *solid.expect("something is solid") = -2;
         });
-        refused(&shared.bytes(format), &["leaf 1 stands in two places"]);
+        refused(&shared.bytes(format), &["leaf 1 has two parent nodes"]);
     }
     refused(
         &change(&|raw| raw.world_leafs = 2).bytes(Format::Bsp2),

@@ -59,7 +59,7 @@ fn a_map_that_is_cut_short_anywhere_is_refused_and_says_what_to_do() {
             assert!(
                 said.contains("again")
                     || said.contains("name a scene")
-                    || said.contains("is no compiled map of a known kind"),
+                    || said.contains("is not a compiled map of a known format"),
                 "{said}"
             );
         }
@@ -172,7 +172,7 @@ fn a_number_that_names_nothing_is_told_with_what_names_it() {
             3,
             0,
             0x7fc0_0000,
-            "vertex 0 is not at a finite place",
+            "vertex 0 has a coordinate that is not finite",
         ),
         (Format::Bsp2, 10, 48, 9, "leaf 1 names byte of rows 9"),
         (Format::Bsp2, 11, 0, 88, "leaf 1 names face 88"),
@@ -191,7 +191,7 @@ fn a_number_that_names_nothing_is_told_with_what_names_it() {
             16,
             0,
             9,
-            "what is visible from cluster 8 ends after its lump",
+            "the PVS row of cluster 8 ends after its lump",
         ),
     ];
     for (format, lump, at, number, wanted) in cases {
@@ -209,7 +209,7 @@ fn entities_that_are_none_are_told_by_their_line() {
     little.lumps[0] = b"{\n\"classname\" worldspawn }".to_vec();
     let said = refusal(&little.bytes()).expect("a refusal");
     assert!(
-        said.contains("its entities have `w` where a value is wanted, in line 2"),
+        said.contains("its entities have `w` where a value is expected, in line 2"),
         "{said}"
     );
     little.lumps[0] = b"{ } { \"classname\" \"func_wall\" \"model\" \"*7\" }".to_vec();
@@ -271,7 +271,7 @@ fn a_map_that_means_everything_many_times_is_refused_at_once() {
     little.lumps[14][52..56].copy_from_slice(&(MANY as i32).to_le_bytes());
     let said = refusal(&little.bytes()).expect("a refusal");
     assert!(
-        said.contains("what is visible would raise the memory needed to"),
+        said.contains("its visibility data would raise the memory needed to"),
         "{said}"
     );
     assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());

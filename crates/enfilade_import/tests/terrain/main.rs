@@ -171,7 +171,10 @@ fn a_file_of_heights_that_is_not_there_or_not_the_only_one_is_asked_for() {
     ] {
         named["file"] = json!(elsewhere);
         let said = refusal(&named, &[]);
-        assert!(said.contains("which is not beside it"), "{elsewhere}: {said}");
+        assert!(
+            said.contains("which is not in the same folder"),
+            "{elsewhere}: {said}"
+        );
     }
     named["file"] = json!("gone.raw");
     let said = refusal(&named, &[]);
@@ -202,8 +205,8 @@ fn too_few_heights_and_too_many_are_told_apart_from_holes() {
     holes["noData"] = json!(600);
     assert_eq!(
         refusal(&holes, &[("hill.raw", &heights())]),
-        "hill.json: has no height at column 2, row 1, which holds the noData value 600.0; fill the hole, or cut the \
-         field in parts around it"
+        "hill.json: has no height at column 2, row 1, which holds the noData value 600.0; fill the hole, or split the \
+         terrain around it"
     );
 }
 
@@ -228,12 +231,18 @@ fn a_description_that_lacks_something_says_what_it_needs() {
         let mut other = description();
         other["format"] = json!(format);
         let said = refusal(&other, files);
-        assert!(said.contains(&format!("in the format `{format}`")), "{said}");
+        assert!(
+            said.contains(&format!("in the unknown format `{format}`")),
+            "{said}"
+        );
     }
     let mut flat = description();
     flat["cellMetresX"] = json!(0.0);
     let said = refusal(&flat, files);
-    assert!(said.contains("is no terrain: cells are 0 long"), "{said}");
+    assert!(
+        said.contains("is not a valid terrain: cells are 0 long"),
+        "{said}"
+    );
     let mut line = description();
     line["width"] = json!(1);
     line["height"] = json!(6);
@@ -311,7 +320,7 @@ fn holes_are_told_by_their_place_wherever_heights_stay() {
     }
     for said in said(f32::NAN) {
         assert!(
-            said.contains("is no terrain: the height at column 7, row 33 is NaN"),
+            said.contains("is not a valid terrain: the height at column 7, row 33 is NaN"),
             "{said}"
         );
     }
@@ -351,7 +360,7 @@ fn a_description_says_by_which_method_its_terrain_is_seen() {
     description["method"] = json!("magic");
     let why = refusal(&description, &[("hill.raw", &heights())]);
     assert!(
-        why.contains("by the method `magic`, which is not known; methods are painter-min"),
+        why.contains("has the unknown method `magic`; methods are painter-min"),
         "{why}"
     );
 }

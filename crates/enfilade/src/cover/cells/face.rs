@@ -1,4 +1,4 @@
-//! A face in cells: which it meets, which its edges meet, and how near it is there at least.
+//! A triangle in cell coordinates: the cells that it and its edges touch, and bounds of its depth there.
 
 use crate::aperture::Rect;
 use crate::cover::part::{greater, smaller};
@@ -7,72 +7,72 @@ use crate::passage::{BEYOND, Passage};
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 
-/// A corner as faces share it.
+/// A vertex, as shared by faces.
 #[derive(Clone, Copy)]
 pub(super) struct Corner {
-    /// X, Y, W, in cells.
+    /// (X, Y, W), in cells.
     at: DVec3,
-    /// Names the position and its space.
+    /// Hash of the position and its space.
     name: u64,
 }
 
-/// A line through two corners, and the name of the edge between them.
+/// Line through two vertices, and the signed hash of the edge between them.
 type Line = (DVec3, u64);
 
-/// An edge of a face, or of what is left of it.
+/// An edge of a face, after clipping.
 #[derive(Clone, Copy)]
 pub(super) struct Edge {
-    /// What it adds to a cell's sum: the face on its other side adds the negative.
+    /// Summand of the cells that it touches; the face on its other side adds the negative.
     pub(super) name: u64,
-    /// The line that it lies on: line · (x, y, 1) = 0. The same bits from both sides.
+    /// The points (x, y) with line · (x, y, 1) = 0. Has the same bits for both faces.
     line: DVec3,
-    /// Around what is left of it.
+    /// Bounds of the clipped edge.
     min: [f64; 2],
     max: [f64; 2],
 }
 
-/// What a face does in a row of cells; columns as the first and the one after the last.
+/// Coverage of one row of cells; each pair is a first column and an end column (exclusive).
 pub(super) struct Row {
-    /// Those that the face meets.
+    /// Columns that the face touches.
     pub(super) columns: [u16; 2],
-    /// Those that it covers alone.
+    /// Columns inside the face, which it covers alone.
     pub(super) within: [u16; 2],
-    /// Those that each edge meets.
+    /// Columns that each edge touches.
     pub(super) edges: SmallVec<[[u16; 2]; MAX_EDGES]>,
 }
 
-/// Edges of what two planes leave of a triangle, at most.
+/// Maximum number of edges of a triangle clipped by two planes.
 const MAX_EDGES: usize = 5;
 
-/// A triangle, or what is left of it beyond the near distance and the last portal.
+/// A triangle, clipped at the near plane and the entry plane.
 pub(super) struct Face {
     edges: SmallVec<[Edge; MAX_EDGES]>,
-    /// The cells around it.
+    /// Bounding rectangle in cells.
     pub(super) rect: Rect,
     min: [f64; 2],
     max: [f64; 2],
-    /// Reversed depth is at least slope · (x, y, 1), and at least `least`.
+    /// Plane of reversed depth slope · (x, y, 1), and the minimum at the corners.
     slope: DVec3,
     least: f64,
     nearest: f64,
 }
 
-/// What is this close to a cell, in cells, is taken to meet it. Positions are good to 10⁻⁹.
+/// Distance, in cells, within which something counts as touching a cell. Positions are accurate to 10⁻⁹.
 const SLACK: f64 = 1e-6;
 
-/// Lines this level are not asked where they cross a row: the answer would not be good to [`SLACK`].
+/// Slope below which a line counts as horizontal: its crossings with a row would be less accurate than [`SLACK`].
 const LEVEL: f64 = 1.0 / (1_u64 << 20) as f64;
 
-/// What the last bits of products and sums of three may come to, relatively to the largest, and ample.
+/// Generous bound on the rounding error of sums of three products, relative to the largest.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
-/// By how much reversed depth is lowered before it is stored: what rounding to f32 may add, and what multiplying does.
+/// Factor that lowers reversed depth before it is stored: covers rounding to f32 and the multiplication.
 const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 22) as f64;
 
-/// As `ROUND_UP` of regions.
+/// Same as `ROUND_UP` in `region`.
 const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
-/// Names a space by the map that leads from it to the screen.
+/// Returns a hash of a space, from its transform to the screen.
 pub(super) fn name_of_space(screen_from_local: &DAffine3) -> u64 {
     let numbers = screen_from_local.to_cols_array();
     numbers
@@ -80,7 +80,7 @@ pub(super) fn name_of_space(screen_from_local: &DAffine3) -> u64 {
         .fold(0, |name, number| mix(name ^ number.to_bits()))
 }
 
-/// Scatters all bits over all. Constants of the finaliser of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
+/// Mixes all bits. Constants of the finalizer of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
 #[inline(always)]
 fn mix(name: u64) -> u64 {
     let name = (name ^ (name >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -91,7 +91,7 @@ fn mix(name: u64) -> u64 {
 impl Corner {
     #[inline(always)]
     pub(super) fn new(position: [f32; 3], screen_from_local: &DAffine3, space: u64) -> Corner {
-        // Adding zero makes one zero of the two.
+        // Adding zero turns −0 into +0, which would hash differently.
         let [x, y, z] = position.map(|value| u64::from((value + 0.0).to_bits()));
         let position = DVec3::from(position.map(f64::from));
         Corner {
@@ -102,7 +102,7 @@ impl Corner {
 }
 
 impl Edge {
-    /// What is left of an edge between `from` and `to`; `signed` is its name as the face adds it.
+    /// Creates an edge that was clipped to `from`..`to`; `name` is its signed hash.
     #[inline(always)]
     fn new(line: DVec3, name: u64, [from, to]: [[f64; 2]; 2]) -> Edge {
         Edge {
@@ -113,8 +113,8 @@ impl Edge {
         }
     }
 
-    /// The line through two corners and its name, in the direction from `from` to `to`: the same numbers the other way
-    /// round, but for the sign of the name. `None` where both are one.
+    /// Returns the line through two vertices and the edge's hash. The opposite direction gives the same line and the
+    /// negative hash. `None` if both vertices are the same.
     #[inline(always)]
     fn between(from: &Corner, to: &Corner) -> Option<Line> {
         let forward = from.name < to.name;
@@ -124,7 +124,7 @@ impl Edge {
         (first.name != second.name).then(|| (first.at.cross(second.at - first.at), signed))
     }
 
-    /// What of it lies in row `y` of cells, from left to right.
+    /// Returns the minimum and maximum x of the edge in row `y` of cells; `None` if it does not reach the row.
     #[inline(always)]
     fn reach(&self, y: u16) -> Option<[f64; 2]> {
         let y0 = greater(self.min[1], f64::from(y) - SLACK);
@@ -143,9 +143,9 @@ impl Edge {
 }
 
 impl Face {
-    /// What is left of a triangle; `None` where it is edge-on, turned away or beside `limits`, or nothing is left.
+    /// Clips a triangle. Returns `None` if it is edge-on, back-facing, outside `limits` or clipped away.
     ///
-    /// `front`: of the sign that the determinant of its corners has where it is seen from its front, 0 where both are.
+    /// `front` is the sign of the determinant of front-facing corners, or 0 for double-sided faces.
     #[inline(always)]
     pub(super) fn of(corners: [&Corner; 3], front: f64, passage: &Passage, limits: &Rect) -> Option<Face> {
         let [a, b, c] = corners.map(|corner| corner.at);
@@ -154,8 +154,8 @@ impl Face {
         if determinant == 0.0 || front * determinant < 0.0 || !determinant.is_finite() {
             return None;
         }
-        // Around the screen the same way, whichever side is seen: so that an edge at which a surface turns over is not
-        // taken for one at which it goes on.
+        // Same winding on the screen, whichever side is visible. So the two faces at a silhouette edge, where the
+        // surface folds over, do not cancel there.
         let [a, b, c] = if determinant < 0.0 {
             corners
         } else {
@@ -194,7 +194,7 @@ impl Face {
         (face.edges.len() >= 3).then_some(face)
     }
 
-    /// Holds a corner too; gives where it is on the screen.
+    /// Extends the bounds by a corner and returns its position on the screen.
     #[inline(always)]
     fn add_corner(&mut self, at: DVec3) -> [f64; 2] {
         let rev_depth = 1.0 / at.z;
@@ -208,7 +208,7 @@ impl Face {
         pixel
     }
 
-    /// Takes what is left of a triangle beyond the near distance and the last portal.
+    /// Clips a triangle at the near plane and the entry plane.
     #[cold]
     fn clip(&mut self, corners: [&Corner; 3], near: f64, passage: &Passage) {
         let mut kept: SmallVec<[(DVec3, Option<Line>); MAX_EDGES]> = [[0, 1], [1, 2], [2, 0]]
@@ -228,7 +228,7 @@ impl Face {
                 }
                 if (at_here < 0.0) != (at_there < 0.0) {
                     let cut = here + (there - here) * (at_here / (at_here - at_there));
-                    // What was cut off ends here for good: a new edge that no face has on its other side.
+                    // The cut is a new edge, which no face has on its other side.
                     kept.push((cut, if at_here < 0.0 { edge } else { None }));
                 }
             }
@@ -236,7 +236,7 @@ impl Face {
         for (i, &(from, edge)) in kept.iter().enumerate() {
             let (to, _) = kept[(i + 1) % kept.len()];
             let ends = [self.add_corner(from), self.add_corner(to)];
-            // Of no line: in each row it is taken to be as wide as all of it.
+            // The cut has no line, so it counts as its whole extent in each row that it reaches.
             let (line, name) = edge.unwrap_or((DVec3::ZERO, mix(from.x.to_bits() ^ mix(to.y.to_bits())) | 1));
             self.edges.push(Edge::new(line, name, ends));
         }
@@ -253,19 +253,19 @@ impl Face {
         Some(Rect { x0, y0, x1, y1 })
     }
 
-    /// Does all of it lie in these cells?
+    /// Returns `true` if the face is entirely inside these cells.
     #[inline(always)]
     pub(super) fn is_within(&self, rect: &Rect) -> bool {
         let [low, high] = [[rect.x0, rect.y0], [rect.x1, rect.y1]].map(|corner| corner.map(f64::from));
         (0..2).all(|axis| self.min[axis] >= low[axis] && self.max[axis] <= high[axis])
     }
 
-    /// How near it is at most, rounded up.
+    /// Returns the maximum reversed depth, rounded up.
     pub(super) fn nearest(&self) -> f32 {
         (self.nearest * ROUND_UP) as f32
     }
 
-    /// What it does in a row of cells; `None` where it meets none.
+    /// Returns the columns that the face and its edges touch in a row of cells; `None` if there are none.
     #[inline(always)]
     pub(super) fn row(&self, y: u16, limits: &Rect) -> Option<Row> {
         let limits = [limits.x0, limits.x1];
@@ -292,8 +292,8 @@ impl Face {
         })
     }
 
-    /// How near it is at most in cells that it meets, as what is there at their centres; without the limits of its
-    /// corners, so that it is linear.
+    /// Returns an upper bound of the reversed depth in the cells that the face touches, as a plane evaluated at cell
+    /// centres. Not clamped to the corners, so that it is linear.
     pub(super) fn upper_plane(&self, limits: &Rect) -> Triangle {
         let DVec3 { x: a, y: b, z: c } = self.slope;
         let most = a.abs() * f64::from(limits.x1) + b.abs() * f64::from(limits.y1) + c.abs();
@@ -306,7 +306,7 @@ impl Face {
         }
     }
 
-    /// How near it is at least in cells that it covers alone, as what is there at their centres.
+    /// Returns a lower bound of the reversed depth in the cells inside the face, as a plane evaluated at cell centres.
     #[inline(always)]
     pub(super) fn lower_plane(&self, limits: &Rect) -> Triangle {
         let DVec3 { x: a, y: b, z: c } = self.slope;
@@ -320,17 +320,17 @@ impl Face {
         }
     }
 
-    /// The least that its reversed depth may be in a cell that it meets.
+    /// Returns a lower bound of the reversed depth in a cell that the face touches.
     #[inline(always)]
     pub(super) fn least_in(&self, x: u16, y: u16) -> f32 {
         let DVec3 { x: a, y: b, z: c } = self.slope;
-        // Linear, so least at a corner.
+        // Linear, so the minimum is at a corner.
         let x = f64::from(x) + if a < 0.0 { 1.0 + SLACK } else { -SLACK };
         let y = f64::from(y) + if b < 0.0 { 1.0 + SLACK } else { -SLACK };
         let rounding = (a.abs() * x.abs() + b.abs() * y.abs() + c.abs()) * ROUNDING;
         let rev_depth = greater(a * x + (b * y + c) - rounding, self.least) * ROUND_DOWN;
         let rev_depth = smaller(rev_depth, f64::from(f32::MAX)) as f32;
-        // Below the least normal number rounding is coarser: that is as far as can be.
+        // Subnormal numbers round more coarsely, so store them as infinitely far.
         if rev_depth < f32::MIN_POSITIVE {
             0.0
         } else {
@@ -339,12 +339,12 @@ impl Face {
     }
 }
 
-/// The columns that no edge meets: they hang together, as a face is convex.
+/// Returns the columns that no edge touches. They are contiguous, because a face is convex.
 #[inline(always)]
 fn within(columns: [u16; 2], edges: &[[u16; 2]]) -> [u16; 2] {
     let [mut first, mut end] = columns;
-    // Where something is left beside an edge it is all on one side of it. So each edge in turn takes the smaller side
-    // away: the larger is what is within, or another edge will take that.
+    // The inside is entirely on one side of each edge. So each edge removes its smaller side: the larger one contains
+    // the inside, or another edge removes it.
     for &[x0, x1] in edges {
         if x0 >= x1 || x1 <= first || x0 >= end {
             continue;
@@ -358,12 +358,13 @@ fn within(columns: [u16; 2], edges: &[[u16; 2]]) -> [u16; 2] {
     [first, end.max(first)]
 }
 
-/// The first cell of a row or column that `low..high` meets within `limits`, and the one after the last.
+/// Returns the first cell of a row or column that `low..high` touches inside `limits`, and the end (exclusive); `None`
+/// if there is none.
 #[inline(always)]
 fn touched(low: f64, high: f64, limits: [u16; 2]) -> Option<[u16; 2]> {
     let [first, end] = limits.map(f64::from);
     let [low, high] = [low - SLACK, high + SLACK];
-    // Also where something is not a number.
+    // Written so that NaN fails too.
     if !(low < end && high >= first) {
         return None;
     }

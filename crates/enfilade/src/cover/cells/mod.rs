@@ -1,19 +1,19 @@
-//! Surfaces in cells larger than samples: which cells are covered whole, and how near at least.
+//! Coverage of cells larger than samples: finds the cells that a surface covers entirely, and the farthest depth there.
 //!
-//! A cell is covered by a surface that reaches into it and has no outline there: no boundary, no silhouette, no edge that
-//! is known from one side only. Shrinking each triangle instead would leave a crack along every edge that two share. So
-//! every edge that meets a cell is added up there, once from each side and with opposite signs: where the sum is nothing,
-//! the surface goes through without an end, and covers all of the cell or none.
-//! A cell that a face covers alone needs no sum.
-//! An edge is named by the positions of its ends and the space they are in, so that faces hang together however they are
-//! spread over clusters, materials and items of one space. Clusters come one after the other; what one leaves open in a
-//! cell waits for those that may close it.
-//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3, for covers of lower resolution; the
-//!     sums are ours.
-//! Cost: a face O(cells that it meets), a cluster O(cells between its outermost).
-//! Conservative: an edge or face is taken to meet a cell where rounding leaves it open; reversed depth is the least of all faces
-//! that meet the cell, rounded down. Names are of 64 bits: that those of unlike edges add up to nothing by chance is
-//! less likely than a fault of the machine.
+//! A surface covers a cell that it overlaps if the cell contains no boundary, silhouette or unpaired edge of it.
+//! Shrinking each triangle instead would leave a crack along every shared edge. So each edge that touches a cell is
+//! added to the cell's sum, with opposite signs from the two faces that share it. Where the sum is zero, the surface
+//! has no end inside the cell and covers all of it or nothing.
+//! Cells inside a single face need no sum.
+//! An edge's hash comes from the positions of its ends and their space, so a surface is watertight across clusters,
+//! materials and items of one space. Clusters arrive one after the other; the sum that a cluster leaves open in a cell
+//! is kept for later ones that may close it.
+//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3, for covers of lower resolution;
+//!     the sums are original to this library.
+//! Cost: a face O(cells that it touches), a cluster O(cells of its bounding rectangle).
+//! Conservative: an edge or a face counts as touching a cell if rounding leaves that open; the reversed depth is the
+//!     minimum of all faces that touch the cell, rounded down. Hashes have 64 bits: different edges that cancel at
+//!     random are less likely than a hardware fault.
 
 mod face;
 #[cfg(test)]
@@ -31,38 +31,43 @@ use crate::stats::Stats;
 use face::{Corner, Face, Row};
 use waiting::OpenEdges;
 
-/// What the faces that came so far cover.
+/// Low-resolution occlusion coverage: finds the cells of a coarse grid that opaque surfaces cover entirely, so that a
+/// cover can cull with fewer cells than samples.
+///
+/// Feeds another cover, which stores the depths of the cells and answers occlusion queries. Never reports a cell as
+/// covered that a sample of any resolution could see through, nor nearer than the surface is anywhere in it.
+#[doc(alias = "low resolution coverage")]
 #[derive(Default)]
 pub struct CoarseCoverage {
     rect: Rect,
     columns: usize,
-    /// By row and column of the screen in cells.
+    /// In row-major order from the top left cell of the screen.
     cells: Vec<Cell>,
     open_edges: Vec<OpenEdges>,
-    /// The cluster at hand, and the first of the passage; from 1.
+    /// Number of the current cluster and of the first one of the passage, from 1.
     batch: u32,
     first_batch: u32,
-    /// The cells that its outlines meet, as column and row.
+    /// Column and row of the cells that outlines of the current cluster's faces touch.
     touched: Vec<[u16; 2]>,
     corners: Vec<Corner>,
 }
 
-/// What the cluster at hand does to a cell.
+/// Coverage of a cell by the current cluster.
 #[derive(Clone, Copy, Default)]
 struct Cell {
-    /// The edges that meet it, added up since they last came to nothing.
+    /// Sum of the hashes of the edges that touch it, since the sum was last zero.
     edges: u64,
-    /// The least reversed depth of the faces that met it since then.
+    /// Minimum reversed depth of the faces that touched it since then.
     least: f32,
-    /// How near it is covered; 0 where it is not. Each time that the sum comes to nothing something covers it, whatever
-    /// lies behind that in the same cluster.
+    /// Reversed depth at which it is covered; 0 if it is not. Each time the sum returns to zero, the faces summed so
+    /// far cover the cell, whatever is behind them in the same cluster.
     covered: f32,
-    /// That cluster; another's numbers mean nothing.
+    /// Number of the cluster; values of an earlier cluster are stale.
     batch: u32,
 }
 
 impl Cell {
-    /// All edges of a face are in.
+    /// Call after all edges of a face were added.
     #[inline(always)]
     fn close(&mut self) {
         if self.edges == 0 {
@@ -72,21 +77,21 @@ impl Cell {
     }
 }
 
-/// Cells of its box, for each face of a cluster, from which on its faces are looked at one by one. Where they have fewer,
-/// what they hide is not worth setting them up (section 3 of the source: small faces do not hide): a kitchen of small
-/// things takes half as long for four items in a hundred more.
+/// Minimum number of cells in a cluster's rectangle per face for its faces to be processed. With fewer, setting them up
+/// costs more than they hide (section 3 of the source: small faces do not occlude). A kitchen of small things takes
+/// half the time, at the cost of four more items in a hundred.
 const WORTH: u64 = 1;
 
-/// Neighbouring cells whose reversed depth differs by no more than this factor become one run.
+/// Maximum ratio of the reversed depths of neighbouring cells that are merged into one run.
 const ALIKE: f32 = 1.0 + 1.0 / 32.0;
 
 impl CoarseCoverage {
-    /// Memory in bytes for so many cells.
+    /// Returns the memory in bytes for a grid of `cells` (columns, rows).
     pub(crate) fn needs_bytes(cells: [u32; 2]) -> u64 {
         u64::from(cells[0]) * u64::from(cells[1]) * (size_of::<Cell>() + size_of::<OpenEdges>()) as u64
     }
 
-    /// Starts over, for a passage in cells.
+    /// Clears the coverage for a passage, whose screen is in cells.
     pub(crate) fn clear(&mut self, passage: &Passage) {
         self.rect = passage.aperture.rect();
         self.columns = usize::from(self.rect.x1);
@@ -95,7 +100,7 @@ impl CoarseCoverage {
             self.cells.resize(count, Cell::default());
             self.open_edges.resize(count, OpenEdges::default());
         }
-        // Clusters are numbered on from passage to passage, so that nothing need be cleared.
+        // Cluster numbers continue from passage to passage, so the cells need no clearing.
         if self.batch > u32::MAX / 2 {
             self.cells.fill(Cell::default());
             self.open_edges.fill(OpenEdges::default());
@@ -104,7 +109,7 @@ impl CoarseCoverage {
         self.first_batch = self.batch + 1;
     }
 
-    /// Takes opaque faces; `cover` is told of cells that are covered, and how near by at least.
+    /// Adds the opaque faces of a cluster, and passes the cells that are now covered, with their depth, to `cover`.
     pub(crate) fn add(
         &mut self,
         faces: &Faces,
@@ -130,7 +135,7 @@ impl CoarseCoverage {
                     if cover.sees_cells(&face.rect, face.nearest()) {
                         self.insert(&face, cover);
                     } else {
-                        // What it could close, it would cover no nearer than what hides it.
+                        // Cells that it could close would be covered no nearer than by what hides it.
                         stats.triangles_hidden += 1;
                     }
                 }
@@ -140,13 +145,14 @@ impl CoarseCoverage {
         self.finish_batch(cover);
     }
 
-    /// Are the faces of a cluster, whose box is `region`, large enough in cells to be looked at one by one?
+    /// Returns `true` if the faces of a cluster, with the bounds `region`, are large enough in cells to be processed
+    /// one by one.
     pub(crate) fn is_worth(faces: &Faces, region: &Region) -> bool {
         let Rect { x0, y0, x1, y1 } = region.rect;
         u64::from(x1 - x0) * u64::from(y1 - y0) >= WORTH * faces.count() as u64
     }
 
-    /// May any of these faces be seen past what `cover` knows?
+    /// Returns `true` if any of these faces may be visible in `cover`; `true` when unsure.
     pub(crate) fn may_show(&mut self, faces: &Faces, passage: &Passage, cover: &mut impl Coarse) -> bool {
         self.corners.clear();
         let corner = |&position: &[f32; 3]| Corner::new(position, faces.screen_from_local, 0);
@@ -165,7 +171,8 @@ impl CoarseCoverage {
         shows
     }
 
-    /// May a face be seen? By its nearest corner in the rectangle around it first, then cell by cell.
+    /// Returns `true` if a face may be visible. Tests its bounding rectangle at its nearest depth first, then each
+    /// cell.
     fn shows(&self, face: &Face, cover: &mut impl Coarse) -> bool {
         let rect = face.rect;
         if !cover.sees_cells(&rect, face.nearest()) {
@@ -190,13 +197,13 @@ impl CoarseCoverage {
         })
     }
 
-    /// Adds a face to the cells that its outline meets; those within it covers alone.
+    /// Adds a face to the cells that its outline touches. The cells inside it are covered at once.
     #[inline]
     fn insert(&mut self, face: &Face, cover: &mut impl Coarse) {
         let rect = face.rect;
         let rows = rect.y0..rect.y1;
         if rect.x1 - rect.x0 == 1 && rows.len() == 1 && face.is_within(&rect) {
-            // Most faces of a detailed mesh: all of their edges meet the one cell.
+            // Fast path for most faces of a detailed mesh: one cell contains all edges.
             let least = face.least_in(rect.x0, rect.y0);
             let cell = self.open_cell([rect.x0, rect.y0], least);
             for edge in face.edges() {
@@ -242,7 +249,7 @@ impl CoarseCoverage {
         }
     }
 
-    /// A face comes into a cell, and is no farther there than this.
+    /// Begins adding a face to a cell; `least` is a lower bound of its reversed depth there.
     #[inline(always)]
     fn open_cell(&mut self, [x, y]: [u16; 2], least: f32) -> &mut Cell {
         let cell = &mut self.cells[usize::from(y) * self.columns + usize::from(x)];
@@ -259,7 +266,7 @@ impl CoarseCoverage {
         cell
     }
 
-    /// Finds the cells that the cluster covers, alone or with those before it.
+    /// Passes the cells that the cluster covers, alone or together with earlier ones, to `cover`.
     fn finish_batch(&mut self, cover: &mut impl Coarse) {
         let mut run: Option<(u16, [u16; 2], f32)> = None;
         for place in 0..self.touched.len() {
@@ -286,7 +293,8 @@ impl CoarseCoverage {
         run.into_iter().for_each(|last| cover_run(last, cover));
     }
 
-    /// How near a cell is covered now that the cluster is in, if its outlines left that open until now.
+    /// Returns the reversed depth at which the current cluster covers a cell whose edges it touches; `None` if it does
+    /// not.
     #[inline]
     fn covered(&mut self, x: u16, y: u16) -> Option<f32> {
         let place = usize::from(y) * self.columns + usize::from(x);
@@ -304,7 +312,7 @@ impl CoarseCoverage {
     }
 }
 
-/// Tells of cells of one row.
+/// Passes one run of covered cells to `cover`.
 #[inline]
 fn cover_run((y, run, rev_depth): (u16, [u16; 2], f32), cover: &mut impl Coarse) {
     let mut band = Band {

@@ -1,12 +1,12 @@
-//! What waits in a cell for the rest of its surface.
+//! Edge sums that clusters left open in a cell, kept until later clusters close them.
 
-/// Sums of what clusters left open in a cell: of the last, of the last two, of the last three, and of all since the cell
-/// was covered last. Three meet at the corner of a cluster; more ways to choose are not worth the room.
+/// Open edge sums of a cell: of the last cluster, of the last two, of the last three, and of all since the cell was
+/// last covered. Three clusters meet at the corner of a cluster; more combinations are not worth the memory.
 #[derive(Clone, Copy)]
 pub(super) struct OpenEdges {
     edges: [u64; SUMS],
     least: [f32; SUMS],
-    /// The last cluster that was added.
+    /// Number of the last cluster that was added.
     batch: u32,
 }
 
@@ -23,15 +23,16 @@ impl Default for OpenEdges {
 }
 
 impl OpenEdges {
-    /// Takes what cluster `batch` leaves open. Where it closes what waited, gives the least reversed depth of both. What waited
-    /// since before cluster `first` is of another passage.
+    /// Adds the edge sum that cluster `batch` leaves open. If one of the sums becomes zero, resets them and returns the
+    /// minimum reversed depth of its clusters. Sums from before cluster `first` belong to another passage and are
+    /// dropped.
     #[inline]
     pub(super) fn add(&mut self, edges: u64, least: f32, batch: u32, first: u32) -> Option<f32> {
         if self.batch < first {
             *self = OpenEdges::default();
         }
         self.batch = batch;
-        // The last becomes one of the last two, and so on; that of all stays.
+        // The last cluster becomes one of the last two, and so on; the sum of all clusters stays.
         self.edges.copy_within(..SUMS - 2, 1);
         self.least.copy_within(..SUMS - 2, 1);
         (self.edges[0], self.least[0]) = (0, f32::INFINITY);
@@ -50,7 +51,7 @@ impl OpenEdges {
 mod tests {
     use super::*;
 
-    /// Adds what clusters of one passage leave open, one after the other; gives what the last covers.
+    /// Adds the sums of successive clusters of one passage and returns the depth at which the last one covers the cell.
     fn last_of(clusters: &[(u64, f32)]) -> Option<f32> {
         let mut open_edges = OpenEdges::default();
         let added = (1..).zip(clusters);

@@ -1,10 +1,11 @@
-//! Hierarchical z-buffer: skip whole octree nodes hidden behind a pyramid of depths.
+//! Hierarchical z-buffer (Hi-Z): a depth pyramid lets one test hide a large box, such as an octree node with all its
+//! contents.
 //!
-//! Each pyramid cell holds the farthest depth of the four below it, so one test can hide a large box.
+//! Each cell of the pyramid stores the farthest depth of the four cells below it.
 //! Source: Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, sections 3.1 to 3.3.
-//! Cost: clear and finish O(tiles) + O(samples of tiles that edges cross); a test O(1) cells where it is hidden or
-//!     plainly seen; cells are brought up to date when a test needs them, not at each depth written.
-//! Exact: an owner is kept beside each depth; a box is tested by its nearest corner, so nothing seen is dropped.
+//! Cost: clear and finish O(tiles) + O(samples of tiles that edges cross); a test O(1) cells if the box is hidden or
+//!     clearly visible. Cells are updated when a test needs them, not at each depth write.
+//! Exact: an owner is stored beside each depth; a box is tested at its nearest corner, so nothing visible is culled.
 
 mod show;
 
@@ -24,20 +25,25 @@ use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 
-/// A depth buffer under a pyramid of farthest depths.
+/// Hierarchical z-buffer: a depth buffer with a pyramid of farthest depths (Hi-Z) for occlusion queries. Faces may be
+/// added in any order.
+#[doc(alias = "Hi-Z")]
+#[doc(alias = "HZB")]
+#[doc(alias = "hierarchical depth")]
 #[derive(Default)]
 pub struct DepthPyramid {
     raster: Raster,
     depths: Depths,
 }
 
-/// Tiles of 8×8 samples are the pyramid's lowest cells: three levels of the textbook's in one.
+/// Depth tiles and pyramid. The lowest cells of the pyramid are tiles of 8×8 samples, which replace the three lowest
+/// levels of the paper's pyramid.
 #[derive(Default)]
 struct Depths {
     tiles: Tiles,
-    /// Cells of 2×2 tiles, then of 2×2 cells of the level below each.
+    /// Level 0 has cells of 2×2 tiles; each further level has cells of 2×2 cells of the level below.
     levels: Vec<Level>,
-    /// Levels that this passage needs; there may be more, to be used again.
+    /// Number of levels in use for this passage; unused ones are kept to reuse their memory.
     height: usize,
 }
 
@@ -52,7 +58,7 @@ struct Level {
 struct Cell {
     /// Bits of the farthest reversed depth below; never nearer than the truth.
     farthest: u32,
-    /// May a cell below know better?
+    /// Whether a cell below may have become nearer since.
     stale: bool,
 }
 
@@ -143,7 +149,7 @@ impl Coarse for DepthPyramid {
 }
 
 impl Depths {
-    /// Shapes the levels over the tiles. `stale`: the tiles know more than "nothing is here".
+    /// Resizes the levels to the tiles. `stale`: whether the tiles already contain covered samples.
     fn shape(&mut self, stale: bool) {
         let [mut columns, mut rows] = [self.tiles.columns, self.tiles.rows];
         let mut level = 0;
@@ -165,7 +171,8 @@ impl Depths {
         self.height = level;
     }
 
-    /// Is any sample of `rect` no nearer than `bits`?
+    /// Returns `true` if the depth of any sample in `rect` is at most `bits`, that is, if geometry this near may be
+    /// visible.
     fn sees(&mut self, rect: &Rect, bits: u32) -> bool {
         let mut level = 0;
         let [mut first, mut last] = cells(rect, level);
@@ -177,7 +184,7 @@ impl Depths {
             .any(|row| (first[0]..=last[0]).any(|column| self.cell_sees(level, column, row, rect, bits)))
     }
 
-    /// The same for the part of `rect` in one cell; level 0 is the tiles.
+    /// Tests the part of `rect` in one cell as [`Depths::sees`] does; level 0 is the tiles.
     fn cell_sees(&mut self, level: usize, column: usize, row: usize, rect: &Rect, bits: u32) -> bool {
         if level == 0 {
             return self.tile_sees(column, row, rect, bits);
@@ -216,7 +223,7 @@ impl Depths {
         self.is_whole(0, column, row, rect) || self.tiles.farthest_in(rect, column, row) <= bits
     }
 
-    /// Does `rect` hold every sample of a cell that the aperture's rectangle holds?
+    /// Returns `true` if `rect` contains all samples of a cell that are inside the aperture's rectangle.
     fn is_whole(&self, level: usize, column: usize, row: usize, rect: &Rect) -> bool {
         let shift = TILE_SHIFT + level;
         let all = &self.tiles.rect;
@@ -228,7 +235,7 @@ impl Depths {
             && usize::from(rect.y1) >= y1.min(usize::from(all.y1))
     }
 
-    /// Takes over what those of the four cells below know that hold samples of the aperture's rectangle.
+    /// Rebuilds a cell from its (up to four) children that contain samples of the aperture's rectangle.
     fn refresh_cell(&mut self, level: usize, column: usize, row: usize) {
         let [first, last] = cells(&self.tiles.rect, level - 1);
         let mut cell = Cell {
@@ -258,7 +265,7 @@ impl Depths {
     }
 }
 
-/// The first and last cells of a level that hold samples of `rect`, as column and row.
+/// Returns the first and last cells of a level that contain samples of `rect`, as column and row.
 fn cells(rect: &Rect, level: usize) -> [[usize; 2]; 2] {
     let shift = TILE_SHIFT + level;
     [
@@ -270,7 +277,7 @@ fn cells(rect: &Rect, level: usize) -> [[usize; 2]; 2] {
     ]
 }
 
-/// A sample of this tile came nearer: the cells above it no longer know.
+/// Marks the cells above a tile as stale, after one of its samples became nearer.
 #[inline(always)]
 fn mark_stale(levels: &mut [Level], mut column: usize, mut row: usize) {
     for level in levels {
@@ -291,7 +298,7 @@ impl Sink for Depths {
         if last[0] - first[0] > 1 || last[1] - first[1] > 1 {
             return !self.sees(rect, bits);
         }
-        // To bring a tile up to date costs more than a small triangle does: what is known already must do.
+        // Updating a tile costs more than rasterizing a small triangle, so use only depths that are up to date.
         [first[1], last[1]].iter().all(|&row| {
             [first[0], last[0]]
                 .iter()
@@ -320,7 +327,7 @@ mod tests {
     use crate::scene::SectorId;
     use crate::view::View;
 
-    /// Numbers from 0 to 1 that look random; the same for the same seed.
+    /// Pseudo-random numbers from 0 to 1; deterministic for each seed.
     fn dice(seed: u32) -> impl FnMut() -> f32 {
         let mut state = seed.wrapping_mul(0x9E37_79B9) | 1;
         move || {
@@ -331,7 +338,7 @@ mod tests {
         }
     }
 
-    /// A pyramid over 77×43 samples that took triangles thrown before the eye, in the order of their numbers.
+    /// A pyramid over 77×43 samples with random triangles in front of the eye, added by index.
     fn pyramid(seed: u32) -> DepthPyramid {
         let mut roll = dice(seed);
         let corners = 3 * (2 + seed % 20);
@@ -372,7 +379,7 @@ mod tests {
                 let x1 = x0 + 1 + ((77 - x0 - 1) as f32 * roll() * roll()) as u16;
                 let y1 = y0 + 1 + ((43 - y0 - 1) as f32 * roll() * roll()) as u16;
                 let rect = Rect { x0, y0, x1, y1 };
-                // Half of the queries are as near as some sample: ties are visible.
+                // Half of the queries have exactly the depth of some sample: equal depths are visible.
                 let at = depths[(roll() * (77.0 * 43.0)) as usize];
                 let bits = if roll() < 0.5 { at } else { at.saturating_sub(1) };
                 let seen =

@@ -1,4 +1,4 @@
-//! Shows the pyramid by its largest cells that say nearly as much as the tiles below them.
+//! Draws the pyramid by its largest cells that are nearly as precise as the tiles below them.
 
 use super::Depths;
 use crate::canvas::{Canvas, CoverSpan, HiddenBy};
@@ -6,10 +6,10 @@ use crate::cover::show::{push, show_rows};
 use crate::cover::tiles::TILE_SHIFT;
 use crate::passage::Passage;
 
-/// How much nearer than a cell as a whole its tiles may be, for the cell to be shown.
+/// Maximum ratio of the nearest tile's reversed depth to that of the cell, for the cell to be drawn as a whole.
 const NEARLY: f32 = 1.15;
 
-/// The cell that is shown for each tile, by a number, and its farthest reversed depth.
+/// The number of cells drawn so far, and for each tile the number and the farthest reversed depth of its cell.
 struct ShownCells {
     cells: u32,
     of_tiles: Vec<(u32, f32)>,
@@ -47,7 +47,7 @@ impl Depths {
         });
     }
 
-    /// Shows a cell, or the four below it.
+    /// Draws a cell, or the four below it.
     fn show_cell(&mut self, level: usize, column: usize, row: usize, shown: &mut ShownCells) {
         let [columns, rows] = [self.tiles.columns, self.tiles.rows];
         let side = 1 << level;
@@ -57,7 +57,7 @@ impl Depths {
         for row in down.clone() {
             for column in across.clone() {
                 let known = f32::from_bits(self.tiles.farthest(column, row));
-                // Tiles outside of the aperture are no number.
+                // Tiles outside the aperture's rectangle are NaN, which `min` and `max` ignore.
                 farthest = farthest.min(known);
                 nearest = nearest.max(known);
             }

@@ -138,8 +138,8 @@ impl Fill {
         };
         // Winding from the corners and from the plane; they disagree if the occluder is edge-on.
         let determinant = normal.dot(first);
-        let told = determinant * normal.dot(at) > 0.0;
-        if rect.is_empty() || !told {
+        let agrees = determinant * normal.dot(at) > 0.0;
+        if rect.is_empty() || !agrees {
             return None;
         }
         let side = if determinant < 0.0 { -1.0 } else { 1.0 };

@@ -207,7 +207,7 @@ impl Runs {
     }
 }
 
-/// Does [`Tile::cover`] for all sub-tiles of a tile, and updates the tile's `farthest`.
+/// Merges coverage as [`Tile::cover`] does, for all sub-tiles of a tile, and updates the tile's `farthest`.
 #[inline(always)]
 fn cover_tile<S: Simd>(
     simd: S,
@@ -230,10 +230,10 @@ fn cover_tile<S: Simd>(
     let either = mask | fresh;
     let alone = either.simd_eq(near_mask);
     let full = either.simd_eq(all);
-    let goes = (near + reference).simd_gt(far + far);
-    let next_mask = (goes | full).select(near_mask, either);
+    let discards = (near + reference).simd_gt(far + far);
+    let next_mask = (discards | full).select(near_mask, either);
     let next_mask = (alone & full).select(none, next_mask);
-    let next_working = (goes | alone | full).select(near, far);
+    let next_working = (discards | alone | full).select(near, far);
     let changes = acts & full;
     acts.select(next_mask, mask).store_slice(&mut tile.mask);
     acts.select(next_working, working).store_slice(&mut tile.working);
@@ -242,7 +242,7 @@ fn cover_tile<S: Simd>(
     *farthest = f32::from_bits(next.reduce_min());
 }
 
-/// Does [`cover_tile`] for a tile whose samples are all covered.
+/// Merges coverage as [`cover_tile`] does, for a tile whose samples are all covered.
 #[inline(always)]
 fn cover_whole<S: Simd>(simd: S, tile: &mut Tile, farthest: &mut f32, rev_depth: u32x16<S>) {
     let mask = u32x16::from_slice(simd, &tile.mask);

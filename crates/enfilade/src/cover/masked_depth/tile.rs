@@ -107,9 +107,9 @@ impl Tile {
         }
         // Otherwise discard the farther layer if the ratio to the reference is smaller than to the nearer layer (bits
         // of floats approximate logarithms), else merge the two.
-        let goes = near + reference > 2 * far;
-        self.mask[sub] = if goes { near_mask } else { either };
-        self.working[sub] = if goes | alone { near } else { far };
+        let discards = near + reference > 2 * far;
+        self.mask[sub] = if discards { near_mask } else { either };
+        self.working[sub] = if discards | alone { near } else { far };
         false
     }
 

@@ -1,6 +1,6 @@
 //! Rasterizes batches of faces and occluder meshes into tiles, with the buffers that one thread needs.
 //!
-//! Source: own design.
+//! Source: original to this library.
 //! Cost: as [`super::batch`], plus O(tiles) for each face that the kernels are not certain of.
 //! Conservative: as [`super::batch`] and [`super::faces`].
 

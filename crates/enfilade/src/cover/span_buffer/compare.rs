@@ -1,66 +1,66 @@
-//! Which of two faces is before the other: asked once a pair where that can be, not once a row.
+//! Depth order of two faces, computed once per pair where possible, not once per row.
 //!
-//! Two convex faces that do not cross have one order wherever they overlap on the screen. So an answer holds for all
-//! rows; each face goes in whole, so it need not be kept longer than that. An answer about a neighbour is taken over
-//! where it must be the same: the boxes around both faces are apart, so that they do not cross, and at a point that
-//! both of the other pair reach, the order is known. Faces that may cross are compared anew in each row.
+//! Two convex faces that do not intersect have the same order wherever they overlap on the screen, so a result holds
+//! for all rows. A face is inserted as a whole, so results need not be kept any longer. The result for an adjacent face
+//! is reused if it must be the same: the AABBs of the two faces are disjoint, so they do not intersect, and the order
+//! is known at a point that both pairs share. Faces that may intersect are compared anew in each row.
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 2, statements 1 to 3. Statement 3 is
-//!     false without a condition: the third face must meet the shared edge, and not touch it.
+//!     false without a condition: the third face must cross the shared edge on the screen, and not touch it.
 
 use super::face::{Face, PlaneSide};
 use super::rows::{COVERED, Span};
 use crate::cover::triangle::Row;
 use crate::stats::SpanStats;
 
-/// What is known of a kept face and the last face that was held against it.
+/// Order of a kept face and the last face that was compared with it.
 #[derive(Clone, Copy, Default)]
 pub(super) struct CachedOrder {
-    /// That face's turn, from 1.
+    /// Serial number of that face, from 1.
     by: u32,
     order: Order,
 }
 
-/// Where the newer face lies.
+/// Position of the newer face relative to the older one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Order {
     Before {
-        /// Do both not touch?
+        /// Whether the faces do not touch.
         apart: bool,
     },
     Behind {
         apart: bool,
     },
-    /// They may cross.
+    /// The faces may intersect.
     #[default]
     Unsure,
 }
 
-/// How a newcomer lies to part of a span.
+/// Position of a new face relative to part of a span.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Relation {
     Before,
     Behind,
-    /// From column `at` on the other way round.
+    /// The order swaps at column `at`.
     Crosses {
         at: u16,
         before_first: bool,
     },
 }
 
-/// The face that is going in.
+/// The face that is being inserted.
 pub(super) struct NewFace<'a> {
     pub(super) face: &'a Face,
-    /// Its turn, from 1.
+    /// Its serial number, from 1.
     turn: u32,
-    /// The turns of its neighbours across its edges; 0: not met.
+    /// Serial numbers of its neighbours across its edges; 0 for one not inserted yet.
     neighbours: [u32; 3],
     kept: &'a mut Vec<Face>,
     cached_orders: &'a mut Vec<CachedOrder>,
-    /// Its place among the kept, once it owns a sample.
+    /// Its index among the kept faces, once it owns a sample.
     index: Option<u32>,
     y: u16,
     row: Row,
-    /// The span to the left, and how the newcomer lies to it.
+    /// The span to the left, and the position of the new face relative to it.
     left: Option<(Span, Order)>,
 }
 
@@ -87,7 +87,7 @@ impl<'a> NewFace<'a> {
         }
     }
 
-    /// Its place among the kept, if it owns a sample.
+    /// Returns its index among the kept faces; `None` if it owns no sample.
     pub(super) fn index(&self) -> Option<u32> {
         self.index
     }
@@ -99,7 +99,7 @@ impl<'a> NewFace<'a> {
         self.left = None;
     }
 
-    /// A span of its own in the row at hand.
+    /// Returns a span of this face in the current row. Adds the face to the kept ones if it is not there yet.
     #[inline(always)]
     pub(super) fn span(&mut self, x0: u16, x1: u16) -> Span {
         let index = match self.index {
@@ -126,7 +126,7 @@ impl<'a> NewFace<'a> {
         index
     }
 
-    /// How it lies to columns `x0..x1` of a span.
+    /// Compares the face with columns `x0..x1` of a span.
     #[inline(always)]
     pub(super) fn compare(&mut self, span: &Span, x0: u16, x1: u16, stats: &mut SpanStats) -> Relation {
         if span.face == COVERED {
@@ -188,10 +188,11 @@ impl<'a> NewFace<'a> {
         order
     }
 
-    /// The span to the left ends where this one begins, also in space, and the newcomer lies across both: it passes
-    /// their common end on the same side.
+    /// Returns the order relative to the span on the left, if it must be the same: the two spans' faces are adjacent
+    /// and meet in space at this column, and the new face overlaps both, so it passes their common end on the same
+    /// side.
     ///
-    /// That they share an edge is not enough: of a fold, one hides part of the other, and ends before it.
+    /// A shared edge alone is not enough: at a fold one face hides part of the other, and its span ends in front of it.
     #[inline]
     fn order_from_left_span(&self, span: &Span, old: &Face) -> Option<Order> {
         let (left, order) = self.left?;
@@ -204,7 +205,8 @@ impl<'a> NewFace<'a> {
             .then_some(order)
     }
 
-    /// Do the planes of two faces meet in the row at hand between the sample before column `x` and the one there?
+    /// Returns `true` if the planes of two faces intersect, in the current row, between the samples at columns `x - 1`
+    /// and `x`.
     #[inline]
     fn meet(&self, left: &Face, right: &Face, x: u16) -> bool {
         if left.triangle.owner == right.triangle.owner {
@@ -215,8 +217,9 @@ impl<'a> NewFace<'a> {
         (here >= 0.0 && there <= 0.0) || (here <= 0.0 && there >= 0.0)
     }
 
-    /// A neighbour of the newcomer was the last to be held against the old face, and the edge between both passes it:
-    /// the newcomer passes it on the same side.
+    /// Returns the cached order of the old face, if it must be the same: it was computed for a neighbour of the new
+    /// face, and the midpoint of their common edge is, on the screen, inside the old face. So both pass it on the same
+    /// side.
     #[inline]
     fn order_from_neighbour(&self, old: &Face, known: CachedOrder) -> Option<Order> {
         let clear = matches!(
@@ -230,7 +233,7 @@ impl<'a> NewFace<'a> {
         old.contains_edge_midpoint(self.face, edge).then_some(known.order)
     }
 
-    /// Compares reversed depth at both ends; where they disagree, finds the column at which it turns.
+    /// Compares reversed depths at both ends; if they disagree, finds the column at which the order swaps.
     #[inline]
     fn by_depth(&self, span: &Span, x0: u16, x1: u16) -> Relation {
         let old = &self.kept[span.face as usize].triangle;

@@ -1,44 +1,44 @@
-//! A face as the spans know it: where it is, and on which side of it another lies.
+//! A face of the span buffer, and the tests that order two faces by depth.
 
 use crate::cover::triangle::Triangle;
 use glam::DVec3;
 
-/// A triangle in the space of (X, Y, W), in which the eye is at the origin.
+/// A triangle in the space of (X, Y, W), with the eye at the origin.
 ///
-/// What is asked first stands first, in one line of a cache: most faces are told apart by their boxes and ranges.
+/// Fields that are read first come first, in one cache line: bounding boxes and depth ranges decide most comparisons.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Face {
-    /// The box around the corners, rounded outwards.
+    /// AABB of the corners, rounded outwards.
     low: [f32; 3],
     high: [f32; 3],
-    /// The batch it came with, and its number there; 255 where it has none.
+    /// Batch of the face, and its number there; 255 if it has none.
     pub(super) batch: u32,
     pub(super) number: u8,
-    /// The faces of the batch across its edges.
+    /// Numbers of the faces of the batch across its edges.
     pub(super) neighbours: [u8; 3],
     pub(super) triangle: Triangle,
     corners: [DVec3; 3],
     normal: DVec3,
-    /// Its sign says on which side of the plane the eye is.
+    /// Its sign tells on which side of the plane the eye is.
     determinant: f64,
 }
 
-/// Where something lies, as seen from the eye.
+/// Position of a face relative to another, as seen from the eye.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PlaneSide {
-    /// Nowhere behind the other; `apart`: nor does it touch it.
+    /// Nowhere behind the other. `apart`: does not touch it either.
     Before { apart: bool },
-    /// Nowhere before the other.
+    /// Nowhere in front of the other. `apart`: does not touch it either.
     Behind { apart: bool },
-    /// In one plane with it.
+    /// In the plane of the other.
     Level,
-    /// Perhaps before it here and behind it there.
+    /// Possibly in front of it at some points and behind it at others.
     Unsure,
 }
 
 impl PlaneSide {
-    /// Where the other lies.
+    /// Returns the position of the other face relative to this one.
     fn flipped(self) -> PlaneSide {
         match self {
             PlaneSide::Before { apart } => PlaneSide::Behind { apart },
@@ -48,9 +48,9 @@ impl PlaneSide {
     }
 }
 
-/// Corners come from a product of f64: this, relative to the sums of what is added, is more than rounding can do.
+/// Generous bound on the rounding error of corners, which come from products of f64, relative to the sum of the terms.
 const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
-/// Farther from a plane than this many times the rounding, a face does not touch it.
+/// Multiple of the rounding error; a face farther from a plane than that does not touch it.
 const APART: f64 = 1024.0;
 
 impl Face {
@@ -71,14 +71,14 @@ impl Face {
         }
     }
 
-    /// Are the boxes around both apart? Then they meet nowhere, and one of them is before the other wherever they
-    /// overlap on the screen.
+    /// Returns `true` if the AABBs are disjoint. Then the faces do not intersect, and one of them is in front wherever
+    /// they overlap on the screen.
     #[inline]
     pub(super) fn is_apart_from(&self, other: &Face) -> bool {
         (0..3).any(|axis| self.low[axis] > other.high[axis] || other.low[axis] > self.high[axis])
     }
 
-    /// Do both share an edge, or belong to one polygon?
+    /// Returns `true` if both faces share an edge or belong to one polygon.
     #[inline]
     pub(super) fn adjoins(&self, other: &Face) -> bool {
         self.batch == other.batch
@@ -86,10 +86,10 @@ impl Face {
                 || (other.number != u8::MAX && self.neighbours.contains(&other.number)))
     }
 
-    /// Where it lies with respect to another, told from which side of each other's plane their corners are.
+    /// Returns the position relative to another face, by testing the corners of each against the plane of the other.
     ///
-    /// The plane of the higher is asked first, whoever came first: of two that are nearly in one plane, one may lie in
-    /// the other's plane, and the other not in its.
+    /// Tests the plane of the face with the higher owner first, whichever was inserted first: of two nearly coplanar
+    /// faces, one may be in the other's plane within rounding, but not the other way round.
     pub(super) fn side_of(&self, other: &Face) -> PlaneSide {
         if self.triangle.owner <= other.triangle.owner {
             self.side_of_higher(other)
@@ -105,7 +105,7 @@ impl Face {
         }
     }
 
-    /// Where the corners lie with respect to the other's plane.
+    /// Tests the corners against the other face's plane.
     #[inline]
     fn side_of_plane(&self, other: &Face) -> PlaneSide {
         let origin = other.corners[0];
@@ -127,14 +127,15 @@ impl Face {
         }
     }
 
-    /// Does the middle of edge `edge` of another face lie on the screen within this one, and not on its outline?
+    /// Returns `true` if the midpoint of edge `edge` of another face is, on the screen, inside this face and not on its
+    /// outline.
     pub(super) fn contains_edge_midpoint(&self, other: &Face, edge: usize) -> bool {
         let middle = other.corners[edge] + other.corners[(edge + 1) % 3];
         if middle.z <= 0.0 {
             return false;
         }
         let [a, b, c] = self.corners;
-        // Signs that are all opposite to the determinant's mean that the face is met behind the eye.
+        // If all signs are opposite to the determinant's, the ray meets the face behind the eye.
         let sign = self.determinant.signum();
         [(a, b), (b, c), (c, a)].iter().all(|(from, to)| {
             let plane = from.cross(*to);
@@ -160,7 +161,7 @@ mod tests {
 
     #[test]
     fn who_came_first_does_not_decide_what_is_before() {
-        // The small one lies in the plane of the large one, as far as rounding can tell, but not the other way round.
+        // The small face is in the plane of the large one within rounding, but not the other way round.
         let large = [[-1000.0, 0.0, 1.0], [1000.0, 0.0, 1.0], [0.0, 1000.0, 1.0]];
         let small = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0 + 1e-14]];
         let [a, b] = [face(0, large), face(1, small)];

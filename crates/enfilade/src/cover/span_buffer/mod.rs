@@ -1,11 +1,11 @@
-//! s-buffer: for each row the spans that are seen, and nothing of what is hidden.
+//! s-buffer: a scanline cover that stores the visible spans of each row, and nothing of what is hidden.
 //!
-//! A face goes in row by row and pushes out what it hides; shading comes last, once for each sample. Who hides whom is
-//! mostly not computed but known: from the row above, from the span to the left, from the face next to it.
+//! A face is inserted row by row and replaces the spans that it hides; shading comes last, once per sample. Most depth
+//! comparisons are avoided by coherence: with the row above, with the span to the left, with the adjacent face.
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, sections 1 and 2.
-//! Cost: a face O(rows · (log spans of a row + spans it meets)); finish O(spans). Memory grows with the edges that are
-//!     seen, not with the resolution.
-//! Exact: faces that cross are split where they cross; nothing is rounded to cells.
+//! Cost: a face O(rows · (log spans of a row + spans it overlaps)); finish O(spans). Memory grows with the visible
+//!     edges, not with the resolution.
+//! Exact: intersecting faces are split where they cross; nothing is rounded to cells.
 
 mod compare;
 mod face;
@@ -33,36 +33,38 @@ use face::Face;
 use glam::DVec3;
 use rows::{COVERED, Rows, mark_owners};
 
-/// Rows of spans that do not overlap; each sample is painted once.
+/// Rows of non-overlapping spans; each sample is painted once. Faces may be added in any order.
 ///
-/// Memory grows with the edges that are seen, not with the resolution.
+/// Memory grows with the visible edges, not with the resolution.
+#[doc(alias = "s-buffer")]
+#[doc(alias = "scanline")]
 #[derive(Default)]
 pub struct SpanBuffer {
     raster: Raster,
     rows: Rows,
-    /// Faces that owned a sample when they came; those that own none any more are dropped now and then.
+    /// Faces that owned a sample when they were inserted; those that own none any more are dropped from time to time.
     kept: Vec<Face>,
     cached_orders: Vec<CachedOrder>,
-    /// Faces that owned a sample after the last dropping.
+    /// Number of faces after the last drop; all of them owned a sample.
     owners: usize,
-    /// Faces that went in, and batches.
+    /// Serial numbers of the last face and the last batch.
     turn: u32,
     batch: u32,
-    /// The turns of the faces of the batch at hand, by their number there.
+    /// Serial numbers of the faces of the current batch, by their number in the batch.
     turns: Vec<u32>,
     trace: Option<Trace>,
     compaction: Compaction,
 }
 
-/// What dropping hidden faces works with.
+/// Buffers for dropping hidden faces.
 #[derive(Default)]
 struct Compaction {
     owns: Vec<bool>,
-    /// Where each face that owns a sample is afterwards.
+    /// New index of each face that owns a sample.
     places: Vec<u32>,
 }
 
-/// Faces kept beyond twice those that own a sample, before the others are dropped.
+/// Number of faces kept in excess of twice those that own a sample, before the others are dropped.
 const ROOM: usize = 1 << 16;
 
 impl Cover for SpanBuffer {
@@ -77,7 +79,7 @@ impl Cover for SpanBuffer {
     }
 
     fn needs_bytes(size: [u32; 2]) -> u64 {
-        // A face of a pixel here and there: in practice far fewer.
+        // Assumes that many faces cover about one pixel; in practice there are far fewer.
         const BYTES_PER_SAMPLE: u64 = 48;
         u64::from(size[0]) * u64::from(size[1]) * BYTES_PER_SAMPLE
     }
@@ -160,7 +162,7 @@ impl Coarse for SpanBuffer {
         self.clear(passage, false);
     }
 
-    /// By how far each span is there, not by how far it is anywhere: no face comes after that could tell.
+    /// Uses the depth of each span inside `rect`, not its farthest depth: no exact test of faces follows.
     fn sees_cells(&mut self, rect: &Rect, nearest: f32) -> bool {
         let (rows, kept) = (&self.rows.rows, &self.kept);
         (rect.y0..rect.y1).any(|y| {
@@ -191,7 +193,7 @@ impl Coarse for SpanBuffer {
             self.drop_hidden();
         }
         self.turn += 1;
-        // Of no corners: which of two is before the other is told by their reversed depth alone.
+        // No corners, so reversed depth alone decides which face is nearer.
         let face = Face::new(*rev_depth, [DVec3::NAN; 3], 0);
         let (kept, cached_orders) = (&mut self.kept, &mut self.cached_orders);
         let mut new = NewFace::new(&face, self.turn, [0; 3], kept, cached_orders, None);
@@ -229,11 +231,12 @@ impl SpanBuffer {
     }
 }
 
-/// A batch going in.
+/// A batch that is being inserted.
 struct Insertion<'a> {
     buffer: &'a mut SpanBuffer,
     faces: &'a Faces<'a>,
-    /// The face at hand, the turns of its neighbours, and its place among the kept once it owns a sample.
+    /// The current face, the serial numbers of its neighbours, and its index among the kept faces once it owns a
+    /// sample.
     now: Option<(Face, [u32; 3], Option<u32>)>,
     counts: SpanStats,
 }
@@ -253,7 +256,7 @@ impl Sink for Insertion<'_> {
         let number = (triangle.owner - self.faces.first_owner) as usize;
         turns[number] = *turn;
         let mut neighbours = [0; 3];
-        // Only where all faces are triangles are a face's corners those of its one triangle.
+        // Only if all faces are triangles are the corners of a face those of its one triangle.
         if self.faces.starts.is_none() && !self.faces.neighbours.is_empty() {
             face.number = number as u8;
             face.neighbours = std::array::from_fn(|edge| self.faces.neighbours[3 * number + edge]);

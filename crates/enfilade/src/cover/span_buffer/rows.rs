@@ -1,4 +1,4 @@
-//! Rows of spans, and how a run of samples goes in.
+//! Rows of spans, and the insertion of runs.
 
 use super::compare::{NewFace, Relation};
 use super::face::Face;
@@ -13,25 +13,26 @@ use std::hint::black_box;
 pub(super) struct Span {
     pub(super) x0: u16,
     pub(super) x1: u16,
-    /// The face, by its place among those kept; [`COVERED`] outside the aperture.
+    /// Index of the face among those kept; [`COVERED`] outside the aperture.
     pub(super) face: u32,
-    /// How far and how near it comes at the most.
+    /// Bounds of its reversed depth, rounded outwards.
     pub(super) farthest: f32,
     pub(super) nearest: f32,
 }
 
-/// Outside the aperture: nearer than anything.
+/// Face of the spans outside the aperture, which are nearer than anything.
 pub(super) const COVERED: u32 = u32::MAX;
 
 /// The spans of one row, left to right.
 #[derive(Default)]
 pub(super) struct Row {
     pub(super) spans: Vec<Span>,
-    /// The column after the last of each span: searched far faster than the spans themselves.
+    /// End column of each span; kept apart because it is searched far faster than the spans themselves.
     ends: Vec<u16>,
-    /// The farthest reversed depth of any sample within the aperture's rectangle: 0 where one is open.
+    /// Minimum reversed depth of the samples inside the aperture's rectangle; 0 if one is open. Never nearer than the
+    /// truth.
     farthest: f32,
-    /// May `farthest` have grown?
+    /// Whether `farthest` may have grown since it was computed.
     stale: bool,
 }
 
@@ -40,13 +41,13 @@ pub(super) struct Row {
 pub(super) struct Rows {
     pub(super) rect: Rect,
     pub(super) rows: Vec<Row>,
-    /// What takes the place of the spans that a run meets.
+    /// Spans that replace those a run overlaps.
     replacement: Vec<Span>,
     runs: Vec<[u16; 2]>,
 }
 
 impl Rows {
-    /// Starts over: only the aperture is open.
+    /// Clears all rows and opens the samples of the aperture.
     pub(super) fn clear(&mut self, passage: &Passage) {
         self.rect = passage.aperture.rect();
         let Rect { x0, y0, x1, y1 } = self.rect;
@@ -60,7 +61,7 @@ impl Rows {
             row.farthest = 0.0;
             row.stale = false;
             passage.aperture.open_in_row(y, &mut self.runs);
-            // What lies before, between and after the open runs.
+            // Cover the columns before, between and after the open runs.
             self.runs.push([x1, x1]);
             let mut from = x0;
             for &[open, end] in &self.runs {
@@ -79,15 +80,15 @@ impl Rows {
         }
     }
 
-    /// Can anything no nearer than `nearest` be seen in `rect`?
+    /// Returns `true` if geometry with reversed depth `nearest` may be visible in `rect`.
     #[inline(always)]
     pub(super) fn sees(&mut self, rect: &Rect, nearest: f32) -> bool {
-        // The middle first: where something is seen at all, it mostly is there.
+        // Test the middle row first: most visible rectangles are visible there.
         let middle = (rect.y0 + rect.y1) / 2;
         if self.rows[usize::from(middle)].sees(rect, nearest, &self.rect) {
             return true;
         }
-        // A loop by hand: what `any` calls knows no SIMD.
+        // A plain loop, because closures passed to `any` are not compiled for the SIMD level.
         for row in &mut self.rows[usize::from(rect.y0)..usize::from(rect.y1)] {
             if row.sees(rect, nearest, &self.rect) {
                 return true;
@@ -96,9 +97,9 @@ impl Rows {
         false
     }
 
-    /// Where runs of eight rows from `y` on go in: the places of the first spans that they may meet.
+    /// Returns, for each row of a band, the index of the first span that the run may overlap.
     ///
-    /// Asked for all rows before any is changed: each lies somewhere else in memory, and so one waits for them together.
+    /// Looked up for all rows before any is changed, so that their cache misses overlap.
     #[inline(always)]
     pub(super) fn insert_indices(&self, band: &Band) -> [u16; BAND] {
         let mut places = [0; BAND];
@@ -111,7 +112,8 @@ impl Rows {
         places
     }
 
-    /// Lets a face own those samples of a run at which it is nearest; `place` is that of the first span that it may meet.
+    /// Inserts a run: the face becomes the owner of the samples at which it is nearest. `place` is the index of the
+    /// first span that the run may overlap.
     #[inline(always)]
     pub(super) fn insert(
         &mut self,
@@ -127,7 +129,7 @@ impl Rows {
         replacement.clear();
         new.begin_run(y);
         let mut next = usize::from(place);
-        // The spans before this one stay as they are; those from it to `next` become `made`.
+        // Spans before `first` stay; those from `first` to `next` are replaced by `replacement`.
         let mut first = next;
         let (mut x, mut changed) = (x0, false);
         while x < x1 {
@@ -180,7 +182,7 @@ impl Rows {
     }
 }
 
-/// Adds a span, or what it adds to the last of the same face.
+/// Appends a span, or extends the last one if it belongs to the same face.
 #[inline(always)]
 fn push(replacement: &mut Vec<Span>, span: Span) {
     match replacement.last_mut() {
@@ -194,13 +196,13 @@ fn push(replacement: &mut Vec<Span>, span: Span) {
 }
 
 impl Row {
-    /// The place of the first span that reaches beyond column `x`.
+    /// Returns the index of the first span that ends after column `x`.
     ///
-    /// Counting them all takes fewer steps than halving, which waits for memory and guesses wrong at each: a row has some
-    /// hundred spans, and SIMD takes sixteen at once.
+    /// Counts linearly: a row has some hundred spans, of which SIMD counts sixteen at once. A binary search waits for
+    /// memory and mispredicts a branch at each step.
     #[inline(always)]
     fn first_beyond(&self, x: u16) -> usize {
-        // No more than 2¹⁶ − 1 columns: the count fits.
+        // At most 2¹⁶ − 1 columns, so the count fits.
         usize::from(
             self.ends
                 .iter()
@@ -208,7 +210,7 @@ impl Row {
         )
     }
 
-    /// Puts spans in the place of others.
+    /// Replaces the spans `first..after`.
     #[inline(always)]
     fn replace(&mut self, first: usize, after: usize, replacement: &[Span]) {
         let (old, new, length) = (after - first, replacement.len(), self.spans.len());
@@ -257,8 +259,8 @@ impl Row {
         true
     }
 
-    /// May something be seen in columns `x0..x1`? It may where nothing is, and where `past` says that it is seen past
-    /// a span in some of its columns.
+    /// Returns `true` if something may be visible in columns `x0..x1`: if a column is open, or if `past` returns `true`
+    /// for a span and its columns there.
     pub(super) fn shows(&self, x0: u16, x1: u16, past: impl Fn(&Span, u16, u16) -> bool) -> bool {
         let mut x = x0;
         let first = self.first_beyond(x0);
@@ -274,7 +276,7 @@ impl Row {
         true
     }
 
-    /// The farthest reversed depth in columns `x0..x1`, which all spans lie in.
+    /// Returns the minimum reversed depth in columns `x0..x1`, which contain all spans; 0 if one is open.
     fn farthest_in(&self, x0: u16, x1: u16) -> f32 {
         let mut x = x0;
         let mut farthest = f32::INFINITY;
@@ -288,13 +290,13 @@ impl Row {
         if x < x1 { 0.0 } else { farthest }
     }
 
-    /// The span that holds column `x`.
+    /// Returns the span that contains column `x`.
     pub(super) fn at(&self, x: u16) -> Option<&Span> {
         self.spans.get(self.first_beyond(x)).filter(|span| span.x0 <= x)
     }
 }
 
-/// Which faces own a sample: marks them, so that the others may be dropped.
+/// Sets `owns` for the faces that own a sample, so that the others may be dropped.
 pub(super) fn mark_owners(rows: &Rows, faces: &[Face], owns: &mut Vec<bool>) {
     owns.clear();
     owns.resize(faces.len(), false);

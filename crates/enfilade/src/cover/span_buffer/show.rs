@@ -1,4 +1,4 @@
-//! Shows the spans, each of which one face owns.
+//! Draws the spans, each of which has one owner.
 
 use super::SpanBuffer;
 use super::rows::COVERED;

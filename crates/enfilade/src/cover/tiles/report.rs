@@ -1,4 +1,4 @@
-//! Reports who owns the tiles.
+//! Reports the owners of the tiles' samples.
 
 use super::{State, TILE, TILE_SHIFT, Tiles};
 use crate::aperture::Rect;
@@ -7,7 +7,7 @@ use crate::cover::samples::{OPEN, lower_half};
 use fearless_simd::dispatch;
 
 impl Tiles {
-    /// Reports all owners: tile by tile where that is enough, else row by row.
+    /// Reports all owners: tile by tile, or row by row if the report needs runs.
     pub(in crate::cover) fn report(&self, report: &mut Report) {
         if report.wants_rows() {
             self.report_rows(report);

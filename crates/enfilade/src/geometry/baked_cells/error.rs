@@ -1,69 +1,69 @@
-//! Why planes and rows make no cells.
+//! Errors of baked cells.
 
 use thiserror::Error;
 
-/// Why planes and rows make no cells.
+/// Why baked cells are invalid; returned by [`BakedCells::new`](super::BakedCells::new).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BakedCellsError {
-    /// A plane has a normal of no length, or numbers that are NaN or infinite.
+    /// The normal of a plane is zero, or a number of the plane is NaN or infinite.
     #[error("the plane of node {0} must have finite numbers, and a normal that is not zero")]
     BadPlane(usize),
     /// The tolerance is negative, NaN or infinite.
     #[error("a tolerance of {0}; it must be 0 or more, and finite")]
     Tolerance(f64),
-    /// A side names a node that is not there.
+    /// A node refers to a child node that does not exist.
     #[error("{} node {node}, but there are only {nodes}", on_a_side(*.of, *.front))]
     NoSuchNode {
-        /// The node on whose side it is named; `None`: the root.
+        /// The parent; `None` for the root.
         of: Option<u32>,
-        /// In front, or behind?
+        /// Whether the child is on the front side.
         front: bool,
-        /// The node it names.
+        /// Index of the child.
         node: u32,
-        /// How many there are.
+        /// Number of nodes.
         nodes: usize,
     },
-    /// A side names a cell that is not there.
+    /// A node refers to a cell that does not exist.
     #[error("{} cell {cell}, but there are only {cells}", on_a_side(*.of, *.front))]
     NoSuchCell {
-        /// The node on whose side it is named; `None`: the root.
+        /// The parent; `None` for the root.
         of: Option<u32>,
-        /// In front, or behind?
+        /// Whether the cell is on the front side.
         front: bool,
-        /// The cell it names.
+        /// Index of the cell.
         cell: u32,
-        /// How many there are.
+        /// Number of cells.
         cells: usize,
     },
-    /// Two sides name one node, or a node is below itself.
-    #[error("node {0} is reached on two ways from the root; nodes must form a tree")]
+    /// A node has two parents, or is its own descendant.
+    #[error("node {0} is reached by two paths from the root; nodes must form a tree")]
     NoTree(u32),
-    /// A cell has a row that is not there.
+    /// A cell refers to a row that does not exist.
     #[error("cell {cell} has row {row}, but there are only {rows}")]
     NoSuchRow {
-        /// Which cell.
+        /// Index of the cell.
         cell: usize,
-        /// The row it names.
+        /// Index of the row.
         row: u32,
-        /// How many there are.
+        /// Number of rows.
         rows: usize,
     },
-    /// A row names a cell that is not there.
+    /// A row refers to a cell that does not exist.
     #[error("row {row} names cell {cell}, but there are only {cells}")]
     NoSuchCellInRow {
-        /// Which row.
+        /// Index of the row.
         row: usize,
-        /// The cell it names.
+        /// Index of the cell.
         cell: u32,
-        /// How many there are.
+        /// Number of cells.
         cells: usize,
     },
-    /// Cells are numbered with 32 bits.
-    #[error("{0} cells; have clusters of them share one cell, fewer than 4 billion in all")]
+    /// There are too many cells; cells have 32-bit numbers.
+    #[error("{0} cells; merge some of them until there are fewer than 4 billion")]
     TooManyCells(usize),
-    /// Rows are kept as runs, which are numbered with 32 bits.
-    #[error("the rows up to row {0} are more than 4 billion runs of cells; have cells share rows")]
+    /// The rows have too many runs of cells; runs have 32-bit numbers. Holds the row that exceeds the limit.
+    #[error("the rows up to row {0} have more than 4 billion runs of cells; let cells share rows")]
     TooManyRuns(usize),
 }
 

@@ -1,11 +1,12 @@
-//! Cells computed ahead: a tree of planes whose leaves are cells, and for each cell the cells that may be seen from it.
+//! Baked PVS: a BSP tree whose leaves are cells, and for each cell the cells potentially visible from it.
 //!
-//! What is behind walls of another cell need not be looked for where it is known that nothing in one cell sees anything in
-//! the other. Cells are as compilers of levels leave them, or as a baker makes them of convex rooms.
+//! If nothing in one cell can see anything in another, the items there are culled without a test. Level compilers
+//! produce such cells; `enfilade_bake` computes them for convex rooms.
 //! Source: Teller, Séquin, Visibility Preprocessing for Interactive Walkthroughs, SIGGRAPH 1991; Abrash, Graphics
 //!     Programming Black Book, chapter 64.
-//! Cost: a row takes a stretch of numbers for each run of neighbouring cells; to find a cell, O(depth) planes.
-//! The rows are believed: what they leave out is hidden for as long as the walls stand that they were computed from.
+//! Cost: a row stores a range of cell numbers per run of visible cells; finding a cell takes O(depth) plane tests.
+//! Conservative if the rows are: they are not verified, and are valid while the walls that they were computed from
+//! exist.
 
 mod error;
 mod row;
@@ -20,52 +21,54 @@ use crate::geom::Aabb;
 use glam::DVec3;
 use row::Rows;
 
-/// A cell, by its place in the list of cells.
+/// Identifies a cell: its index in the list of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CellId(pub u32);
 
-/// What lies on one side of a plane.
+/// A child of a BSP node: what is on one side of its plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellSide {
-    /// Another plane, by its place in [`CellTree::nodes`].
+    /// Another node, by its index in [`CellTree::nodes`].
     Node(u32),
-    /// A cell, which may have many leaves.
+    /// A cell; a cell may have several leaves.
     Cell(CellId),
-    /// No cell: solid, or outside. Nothing in it is seen from a cell, for the faces of walls lie before it.
+    /// No cell: solid or outside. Nothing in it is visible from a cell, because the faces of walls are in front of it.
     Solid,
 }
 
-/// A plane that parts space.
+/// A node of a BSP tree: a plane that splits space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellNode {
-    /// Across the plane, of any length but zero, in the space of the sector.
+    /// Normal of the plane, of any length above zero, in the space of the sector.
     pub normal: [f64; 3],
-    /// In front is where `normal · point >= distance`.
+    /// Points with `normal · point >= distance` are in front.
     pub distance: f64,
-    /// What lies in front.
+    /// The child in front of the plane.
     pub front: CellSide,
-    /// What lies behind.
+    /// The child behind the plane.
     pub back: CellSide,
 }
 
-/// Planes that part the space of a sector into cells.
+/// A BSP tree that splits the space of a sector into cells.
+#[doc(alias = "BSP")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellTree {
-    /// Where to begin: node 0 as a rule, or a cell that is all of space.
+    /// The root: usually node 0, or a cell that fills all of space.
     pub root: CellSide,
-    /// The planes, in any order. Each is reached once at most; those that are not reached do no harm.
+    /// The nodes, in any order. Each must be reached at most once from the root; unreachable nodes are ignored.
     pub nodes: Vec<CellNode>,
-    /// How far, in scene units, faces and openings that are meant to lie in a plane may be off it; 0 or more. What f32
-    /// loses is allowed for anyway. More makes walls stand in the cells on both of their sides, never fewer things seen.
+    /// Maximum distance of faces and openings from the plane that they are meant to be in, in scene units, 0 or more;
+    /// f32 rounding is allowed for in addition. A larger value puts walls into the cells on both sides of them, so more
+    /// is visible; never less.
     pub tolerance: f64,
 }
 
-/// Cells computed ahead, for [`Method::Pvs`](crate::Method::Pvs): given to a geometry by
+/// Baked PVS cells, for [`Method::Pvs`](crate::Method::Pvs); passed to
 /// [`GeometryBuilder::cells`](crate::GeometryBuilder::cells).
 ///
 /// ```
 /// use enfilade::{BakedCells, CellId, CellNode, CellSide, CellTree};
-/// // Two rooms with a wall between them that no one sees through: the plane x = 0.
+/// // Two rooms with an opaque wall between them, in the plane x = 0.
 /// let [west, east] = [CellId(0), CellId(1)];
 /// let wall = CellNode {
 ///     normal: [1.0, 0.0, 0.0],
@@ -82,21 +85,21 @@ pub struct CellTree {
 #[derive(Clone, Debug, PartialEq)]
 pub struct BakedCells {
     tree: CellTree,
-    /// By cell: its row, or everything.
+    /// Row of each cell; `None`: all cells are visible from it.
     row_of: Vec<Option<u32>>,
     rows: Rows,
     depth: u32,
 }
 
 impl BakedCells {
-    /// Checks the tree and the rows.
+    /// Checks the BSP tree and the visibility rows.
     ///
-    /// `row_of` says, for each cell, which of `rows` tells what may be seen from anywhere in it, its border included: many
-    /// cells may share a row, as those of a cluster do. From a cell without one, everything may be seen. A row names cells
-    /// in any order; its own cell is meant also where it is not named.
+    /// A row is a set of cells, in any order. `row_of[cell]` is the index in `rows` of the cells that may be visible
+    /// from anywhere in `cell`, including its boundary; `None` means that all cells may be visible. Cells can share a
+    /// row, as the cells of a cluster do. A cell always sees itself, whether or not its row contains it.
     ///
     /// # Errors
-    /// One [`BakedCellsError`] for the first broken rule.
+    /// Returns the [`BakedCellsError`] of the first invalid element.
     pub fn new<Row: IntoIterator<Item = CellId>>(
         mut tree: CellTree,
         row_of: &[Option<u32>],
@@ -125,22 +128,22 @@ impl BakedCells {
         })
     }
 
-    /// How many cells there are.
+    /// Returns the number of cells.
     pub fn cell_count(&self) -> usize {
         self.row_of.len()
     }
 
-    /// The planes that part space, their normals of unit length.
+    /// Returns the BSP tree, with unit normals.
     pub fn tree(&self) -> &CellTree {
         &self.tree
     }
 
-    /// The planes on the longest way to a leaf.
+    /// Returns the depth of the BSP tree: the number of nodes on the longest path to a leaf.
     pub fn depth(&self) -> u32 {
         self.depth
     }
 
-    /// The cell that a point is in; `None` where there is none. Points in a plane are in front of it.
+    /// Returns the cell that contains a point; `None` in solid space. Points in a plane count as in front of it.
     pub fn cell_at(&self, point: [f64; 3]) -> Option<CellId> {
         match tree::leaf_at(&self.tree, DVec3::from(point)) {
             Leaf::Cell(cell) => Some(cell),
@@ -148,18 +151,21 @@ impl BakedCells {
         }
     }
 
-    /// May anything in one cell see anything in the other?
+    /// Returns `true` if anything in cell `to` may be visible from cell `from`.
+    ///
+    /// # Panics
+    /// If `from` is out of range.
     pub fn sees(&self, from: CellId, to: CellId) -> bool {
         from == to || self.row(from).is_none_or(|row| self.rows.has(row, to.0))
     }
 
-    /// Memory in bytes.
+    /// Returns the memory used, in bytes.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&*self.tree.nodes) + size_of_val(&*self.row_of)) as u64 + self.rows.bytes()
     }
 
-    /// The cells that may be seen from one, as stretches of their numbers, first and after the last; `None` where that is
-    /// everything. The cell itself may not be among them.
+    /// Returns the cells that may be visible from a cell, as ranges of their numbers (first, last + 1); `None` if all
+    /// may be. The cell itself may be missing.
     pub(crate) fn seen_from(&self, cell: CellId) -> Option<&[[u32; 2]]> {
         self.row(cell).map(|row| self.rows.get(row))
     }
@@ -168,12 +174,13 @@ impl BakedCells {
         self.row_of[cell.0 as usize]
     }
 
-    /// What is all that a box can reach into: a leaf or a plane.
+    /// Returns the deepest subtree that contains all leaves that a box overlaps: a leaf or a node.
     pub(crate) fn around(&self, bounds: &Aabb) -> CellSide {
         tree::around(&self.tree, bounds)
     }
 
-    /// Tells the leaves that something of a polygon may be in, from `side` down; `false` where that is given up.
+    /// Calls `each` with the leaves below `side` that a polygon may overlap; returns `false` if `each` stopped the
+    /// traversal or a coordinate is not finite.
     pub(crate) fn touched(&self, side: CellSide, room: &mut Room, each: impl FnMut(Leaf) -> bool) -> bool {
         tree::touched(&self.tree, side, room, each)
     }

@@ -1,13 +1,14 @@
-//! Sets of cells, as runs of their numbers: neighbours see much the same, and compilers number them one after the other.
+//! Sets of cells as runs of cell numbers. Visible cells form runs because compilers number neighbouring cells in
+//! sequence.
 
 use super::{BakedCellsError, CellId};
 
-/// Sets of cells, row after row.
+/// Sets of cells, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Rows {
-    /// Where each row's runs begin, and the end of the last.
+    /// Start of each row in `runs`, and the end of the last.
     starts: Vec<u32>,
-    /// First cell and cell after the last, rising.
+    /// First cell and last cell + 1, ascending.
     runs: Vec<[u32; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! What touches which leaves, against points of it one by one.
+//! Tests the leaves found for polygons and boxes against random points of them.
 
 use super::tree::{Leaf, Room};
 use super::{BakedCells, CellId, CellNode, CellSide, CellTree};
@@ -6,11 +6,11 @@ use crate::geom::Aabb;
 use glam::DVec3;
 use std::collections::BTreeSet;
 
-/// Random bits; the same every time.
+/// A pseudo-random number generator with a fixed sequence.
 struct Dice(u64);
 
 impl Dice {
-    /// From −1 to 1; often a round number, so that things lie in planes.
+    /// Returns a number from −1 to 1; often a multiple of ¼, so that points are exactly in planes.
     fn unit(&mut self) -> f64 {
         self.0 = self
             .0
@@ -29,7 +29,7 @@ impl Dice {
     }
 }
 
-/// Planes anyhow, every leaf a cell of its own.
+/// Returns a tree of random planes, in which every leaf is a separate cell.
 fn random_cells(dice: &mut Dice, size: f64) -> BakedCells {
     const NODES: u32 = 63;
     let mut next_cell = 0;

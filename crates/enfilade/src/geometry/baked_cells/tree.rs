@@ -1,29 +1,30 @@
-//! Which leaves of a tree of planes something reaches into: too many where rounding could decide, never too few.
+//! Finds the leaves of a BSP tree that a point, box or polygon overlaps. Rounding may add leaves, but never misses one.
 //!
-//! Polygons are cut by planes moved outwards, by more than all cuts together can shift what is left; where there were too
-//! many cuts to say so, no more is cut. Walks go by a list, for trees may be as deep as they have nodes.
+//! Polygons are clipped by planes moved outwards by more than the rounding of all clips can shift the rest. After
+//! [`MAX_CUTS`] clips this no longer holds, so clipping stops. Traversal uses an explicit stack, because a tree may be
+//! as deep as it has nodes.
 
 use super::{BakedCellsError, CellId, CellNode, CellSide, CellTree};
 use crate::geom::Aabb;
 use glam::DVec3;
 
-/// What a plane may be off, in parts of the numbers at hand: twice what f32 loses, in places and in planes.
+/// Rounding error of a plane test, relative to the coordinates: twice the rounding of f32, in positions and in planes.
 const ROUNDING: f64 = 1.0 / (1_u64 << 22) as f64;
 
-/// So often a polygon is cut at most: each cut shifts it by 2⁻⁵⁰ of its numbers, a plane is moved by 2⁻²² of them.
+/// Maximum number of clips of a polygon: each clip shifts it by 2⁻⁵⁰ of its coordinates, and planes are moved by 2⁻²².
 const MAX_CUTS: u32 = 1000;
 
-/// A leaf that something may reach into.
+/// A leaf that something may overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leaf {
     Cell(CellId),
-    /// No cell. `barely`: by no more than planes may be off.
+    /// No cell. `barely`: the overlap is within the rounding error and tolerance of a plane.
     Solid {
         barely: bool,
     },
 }
 
-/// Checks everything about a tree, makes its normals unit ones, and gives its depth.
+/// Checks the tree, normalizes its normals, and returns its depth.
 pub(super) fn check(tree: &mut CellTree, cells: usize) -> Result<u32, BakedCellsError> {
     let CellTree {
         root,
@@ -70,10 +71,10 @@ pub(super) fn check(tree: &mut CellTree, cells: usize) -> Result<u32, BakedCells
     Ok(deepest)
 }
 
-/// A plane with a normal of unit length; `None` where there is no such plane.
+/// Returns the plane with a unit normal; `None` if the plane is invalid.
 fn unit(node: &CellNode) -> Option<([f64; 3], f64)> {
     let normal = DVec3::from(node.normal);
-    // Squares of what is huge or tiny would leave the numbers there are.
+    // Scaled first: squares of huge or tiny numbers would overflow or underflow.
     let scale = normal.abs().max_element();
     let sound = normal.is_finite() && scale > 0.0 && node.distance.is_finite();
     let scaled = normal / scale;
@@ -84,7 +85,7 @@ fn unit(node: &CellNode) -> Option<([f64; 3], f64)> {
         .then_some((plane, distance))
 }
 
-/// The leaf that a point is in.
+/// Returns the leaf that contains a point.
 pub(super) fn leaf_at(tree: &CellTree, point: DVec3) -> Leaf {
     let mut side = tree.root;
     loop {
@@ -100,12 +101,12 @@ pub(super) fn leaf_at(tree: &CellTree, point: DVec3) -> Leaf {
     }
 }
 
-/// How far a plane may be off for what has numbers up to `far`.
+/// Returns the maximum error of a plane test for coordinates up to `far`.
 fn slack(tree: &CellTree, node: &CellNode, far: f64) -> f64 {
     tree.tolerance + ROUNDING * (far + node.distance.abs())
 }
 
-/// What holds all that a box can reach into: a leaf, or the first plane that parts it.
+/// Returns the deepest subtree that contains all leaves that a box overlaps: a leaf, or the first node that splits it.
 pub(super) fn around(tree: &CellTree, bounds: &Aabb) -> CellSide {
     let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
     let far = min.abs().max(max.abs()).max_element();
@@ -113,7 +114,7 @@ pub(super) fn around(tree: &CellTree, bounds: &Aabb) -> CellSide {
     while let CellSide::Node(number) = side {
         let node = &tree.nodes[number as usize];
         let normal = DVec3::from(node.normal);
-        // By its ends along the normal: the middle of a box may be no number where its corners are.
+        // By the interval ends along the normal: the centre of a box may overflow even if its corners are finite.
         let at_least = (normal * min).min(normal * max);
         let at_most = (normal * min).max(normal * max);
         let sum = |ends: DVec3| ends.x + ends.y + ends.z - node.distance;
@@ -129,35 +130,35 @@ pub(super) fn around(tree: &CellTree, bounds: &Aabb) -> CellSide {
     side
 }
 
-/// Where polygons are cut.
+/// The stack and scratch buffers of a traversal with a polygon.
 #[derive(Default)]
 pub(crate) struct Room {
-    /// What is asked about: an outline to be cut, or points that stand for all between them and are not.
+    /// The query: an outline to be clipped, or points whose convex hull is tested without clipping.
     points: Vec<DVec3>,
     waiting: Vec<Piece>,
     offsets: Vec<f64>,
-    /// Planes that polygons were held against since this was set to 0.
+    /// Number of plane tests since this was set to 0.
     pub(crate) planes: u64,
 }
 
-/// What is left of a polygon on its way down: points from `start` to `end`.
+/// The rest of a polygon in a subtree: points from `start` to `end`.
 struct Piece {
     side: CellSide,
     start: usize,
     end: usize,
-    /// How many points there were when it was put down: all later ones are gone when it is taken up.
+    /// Length of `points` when this piece was pushed; later points are discarded when it is popped.
     top: usize,
     cuts: u32,
     barely: bool,
 }
 
 impl Room {
-    /// Takes the outline of a flat convex polygon.
+    /// Starts a query with the outline of a planar convex polygon.
     pub(crate) fn outline(&mut self, corners: impl IntoIterator<Item = DVec3>) {
         self.take(corners, 0);
     }
 
-    /// Takes points that stand for all between them, in any order.
+    /// Starts a query with the convex hull of points, in any order.
     pub(crate) fn hull(&mut self, points: impl IntoIterator<Item = DVec3>) {
         self.take(points, MAX_CUTS);
     }
@@ -177,8 +178,8 @@ impl Room {
     }
 }
 
-/// Tells the leaves that what `room` has taken may reach into, from `side` down, until `each` says `false`; then, and where
-/// there are numbers that cannot be reckoned with, `false`.
+/// Calls `each` with the leaves below `side` that the query may overlap, until it returns `false`. Returns `false` if
+/// `each` did, or if a coordinate is not finite.
 pub(super) fn touched(
     tree: &CellTree,
     side: CellSide,
@@ -216,7 +217,7 @@ pub(super) fn touched(
 }
 
 impl Room {
-    /// Goes on with what is left of a piece on each side of a plane that may be off by `slack`.
+    /// Pushes the parts of a piece on each side of a plane with error `slack`.
     fn part(&mut self, piece: &Piece, node: &CellNode, slack: f64) {
         self.planes += 1;
         let normal = DVec3::from(node.normal);
@@ -247,7 +248,7 @@ impl Room {
                 barely,
                 ..*piece
             };
-            // What lies on this side whole is not cut, nor what was cut too often to say where it is.
+            // Not clipped if all of it is on this side, or if it was clipped too often to bound its error.
             let is_cut = piece.cuts < MAX_CUTS && self.offsets.iter().any(|off| sign * off < -slack);
             if is_cut {
                 self.cut(piece, sign, slack);
@@ -259,7 +260,7 @@ impl Room {
         }
     }
 
-    /// Adds what is left of a piece where `sign` times the offset from a plane is at least −`slack`.
+    /// Appends the part of a piece where `sign` times the distance from a plane is at least −`slack`.
     fn cut(&mut self, piece: &Piece, sign: f64, slack: f64) {
         let count = piece.end - piece.start;
         for at in 0..count {
@@ -270,7 +271,7 @@ impl Room {
                 self.points.push(corner);
             }
             if (here < 0.0) != (there < 0.0) {
-                // From the one end or the other, the same.
+                // The same result in either direction of the edge.
                 let part = here / (here - there);
                 self.points.push(corner * (1.0 - part) + after * part);
             }

@@ -1,6 +1,6 @@
-//! Elements of a row, read one by one.
+//! Random access to the elements of an accessor.
 
-/// A number of an element.
+/// Component type of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Component {
     I8,
@@ -11,25 +11,25 @@ pub(super) enum Component {
     F32,
 }
 
-/// What each element of a row is.
+/// Element format of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Kind {
     pub(super) component: Component,
-    /// Numbers in an element, 1 to 4.
+    /// Components per element, 1 to 4.
     pub(super) parts: u8,
-    /// Do whole numbers stand for parts of one?
+    /// Whether integers are normalized to 0 to 1, or −1 to 1 if signed.
     pub(super) normalized: bool,
 }
 
-/// Elements that are read one by one.
+/// The elements of an accessor.
 pub(in crate::gltf) struct Elements<'b> {
-    /// The bytes from the first element on, and from one element to the next.
+    /// The bytes from the first element on, and the stride; `None` if all elements are zero.
     base: Option<(&'b [u8], usize)>,
     replacements: Option<Replacements<'b>>,
     kind: Kind,
 }
 
-/// Elements that stand instead of those with some numbers, which are in order.
+/// Replacement values of a sparse accessor, sorted by element index.
 pub(super) struct Replacements<'b> {
     pub(super) count: usize,
     pub(super) numbers: &'b [u8],
@@ -50,7 +50,7 @@ impl Component {
         }
     }
 
-    /// As one that numbers something.
+    /// Returns the component type if indices may have it.
     pub(super) fn of_index(component_type: u32) -> Option<Component> {
         Component::of(component_type)
             .filter(|component| matches!(component, Component::U8 | Component::U16 | Component::U32))
@@ -66,13 +66,14 @@ impl Component {
 }
 
 impl Kind {
-    /// Bytes of an element.
+    /// Returns the size of an element, in bytes.
     pub(super) fn bytes(self) -> u64 {
         self.component.bytes() * u64::from(self.parts)
     }
 }
 
 impl Replacements<'_> {
+    /// Returns the element index of a replacement.
     pub(super) fn number(&self, at: usize) -> u32 {
         match self.number_kind {
             Component::U8 => u32::from(self.numbers[at]),
@@ -81,7 +82,7 @@ impl Replacements<'_> {
         }
     }
 
-    /// The bytes of what stands instead of an element, if anything does.
+    /// Returns the replacement bytes of an element, if it is replaced.
     fn find(&self, index: usize, element_bytes: usize) -> Option<&[u8]> {
         let (mut low, mut high) = (0, self.count);
         while low < high {
@@ -109,7 +110,7 @@ impl<'b> Elements<'b> {
         }
     }
 
-    /// The first numbers of an element; 0 where it has fewer. What is normalized lies between −1 and 1.
+    /// Returns the first components of an element; missing ones are 0. Normalized values are between −1 and 1.
     pub(in crate::gltf) fn floats<const N: usize>(&self, index: usize) -> [f32; N] {
         let bytes = self.at(index);
         let parts = usize::from(self.kind.parts);
@@ -131,7 +132,7 @@ impl<'b> Elements<'b> {
             Component::U8 => each(1, |bytes| f32::from(bytes[0]), 255.0),
             Component::I16 => each(2, |bytes| f32::from(i16::from_le_bytes(first(bytes))), 32767.0),
             Component::U16 => each(2, |bytes| f32::from(u16::from_le_bytes(first(bytes))), 65535.0),
-            // Never normalized, by the types that are wanted.
+            // 32-bit integers are never normalized, because no use allows that.
             Component::U32 => each(4, |bytes| u32::from_le_bytes(first(bytes)) as f32, 1.0),
             Component::F32 => std::array::from_fn(|part| match bytes {
                 Some(bytes) if part < parts => f32::from_le_bytes(first(&bytes[part * 4..])),
@@ -153,7 +154,7 @@ impl<'b> Elements<'b> {
         self.at(index).map_or(0, |bytes| u32::from_le_bytes(first(bytes)))
     }
 
-    /// The bytes from an element on; `None` where it is zero.
+    /// Returns the bytes from an element on; `None` if the element is zero.
     #[inline]
     fn at(&self, index: usize) -> Option<&[u8]> {
         let replaced = self
@@ -166,5 +167,7 @@ impl<'b> Elements<'b> {
 
 #[inline]
 fn first<const SIZE: usize>(bytes: &[u8]) -> [u8; SIZE] {
-    *bytes.first_chunk().expect("an element that was checked")
+    *bytes
+        .first_chunk()
+        .expect("elements are within their bytes, as checked by `Stretch`")
 }

@@ -1,7 +1,8 @@
-//! Accessors: typed rows of elements in the buffers, checked before anything is read.
+//! Accessors: typed arrays in the buffers, validated before anything is read.
 //!
-//! An accessor is checked against what its view and buffer say of themselves, in integers that cannot overflow; a
-//! buffer is checked against its bytes when it is loaded. Together: every element lies in bytes that are there.
+//! An accessor is checked against the declared sizes of its buffer view and buffer, in integers that cannot overflow; a
+//! buffer is checked against its declared size when it is loaded. Together, these keep every element within the loaded
+//! bytes.
 //! Source: glTF 2.0 Specification, section 3.6.2.
 
 mod elements;
@@ -19,21 +20,21 @@ use crate::BrokenRule;
 use elements::{Component, Kind};
 use sparse::Sparse;
 
-/// A row of elements, known to lie inside their buffer.
+/// An accessor whose elements are known to be within their buffer.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     accessor: u32,
-    /// Where the elements lie; `None` where all are zero.
+    /// Position of the elements; `None` if all are zero.
     base: Option<Stretch>,
-    /// Those that stand instead of some of them.
+    /// Elements that are replaced.
     sparse: Option<Sparse>,
-    /// How many elements there are.
+    /// Number of elements.
     pub(super) count: u64,
     kind: Kind,
 }
 
 impl Row {
-    /// Checks an accessor and everything it names.
+    /// Checks an accessor and everything that it references.
     pub(super) fn new(
         document: &Document,
         index: u32,
@@ -68,29 +69,29 @@ impl Row {
         })
     }
 
-    /// Does it stand nowhere, so that all its elements are zero?
+    /// Returns `true` if the accessor has neither a buffer view nor sparse values, so all its elements are zero.
     pub(super) fn is_zeros(&self) -> bool {
         self.base.is_none() && self.sparse.is_none()
     }
 
-    /// Numbers in an element, 1 to 4.
+    /// Returns the number of components per element, 1 to 4.
     pub(super) fn parts(&self) -> u8 {
         self.kind.parts
     }
 
-    /// What it lies in.
+    /// Returns the buffers and compressed buffer views that the elements are in.
     pub(super) fn sources(&self) -> impl Iterator<Item = Source> {
         let sparse = self.sparse.iter().flat_map(Sparse::sources);
         self.base.iter().map(|base| base.source).chain(sparse)
     }
 
-    /// The number of its accessor, if that has elements which stand instead of others: these are to be checked, once for
-    /// all rows of the accessor, by [`Row::check_sparse`].
+    /// Returns the index of the accessor if it is sparse. Check its sparse indices once per accessor with
+    /// [`Row::check_sparse`].
     pub(super) fn sparse_accessor(&self) -> Option<u32> {
         self.sparse.as_ref().map(|_| self.accessor)
     }
 
-    /// Do the numbers of the elements that stand instead of others name some, in order?
+    /// Checks that the sparse indices increase and are in range.
     pub(super) fn check_sparse(&self, buffers: &Buffers) -> Result<(), BrokenRule> {
         match &self.sparse {
             Some(sparse) => sparse.check(buffers, self.count, || format!("accessor {}", self.accessor)),
@@ -98,7 +99,7 @@ impl Row {
         }
     }
 
-    /// The row's elements, by number. `buffers` must hold all [`Row::sources`].
+    /// Returns the elements. `buffers` must hold all [`Row::sources`].
     pub(super) fn elements<'b>(&self, buffers: &'b Buffers) -> Elements<'b> {
         Elements::new(
             self.base.as_ref().map(|base| base.bytes(buffers)),
@@ -107,7 +108,7 @@ impl Row {
         )
     }
 
-    /// All elements as indices.
+    /// Returns all elements as vertex indices.
     pub(super) fn indices(&self, buffers: &Buffers) -> Vec<u32> {
         let elements = self.elements(buffers);
         let all = 0..self.count as usize;

@@ -1,7 +1,7 @@
-//! Sparse accessors: some elements stand elsewhere, listed by their numbers.
+//! Sparse accessors: some elements are replaced by values that are stored separately, with their indices.
 //!
-//! Their numbers are checked once, and then searched where they lie: nothing is copied, however many rows use them.
-//! Cost: O(numbers) to check; O(log numbers) for each element that is read.
+//! The indices are checked once, and then binary-searched in the buffer: nothing is copied, however many rows use them.
+//! Cost: O(indices) to check; O(log indices) for each element that is read.
 //! Source: glTF 2.0 Specification, section 3.6.2.3.
 
 use super::Stretch;
@@ -10,7 +10,7 @@ use crate::BrokenRule;
 use crate::gltf::buffers::{Buffers, Source};
 use crate::gltf::document::{self, Document};
 
-/// Elements that stand instead of others.
+/// The replacement values of a sparse accessor.
 #[derive(Clone, Debug)]
 pub(super) struct Sparse {
     count: u64,
@@ -74,7 +74,7 @@ impl Sparse {
         [self.numbers.source, self.values.source].into_iter()
     }
 
-    /// Are its numbers those of elements, each greater than the one before?
+    /// Checks that the sparse indices increase and are below `elements`.
     pub(super) fn check(
         &self,
         buffers: &Buffers,

@@ -1,11 +1,11 @@
-//! Stretches: elements of one size at equal steps, known to lie inside their view and its buffer.
+//! Strided ranges: elements of equal size at a constant stride, known to be within their buffer view and buffer.
 
 use crate::BrokenRule;
 use crate::gltf::buffers::{Buffers, Source};
 use crate::gltf::compressed::Compressed;
 use crate::gltf::document::{BufferView, Document, find};
 
-/// Where elements lie.
+/// The position of elements in a buffer or a decoded buffer view.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::gltf) struct Stretch {
     pub(in crate::gltf) source: Source,
@@ -14,7 +14,7 @@ pub(in crate::gltf) struct Stretch {
 }
 
 impl Stretch {
-    /// Elements of an accessor, at the steps that their view says, else one right after the other.
+    /// Returns the range of an accessor's elements; without a `byteStride`, they are tightly packed.
     pub(super) fn of_elements(
         document: &Document,
         view: u32,
@@ -36,7 +36,7 @@ impl Stretch {
         Stretch::new(document, view, offset, [count, element, stride], place)
     }
 
-    /// Elements one right after the other.
+    /// Returns a range of tightly packed elements.
     pub(super) fn packed(
         document: &Document,
         view: u32,
@@ -48,7 +48,7 @@ impl Stretch {
         Stretch::new(document, view, offset, [count, element, element], place)
     }
 
-    /// The bytes of a whole view, and how many they are.
+    /// Returns the bytes of a whole buffer view, and their number.
     pub(in crate::gltf) fn whole_view(
         document: &Document,
         view: u32,
@@ -70,7 +70,7 @@ impl Stretch {
             Some(_) => (Source::View(view), 0),
             None => (Source::Buffer(held.buffer), in_buffer(document, view, held)?),
         };
-        // The last element needs no gap behind it. Products and sums of numbers below 2⁶⁴ fit into u128 here.
+        // The last element needs no padding after it. Products and sums of numbers below 2⁶⁴ fit into u128 here.
         let last = u128::from(stride) * u128::from(count.saturating_sub(1));
         let last_bytes = if count > 0 { element } else { 0 };
         let end = u128::from(offset) + last + u128::from(last_bytes);
@@ -90,15 +90,15 @@ impl Stretch {
         })
     }
 
-    /// The bytes from the first element on, and from one element to the next.
+    /// Returns the bytes from the first element on, and the stride.
     pub(in crate::gltf) fn bytes<'b>(&self, buffers: &'b Buffers) -> (&'b [u8], usize) {
-        // Checked against the source, whose bytes are in memory: these numbers fit.
+        // Both numbers fit into usize: they were checked against the source, whose bytes are in memory.
         let bytes = &buffers.bytes(self.source)[self.start as usize..];
         (bytes, self.stride as usize)
     }
 }
 
-/// Where a view begins in its buffer, which holds all of it.
+/// Returns the offset of a buffer view in its buffer, after checking that it is within the buffer.
 fn in_buffer(document: &Document, number: u32, view: &BufferView) -> Result<u64, BrokenRule> {
     let place = || format!("bufferView {number}");
     let buffer = find(&document.buffers, view.buffer, "buffer", place)?;

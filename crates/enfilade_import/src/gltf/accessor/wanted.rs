@@ -1,10 +1,10 @@
-//! What accessors are wanted for, and which types serve for it.
+//! The uses of accessors, and the element formats that each allows.
 
 use super::elements::{Component, Kind};
 use crate::BrokenRule;
 use crate::gltf::document::{Accessor, short};
 
-/// What an accessor is wanted for.
+/// The use of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::gltf) enum Wanted {
     Positions,
@@ -12,15 +12,17 @@ pub(in crate::gltf) enum Wanted {
     TextureCoordinates,
     Colors,
     Indices,
-    /// Of instances.
+    /// Translations of instances.
     Places,
+    /// Rotations of instances.
     Turns,
+    /// Scales of instances.
     Scales,
 }
 
 impl Wanted {
-    /// What the elements of an accessor are, if they serve. Types that only `KHR_mesh_quantization` allows do so whether or
-    /// not the file says that it uses it: there is but one thing that they can mean.
+    /// Returns the element format of an accessor, if this use allows it. Formats that only `KHR_mesh_quantization`
+    /// allows are accepted even if the file does not declare that extension, because their meaning is unambiguous.
     pub(super) fn kind(
         self,
         accessor: &Accessor,
@@ -38,7 +40,7 @@ impl Wanted {
             Some(component) if self.takes(component, parts, accessor.normalized) => Ok(Kind {
                 component,
                 parts,
-                // A color of whole numbers that are not parts of one would be a glare.
+                // Integer colors are always normalized; otherwise they would be up to 65,535 times too bright.
                 normalized: (accessor.normalized || self == Wanted::Colors)
                     && !matches!(component, Component::U32 | Component::F32),
             }),
@@ -78,8 +80,8 @@ impl Wanted {
                 Wanted::TextureCoordinates => "texture coordinates as VEC2 of FLOAT, or of bytes or shorts",
                 Wanted::Colors => "colors as VEC3 or VEC4 of FLOAT, UNSIGNED_BYTE or UNSIGNED_SHORT",
                 Wanted::Indices => "indices as SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT",
-                Wanted::Places => "places of instances as VEC3 of FLOAT",
-                Wanted::Turns => "turns of instances as VEC4 of FLOAT, or of normalized BYTE or SHORT",
+                Wanted::Places => "translations of instances as VEC3 of FLOAT",
+                Wanted::Turns => "rotations of instances as VEC4 of FLOAT, or of normalized BYTE or SHORT",
                 Wanted::Scales => "scales of instances as VEC3 of FLOAT",
             },
             remedy: "export it again",

@@ -1,4 +1,4 @@
-//! Meshes, and where their numbers lie, as it stands in a document's JSON.
+//! JSON of meshes, accessors, buffer views and buffers.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -35,7 +35,7 @@ pub(in crate::gltf) struct Attributes {
 }
 
 impl Attributes {
-    /// A set of texture coordinates, if it is there.
+    /// Returns the accessor of a texture coordinate set, if there is one.
     pub(in crate::gltf) fn texture(&self, set: u32) -> Option<u32> {
         match set {
             0 => self.texcoord_0,
@@ -68,7 +68,7 @@ pub(in crate::gltf) struct Accessor<'a> {
     pub(in crate::gltf) sparse: Option<Box<Sparse>>,
 }
 
-/// Elements that stand instead of some of an accessor's.
+/// Replacement values of an accessor.
 #[derive(Debug, Deserialize)]
 pub(in crate::gltf) struct Sparse {
     pub(in crate::gltf) count: u64,

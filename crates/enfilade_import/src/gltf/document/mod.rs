@@ -1,4 +1,4 @@
-//! The part of a glTF document that is read, as it stands in its JSON. Numbers in it may still name nothing.
+//! The parts of a glTF document that are read, as they are in its JSON. Indices are not validated here.
 
 mod geometry;
 mod surfaces;
@@ -40,7 +40,7 @@ pub(in crate::gltf) struct Document<'a> {
     pub(in crate::gltf) buffer_views: Vec<BufferView<'a>>,
     #[serde(borrow, default)]
     pub(in crate::gltf) buffers: Vec<Buffer<'a>>,
-    // Looked into by `list` and `lights` once something needs them, so that what nobody uses may be anything.
+    // Parsed by `list` and `lights` only when needed, so that unused parts may be invalid.
     #[serde(borrow)]
     pub(in crate::gltf) textures: Option<&'a RawValue>,
     #[serde(borrow)]
@@ -49,7 +49,7 @@ pub(in crate::gltf) struct Document<'a> {
     pub(in crate::gltf) samplers: Option<&'a RawValue>,
     #[serde(borrow)]
     pub(in crate::gltf) extensions: Option<&'a RawValue>,
-    // Only counted: `IgnoredAny` takes no memory.
+    // Only counted; `IgnoredAny` takes no memory.
     #[serde(default)]
     pub(in crate::gltf) skins: Vec<IgnoredAny>,
     #[serde(default)]
@@ -73,7 +73,7 @@ pub(in crate::gltf) struct Scene<'a> {
     pub(in crate::gltf) extras: Option<&'a RawValue>,
 }
 
-/// Numbers are f64 as in JSON, so that places far out do not lose digits before they are added up.
+/// Transforms are f64, as in JSON, so that positions far from the origin lose no digits before they are accumulated.
 #[derive(Debug, Deserialize)]
 pub(in crate::gltf) struct Node<'a> {
     #[serde(borrow, default)]
@@ -83,13 +83,13 @@ pub(in crate::gltf) struct Node<'a> {
     pub(in crate::gltf) mesh: Option<u32>,
     pub(in crate::gltf) camera: Option<u32>,
     pub(in crate::gltf) skin: Option<u32>,
-    // In boxes: most nodes have few of them, and there may be millions of nodes.
+    // Boxed, because most nodes have few of them and there may be millions of nodes.
     pub(in crate::gltf) matrix: Option<Box<[f64; 16]>>,
     pub(in crate::gltf) translation: Option<Box<[f64; 3]>>,
     pub(in crate::gltf) rotation: Option<Box<[f64; 4]>>,
     pub(in crate::gltf) scale: Option<Box<[f64; 3]>>,
     pub(in crate::gltf) extensions: Option<Box<NodeExtensions>>,
-    /// Anything at all.
+    /// Any JSON value.
     #[serde(borrow)]
     pub(in crate::gltf) extras: Option<&'a RawValue>,
 }
@@ -123,12 +123,12 @@ pub(in crate::gltf) struct InstanceAttributes {
 }
 
 impl Node<'_> {
-    /// The light that it carries.
+    /// Returns the index of the node's light.
     pub(in crate::gltf) fn light(&self) -> Option<u32> {
         Some(self.extensions.as_ref()?.light?.light)
     }
 
-    /// How often it shows its mesh, and where.
+    /// Returns the instance attributes of the node.
     pub(in crate::gltf) fn instancing(&self) -> Option<InstanceAttributes> {
         Some(self.extensions.as_ref()?.instancing?.attributes)
     }
@@ -159,7 +159,7 @@ pub(in crate::gltf) struct Orthographic {
     pub(in crate::gltf) zfar: f32,
 }
 
-/// What stands in the extensions of the document itself.
+/// The supported extensions of the document itself.
 #[derive(Debug, Default, Deserialize)]
 struct DocumentExtensions<'a> {
     #[serde(rename = "KHR_lights_punctual", borrow)]
@@ -210,12 +210,12 @@ fn one() -> f32 {
 }
 
 impl<'a> Document<'a> {
-    /// Parses the JSON and checks that it is of version 2.
+    /// Parses the JSON and checks that its version is 2.
     pub(in crate::gltf) fn parse(json: &'a [u8], budget: &mut Budget) -> Result<Document<'a>, BrokenRule> {
         budget.take(estimated_bytes(json), || "the JSON".to_owned())?;
         let document: Document = serde_json::from_slice(json).map_err(json_error)?;
         let Asset { version, min_version } = &document.asset;
-        // A later 2.x is read as 2.0, unless it says that this is not enough.
+        // A later 2.x is read as 2.0, unless `minVersion` requires more.
         for (wanted, is_read) in [
             (version, version == "2" || version.starts_with("2.")),
             (min_version, matches!(&**min_version, "" | "2.0")),
@@ -227,7 +227,7 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
-    /// Its lights.
+    /// Parses the lights of the document.
     pub(in crate::gltf) fn lights(&self) -> Result<Vec<Light<'a>>, BrokenRule> {
         let Some(extensions) = self.extensions else {
             return Ok(Vec::new());
@@ -237,7 +237,7 @@ impl<'a> Document<'a> {
         Ok(extensions.lights.map_or_else(Vec::new, |lights| lights.lights))
     }
 
-    /// What to call a node: `node 7 "Door"`.
+    /// Returns the name of a node in messages: `node 7 "Door"`.
     pub(in crate::gltf) fn node_name(&self, node: u32) -> String {
         match self.nodes.get(node as usize).map(|node| &*node.name) {
             Some(name) if !name.is_empty() => format!("node {node} {:?}", short(name)),
@@ -246,7 +246,7 @@ impl<'a> Document<'a> {
     }
 }
 
-/// A list that is looked into only now; no list is an empty one.
+/// Parses a list on demand; a missing list is empty.
 pub(in crate::gltf) fn list<'a, T: Deserialize<'a>>(
     raw: Option<&'a RawValue>,
     name: &str,
@@ -257,16 +257,16 @@ pub(in crate::gltf) fn list<'a, T: Deserialize<'a>>(
     serde_json::from_str(raw.get()).map_err(|why| within(name, &why))
 }
 
-/// About the memory that a parsed document takes, with what is worked out about its nodes.
+/// Estimates the memory of a parsed document and of data derived from its nodes, in bytes.
 pub(in crate::gltf) fn estimated_bytes(json: &[u8]) -> u64 {
-    // The largest thing that brackets can hold, and room for lists that grow by doubling.
+    // The largest type that a bracket can hold, and slack for lists that grow by doubling.
     const EACH_BRACKET: u64 = 256;
     const EACH_COMMA: u64 = 12;
     let count = |is: fn(&u8) -> bool| json.iter().filter(|byte| is(byte)).count() as u64;
     EACH_BRACKET * count(|&byte| byte == b'{' || byte == b'[') + EACH_COMMA * count(|&byte| byte == b',')
 }
 
-/// The thing that a number names, or an error that says that it names none.
+/// Returns the element at an index, or an error that names the element that holds the index.
 pub(in crate::gltf) fn find<'t, T>(
     list: &'t [T],
     index: u32,
@@ -282,8 +282,8 @@ pub(in crate::gltf) fn find<'t, T>(
     list.get(index as usize).ok_or_else(nothing)
 }
 
-/// The beginning of a text out of the file, without control characters: a message must stay readable, and must not
-/// command a terminal, whatever the file says.
+/// Returns the beginning of a text from the file, with control characters replaced: messages must stay readable and
+/// must not send control sequences to a terminal.
 pub(in crate::gltf) fn short(text: &str) -> String {
     const MOST: usize = 80;
     let mut letters = text.chars();
@@ -300,12 +300,12 @@ fn json_error(why: serde_json::Error) -> BrokenRule {
     BrokenRule::Json(short(&text) + &place)
 }
 
-/// What is wrong in a part of the document. Lines and columns would be those of the part, and mislead.
+/// Returns an error about a part of the document, without line and column, which would be relative to that part.
 fn within(part: &str, why: &serde_json::Error) -> BrokenRule {
     BrokenRule::Json(format!("{part}: {}", short(&parted(why).0)))
 }
 
-/// What is wrong, and where.
+/// Splits a message of `serde_json` into its text and its position.
 fn parted(why: &serde_json::Error) -> (String, String) {
     let place = format!(" at line {} column {}", why.line(), why.column());
     let text = why.to_string();

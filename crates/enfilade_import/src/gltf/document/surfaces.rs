@@ -1,4 +1,4 @@
-//! Materials, textures and images, as they stand in a document's JSON.
+//! JSON of materials, textures, images and samplers.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -23,7 +23,7 @@ pub(in crate::gltf) struct Material<'a> {
     pub(in crate::gltf) double_sided: bool,
     #[serde(default)]
     pub(in crate::gltf) extensions: MaterialExtensions,
-    /// Anything at all.
+    /// Any JSON value.
     #[serde(borrow)]
     pub(in crate::gltf) extras: Option<&'a RawValue>,
 }
@@ -86,7 +86,7 @@ impl Default for EmissiveStrength {
     }
 }
 
-/// Which texture, and where on it.
+/// A texture and its coordinates.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(in crate::gltf) struct TextureInfo {

@@ -1,37 +1,37 @@
-//! Why files are not joined.
+//! Errors of linking files.
 
 use crate::{BrokenRule, ImportError};
 use thiserror::Error;
 
-/// Why files are not joined.
+/// Why files cannot be linked.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LinkError {
-    /// A part is no sound file.
+    /// A part cannot be read.
     #[error(transparent)]
     File(Box<ImportError>),
-    /// What the parts come to is no sound scene.
+    /// The linked world is not valid.
     #[error("{0}")]
     World(Box<BrokenRule>),
-    /// A name of a part that is empty, has a `/` in it, or is another's.
-    #[error("`{0}` is no name for a part; give each part a unique name without a /")]
+    /// The name of a part is empty, contains a `/`, or is already used.
+    #[error("`{0}` is not a valid part name; give each part a unique name without a /")]
     NameTaken(String),
-    /// A placing that is not finite, that flattens, or whose rotation has no length.
+    /// The transform of a part is not finite, has a scale of 0 or less, or a rotation of length 0.
     #[error(
-        "its transform is not possible: all numbers must be finite, the scale above 0, and the rotation not 0"
+        "its transform is invalid: all numbers must be finite, the scale above 0, and the rotation not 0"
     )]
     BadPlacing,
-    /// A part has no node of that name.
+    /// A part has no node with that name.
     #[error("part `{part}` has no node `{node}`; it has: {like}")]
     NoSuchNode {
         /// The part.
         part: String,
         /// The name.
         node: String,
-        /// Names of some that it has.
+        /// Names of similar nodes.
         like: String,
     },
-    /// A part has several nodes of that name.
+    /// A part has several nodes with that name.
     #[error("part `{part}` has several nodes `{node}`; rename all but one in the file")]
     ManyNodes {
         /// The part.
@@ -39,11 +39,11 @@ pub enum LinkError {
         /// The name.
         node: String,
     },
-    /// A shape that is none.
+    /// A shape is invalid.
     #[error("{0}")]
     BadShape(&'static str),
-    /// A `.glb` cannot be longer.
-    #[error("the world would take more than 4 GB, which no .glb can; join fewer or smaller parts")]
+    /// The world exceeds 4 GiB, the maximum size of a `.glb`.
+    #[error("the world would be larger than 4 GiB, the maximum size of a .glb; join fewer or smaller parts")]
     TooLarge,
 }
 

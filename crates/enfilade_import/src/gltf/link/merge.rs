@@ -1,4 +1,4 @@
-//! One document out of several: every list is appended, every number that names something in it is raised.
+//! Merges several documents into one: appends every list, and shifts every index into it.
 
 use super::raise::{INSTANCING, LIGHTS, Shift, raise};
 use crate::BrokenRule;
@@ -8,7 +8,7 @@ use crate::images;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The lists that are taken over, each with what of its things names others.
+/// The lists that are merged.
 const LISTS: [&str; 11] = [
     "bufferViews",
     "accessors",
@@ -23,7 +23,7 @@ const LISTS: [&str; 11] = [
     "animations",
 ];
 
-/// Extensions that are taken over, besides those of materials: they name nothing, or what they name is known here.
+/// Extensions that are kept, besides those of materials: they contain no indices, or only indices that `raise` shifts.
 const TAKEN: [&str; 8] = [
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
@@ -35,7 +35,7 @@ const TAKEN: [&str; 8] = [
     "MSFT_texture_dds",
 ];
 
-/// A document that grows, and the bytes of its one buffer.
+/// The merged document, and the bytes of its only buffer.
 #[derive(Debug, Default)]
 pub(super) struct Merged {
     lists: Map<String, Value>,
@@ -46,7 +46,7 @@ pub(super) struct Merged {
     left_out: BTreeSet<String>,
 }
 
-/// Gets the bytes of an address; the second text says what names it.
+/// Reads the bytes of a URI; the second argument names the element for messages.
 type Fetch<'f> = dyn FnMut(&str, &str) -> Result<Vec<u8>, BrokenRule> + 'f;
 
 impl Merged {
@@ -62,12 +62,12 @@ impl Merged {
         &mut self.lists[list][index]
     }
 
-    /// Returns the length of its buffer.
+    /// Returns the length of the buffer, in bytes.
     pub(super) fn buffer_bytes(&self) -> u64 {
         self.binary.len() as u64
     }
 
-    /// Adds a thing to a list and says its number.
+    /// Appends an element to a list and returns its index.
     pub(super) fn push(&mut self, list: &str, thing: Value) -> usize {
         let entry = self.lists.entry(list).or_insert_with(|| json!([]));
         let Some(things) = entry.as_array_mut() else {
@@ -77,7 +77,7 @@ impl Merged {
         things.len() - 1
     }
 
-    /// Adds bytes to the buffer and says the number of their view.
+    /// Appends bytes to the buffer and returns the index of their buffer view.
     fn view(&mut self, bytes: &[u8]) -> usize {
         let start = self.append(bytes);
         self.push(
@@ -86,6 +86,7 @@ impl Merged {
         )
     }
 
+    /// Appends bytes to the buffer, aligned to 4, and returns their offset.
     fn append(&mut self, bytes: &[u8]) -> usize {
         self.binary.resize(self.binary.len().next_multiple_of(4), 0);
         let start = self.binary.len();
@@ -93,7 +94,7 @@ impl Merged {
         start
     }
 
-    /// Adds a mesh of one polygon, its corners counter-clockwise from its front, and says its number.
+    /// Adds a mesh of one polygon and returns its index. Its corners are counter-clockwise when seen from the front.
     pub(super) fn polygon(&mut self, corners: &[[f32; 3]]) -> usize {
         let bytes: Vec<u8> = corners
             .iter()
@@ -111,13 +112,14 @@ impl Merged {
                 "min": end(f32::min, f32::INFINITY), "max": end(f32::max, f32::NEG_INFINITY),
             }),
         );
-        // A fan from its first corner: a convex polygon.
+        // A triangle fan from the first corner; valid because the polygon is convex.
         let primitive = json!({ "attributes": { "POSITION": positions }, "mode": 6 });
         self.push("meshes", json!({ "primitives": [primitive] }))
     }
 
-    /// Appends a sound document, and says which of its images are grey from now on, and why. `buffers` are those that are
-    /// used; views that were compressed are no longer; `fetch` gets the bytes of images.
+    /// Appends a validated document; returns why images could not be read, which become grey. `buffers` holds the bytes
+    /// of used buffers; `decoded` those of compressed buffer views, which are stored uncompressed; `fetch` reads image
+    /// files.
     pub(super) fn take_in(
         &mut self,
         mut json: Value,
@@ -134,7 +136,8 @@ impl Merged {
             .map(|(&view, bytes)| (view, self.append(bytes)))
             .collect();
         let mut missing = Vec::new();
-        // Images in files become views of the buffer, before anything is counted.
+        // Images in separate files become buffer views first, because the index shifts below depend on the number of
+        // views.
         let mut images = Vec::new();
         for (number, image) in list(&json, "images").iter().enumerate() {
             let bytes = match image["uri"].as_str() {
@@ -189,7 +192,7 @@ impl Merged {
         Ok(missing)
     }
 
-    /// Takes over what is known of extensions and removes the others, which may name anything.
+    /// Keeps known extensions and removes the others, which may contain indices.
     fn take_extensions(&mut self, json: &mut Value) {
         let lights = json.pointer_mut(&format!("/extensions/{LIGHTS}/lights"));
         let lights = lights.and_then(Value::as_array_mut);
@@ -204,7 +207,8 @@ impl Merged {
         if let Some(json) = json.as_object_mut() {
             json.remove("extensions");
         }
-        // Views are plain by now; what is left of their compression was no loss.
+        // The buffer views are already uncompressed, so dropping the compression extensions loses nothing: they are not
+        // reported.
         for name in ["buffers", "bufferViews"] {
             let things = json.get_mut(name).and_then(Value::as_array_mut);
             let extensions = things
@@ -217,7 +221,7 @@ impl Merged {
         strip(json, &mut self.left_out);
     }
 
-    /// Calls all nodes from `first` on `PART/NAME`, also where portals name them.
+    /// Renames the nodes from index `first` on to `PART/NAME`, and the references to them in portals.
     pub(super) fn rename(&mut self, first: usize, part: &str) {
         let prefixed = |value: &mut Value| {
             if let Some(name) = value.as_str().filter(|name| !name.is_empty()) {
@@ -236,7 +240,8 @@ impl Merged {
         }
     }
 
-    /// The document as a `.glb`, and the extensions that were left out; `None` where it is too long for one.
+    /// Returns the document as a `.glb`, and the extensions that were left out; `None` if it exceeds the size limit of
+    /// a `.glb`.
     pub(super) fn into_glb(mut self) -> Option<(Vec<u8>, Vec<String>)> {
         let mut document = std::mem::take(&mut self.lists);
         document.insert(
@@ -276,7 +281,7 @@ fn is_taken(extension: &str) -> bool {
         || extension.starts_with("KHR_materials_") && extension != "KHR_materials_variants"
 }
 
-/// Removes the extensions that are not taken over, wherever they stand.
+/// Removes all extensions that are not kept, recursively.
 fn strip(value: &mut Value, left_out: &mut BTreeSet<String>) {
     match value {
         Value::Array(values) => values.iter_mut().for_each(|value| strip(value, left_out)),
@@ -293,7 +298,7 @@ fn strip(value: &mut Value, left_out: &mut BTreeSet<String>) {
                     object.remove("extensions");
                 }
             }
-            // What authors write for others is theirs.
+            // `extras` are application data and stay unchanged.
             let others = object.iter_mut().filter(|(key, _)| *key != "extras");
             others.for_each(|(_, value)| strip(value, left_out));
         }
@@ -301,7 +306,7 @@ fn strip(value: &mut Value, left_out: &mut BTreeSet<String>) {
     }
 }
 
-/// What kind of image bytes are, by how they begin.
+/// Returns the MIME type of an image by its first bytes.
 fn mime_type(bytes: &[u8]) -> &'static str {
     if bytes.starts_with(b"\x89PNG") {
         "image/png"

@@ -1,6 +1,6 @@
-//! Joins files that were exported separately into one world, by portals between them.
+//! Links separately exported files into one world, joined by portals.
 //!
-//! Source: Boreskov, Using portals to create aggregate scenes: scenes that know nothing of each other are joined after.
+//! Source: Boreskov, Using portals to create aggregate scenes: independent scenes are joined afterwards.
 //! Cost: O(bytes of the files).
 
 mod error;
@@ -27,38 +27,38 @@ use shape::Turned;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// A world in the making: glTF files placed in one space, and portals that join them.
+/// Builds a world from glTF files, placed in one space, and portals that join them.
 ///
-/// Nodes of a part are called `PART/NAME` in the world, so that names of different parts never meet. A part in which
-/// no room is marked becomes one room, `PART-room`.
+/// A node of a part is named `PART/NAME` in the world, so names of different parts never collide. A part without marked
+/// rooms becomes one room, `PART-room`.
 #[derive(Debug, Default)]
 pub struct Linker {
     merged: Merged,
     parts: Vec<Part>,
     missing_images: Vec<String>,
-    /// The other files that the parts name.
+    /// Separate files that the parts reference.
     files: Vec<PathBuf>,
-    /// About the memory that the documents of the parts take.
+    /// Approximate memory of the parts' JSON documents, in bytes.
     document_bytes: u64,
     options: ReadOptions,
 }
 
-/// A part of the world, by the order in which they were added.
+/// Index of a part, in the order of [`Linker::part`] calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartId(usize);
 
-/// A node that is an opening, or one to come out at.
+/// A node of the world that serves as an opening or an exit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NodeId(usize);
 
-/// Where a part stands in the world: scaled, then turned, then moved.
+/// Transform of a part in the world: scale, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placing {
-    /// In units of the world.
+    /// In world units.
     pub translation: [f64; 3],
-    /// A quaternion x, y, z, w of any length but 0.
+    /// A quaternion x, y, z, w of any length except 0.
     pub rotation: [f64; 4],
-    /// Above 0.
+    /// Uniform scale, above 0.
     pub scale: f64,
 }
 
@@ -72,32 +72,33 @@ impl Default for Placing {
     }
 }
 
-/// A world that is made.
+/// A finished world.
 #[derive(Debug)]
 pub struct Linked {
     /// The bytes of a `.glb`.
     pub glb: Vec<u8>,
-    /// Extensions of the parts that are not in it: they may name what has other numbers there.
+    /// Extensions of the parts that are left out, because they may contain indices that differ in the world.
     pub left_out: Vec<String>,
-    /// Which images of the parts cannot be had, and why. They are grey in it.
+    /// Images that could not be read, each with the reason. They are grey in the world.
     pub missing_images: Vec<String>,
-    /// The other files that the parts name, read or not. Whoever writes files should write none of these.
+    /// Separate files that the parts reference, read or not. Check output paths against this list to avoid overwriting
+    /// a source.
     pub files: Vec<PathBuf>,
-    /// What it holds.
+    /// The world, as [`read_bytes`](crate::read_bytes) reads it.
     pub import: Import,
 }
 
 #[derive(Debug)]
 struct Part {
     name: String,
-    /// The node that all others of the part are below.
+    /// The group node above all nodes of the part.
     group: usize,
     nodes: std::ops::Range<usize>,
     is_one_room: bool,
 }
 
 impl Linker {
-    /// Starts with nothing. Each part is read as `options` say, and so is what they come to.
+    /// Creates an empty world. `options` apply to each part and to the finished world.
     pub fn new(options: ReadOptions) -> Linker {
         Linker {
             options,
@@ -105,10 +106,10 @@ impl Linker {
         }
     }
 
-    /// Adds a file.
+    /// Adds a file to the world.
     ///
     /// # Errors
-    /// [`LinkError::File`] where it is no sound file, [`LinkError::NameTaken`], [`LinkError::BadPlacing`].
+    /// [`LinkError::File`] if the file cannot be read, [`LinkError::NameTaken`], [`LinkError::BadPlacing`].
     pub fn part(&mut self, name: &str, path: &Path, placing: &Placing) -> Result<PartId, LinkError> {
         if name.is_empty() || name.contains('/') || self.parts.iter().any(|part| part.name == name) {
             return Err(LinkError::NameTaken(name.to_owned()));
@@ -126,7 +127,7 @@ impl Linker {
         if !is_sound || length == 0.0 || placing.scale <= 0.0 {
             return Err(LinkError::BadPlacing);
         }
-        // As one room: what portals in it lead to is not known yet.
+        // Read as one room, because the targets of its portals may be in parts that are not added yet.
         let flat = ReadOptions {
             flat: true,
             textures: false,
@@ -160,11 +161,11 @@ impl Linker {
         Ok(PartId(self.parts.len() - 1))
     }
 
-    /// Takes over everything of a file: the nodes its scene begins with, and whether any is a room.
+    /// Appends the contents of a file; returns the roots of its scene, and whether it has rooms.
     fn take_in(&mut self, name: &str, path: &Path) -> Result<(Vec<usize>, bool), BrokenRule> {
         let mut budget = Budget::new(self.options.limit_bytes);
         let mut unread = Warnings::default();
-        // The world needs as much when it is read in the end; it is not made before that is known to fit.
+        // The finished world is read at the end and needs as much memory, so check now that it fits.
         budget.take(self.merged.buffer_bytes() + self.document_bytes, || {
             "the parts before it".to_owned()
         })?;
@@ -217,7 +218,7 @@ impl Linker {
         ))
     }
 
-    /// The node of a part that is called so, to go in or come out at.
+    /// Returns the node of a part by its name, to use it as an opening or an exit.
     ///
     /// # Errors
     /// [`LinkError::NoSuchNode`] and [`LinkError::ManyNodes`].
@@ -242,7 +243,7 @@ impl Linker {
         }
     }
 
-    /// Names in a part of nodes that are openings, or that hold the name.
+    /// Returns names of nodes that contain the name, or that are openings.
     fn names_like(&self, part: &Part, name: &str) -> String {
         const FEW: usize = 8;
         let name = name.to_lowercase();
@@ -259,7 +260,7 @@ impl Linker {
         like.into_iter().take(FEW).collect::<Vec<_>>().join(", ")
     }
 
-    /// Makes a node of a shape in the space of a part: an opening where it has a size, and a place to come out at.
+    /// Adds a node of a shape in the space of a part: an opening if the shape has a size, otherwise an exit.
     ///
     /// # Errors
     /// [`LinkError::BadShape`].
@@ -276,9 +277,9 @@ impl Linker {
         Ok(self.add(self.parts[part.0].group, node))
     }
 
-    /// Makes a node to come out at as if one came out of an opening: there, and turned round.
+    /// Adds an exit node at an opening, facing the opposite way.
     pub fn out_of(&mut self, opening: NodeId, name: &str) -> NodeId {
-        // Half a turn about the upright axis of the opening.
+        // Rotation by 180° about the opening's y axis.
         self.add(
             opening.0,
             json!({ "name": name, "rotation": [0.0, 1.0, 0.0, 0.0] }),
@@ -296,11 +297,11 @@ impl Linker {
         NodeId(node)
     }
 
-    /// Makes a node a door to whatever room stands at its other side, or to one that is named: a room of the part, or the
-    /// whole part where it is one.
+    /// Makes a node a portal to the room on its other side, or to a named one: a room of a part, or the whole part if
+    /// that is a single room.
     ///
     /// # Errors
-    /// [`LinkError::NoSuchNode`] and [`LinkError::ManyNodes`] for the room.
+    /// [`LinkError::NoSuchNode`] and [`LinkError::ManyNodes`], if the room is not found.
     pub fn door(
         &mut self,
         opening: NodeId,
@@ -317,10 +318,10 @@ impl Linker {
         Ok(())
     }
 
-    /// Makes a node a teleport: in along its −Z, out along that of `exit`.
+    /// Makes a node a teleport portal: enters along its −Z, leaves along the −Z of `exit`.
     ///
     /// # Errors
-    /// As [`Linker::door`].
+    /// The same as [`Linker::door`].
     pub fn teleport(
         &mut self,
         opening: NodeId,
@@ -358,17 +359,17 @@ impl Linker {
         extras["enfilade"] = hint;
     }
 
-    /// What a node is called in the world.
+    /// Returns the name of a node in the world.
     pub fn name(&self, node: NodeId) -> &str {
         self.merged.get("nodes", node.0)["name"]
             .as_str()
             .unwrap_or_default()
     }
 
-    /// The world, which is read again before it is given out.
+    /// Returns the world, after reading it to validate it.
     ///
     /// # Errors
-    /// [`LinkError::World`] where the parts and portals make no sound world, [`LinkError::TooLarge`].
+    /// [`LinkError::World`] if the world is not a valid file, [`LinkError::TooLarge`].
     pub fn finish(mut self) -> Result<Linked, LinkError> {
         let roots: Vec<usize> = self.parts.iter().map(|part| part.group).collect();
         self.merged.push("scenes", json!({ "nodes": roots }));
@@ -385,7 +386,8 @@ impl Linker {
     }
 }
 
-/// What each view lies in, by its number: what it decodes to where it is compressed. Nothing where it names no buffer.
+/// Returns the source of each buffer view: its buffer, or its decoded bytes if it is compressed; `None` if its buffer
+/// does not exist.
 fn view_sources(document: &Document) -> Result<Vec<Option<Source>>, BrokenRule> {
     let source = |(number, view): (u32, &BufferView)| {
         Ok(match Compressed::of(document, number)? {

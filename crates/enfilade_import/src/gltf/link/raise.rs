@@ -1,14 +1,15 @@
-//! Raises the numbers by which things of a document name others, for lists that are appended to others.
+//! Shifts the indices by which elements of a document reference others, so that its lists can be appended to those of
+//! another.
 
 use serde_json::{Value, json};
 
-/// The extension whose lights are a list as well.
+/// The extension whose lights form another list.
 pub(super) const LIGHTS: &str = "KHR_lights_punctual";
 
-/// The extension whose attributes are accessors.
+/// The extension whose attributes are accessor indices.
 pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
-/// How far the numbers of one part are raised, list by list.
+/// Index offsets of one document: one per list, and one for the lights.
 pub(super) struct Shift(pub(super) Vec<(&'static str, usize)>, pub(super) usize);
 
 impl Shift {
@@ -20,7 +21,7 @@ impl Shift {
         found.map_or(0, |(_, shift)| *shift)
     }
 
-    /// Raises the number at `key`, if there is one.
+    /// Shifts the index at `key`, if there is one.
     pub(super) fn raise(&self, thing: &mut Value, key: &str, list: &str) {
         if let Some(value) = thing.get_mut(key) {
             self.raise_number(value, list);
@@ -42,7 +43,7 @@ impl Shift {
     }
 }
 
-/// Raises every number of a thing that names another. Source: glTF 2.0 Specification, properties reference.
+/// Shifts every index in an element. Source: glTF 2.0 Specification, properties reference.
 pub(super) fn raise(list: &str, thing: &mut Value, shift: &Shift) {
     match list {
         "accessors" => {
@@ -113,13 +114,13 @@ pub(super) fn raise(list: &str, thing: &mut Value, shift: &Shift) {
     }
 }
 
-/// Raises the accessors of an object of attributes.
+/// Shifts the accessor indices of an attribute object.
 fn raise_each(attributes: &mut Value, shift: &Shift) {
     let attributes = attributes.as_object_mut().into_iter().flatten();
     attributes.for_each(|(_, accessor)| shift.raise_number(accessor, "accessors"));
 }
 
-/// In a material, and in all its extensions, `…Texture: { "index": … }` names a texture.
+/// Shifts texture indices: `…Texture: { "index": … }` in a material and all its extensions.
 fn raise_textures(value: &mut Value, shift: &Shift) {
     let entries = value.as_object_mut().into_iter().flatten();
     for (key, value) in entries.filter(|(key, _)| *key != "extras") {

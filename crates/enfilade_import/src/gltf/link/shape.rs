@@ -1,31 +1,32 @@
-//! Openings and exits that are given by numbers, not by nodes.
+//! Openings and exits that are given by coordinates instead of nodes.
 
 use super::LinkError;
 use glam::{DMat3, DQuat, DVec3};
 
-/// A place in a part, in the part's own space.
+/// An opening or exit, in the space of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// A rectangle that one goes into, or comes out of, along `ahead`.
+    /// A rectangle that is entered, or left, along `ahead`.
     Rectangle {
-        /// Its middle.
+        /// Its centre.
         center: [f64; 3],
-        /// Of any length but 0.
+        /// Its direction, of any length except 0.
         ahead: [f64; 3],
-        /// Which way its height runs, nearly; upright (y) unless told, −z where one goes straight up or down.
+        /// Approximate direction of its height. Default: +y, or −z if `ahead` is vertical.
         up: Option<[f64; 3]>,
-        /// Width and height, above 0; `None` for a mere place to come out at.
+        /// Width and height, above 0; `None` for an exit without an opening.
         size: Option<[f64; 2]>,
     },
-    /// A flat convex polygon, counter-clockwise seen by one who is about to go in. Its middle is that of its corners.
+    /// A flat convex polygon, counter-clockwise when seen from the side that is entered. Its centre is the mean of its
+    /// corners.
     Outline(Vec<[f64; 3]>),
 }
 
-/// A shape in a frame that looks along −z.
+/// A shape in a local frame whose −z is its direction.
 pub(super) struct Turned {
     pub(super) place: [f64; 3],
     pub(super) rotation: [f64; 4],
-    /// In that frame; none for a mere place.
+    /// Corners in that frame; empty for an exit without an opening.
     pub(super) corners: Vec<[f32; 3]>,
 }
 
@@ -73,6 +74,7 @@ impl Shape {
     }
 }
 
+/// Checks that the numbers are finite and builds the frame.
 fn placed(place: DVec3, turn: DMat3, corners: Vec<[f32; 3]>) -> Result<Turned, LinkError> {
     if !(place.is_finite() && turn.is_finite()) {
         return Err(LinkError::BadShape("its numbers must be finite"));
@@ -84,7 +86,7 @@ fn placed(place: DVec3, turn: DMat3, corners: Vec<[f32; 3]>) -> Result<Turned, L
     })
 }
 
-/// The turn of what looks along `ahead`.
+/// Returns the rotation whose −z is `ahead`.
 fn turn(ahead: DVec3, up: Option<DVec3>) -> Result<DMat3, LinkError> {
     let back = ahead
         .try_normalize()
@@ -93,7 +95,7 @@ fn turn(ahead: DVec3, up: Option<DVec3>) -> Result<DMat3, LinkError> {
     let ups = [up.unwrap_or(DVec3::Y), DVec3::NEG_Z, DVec3::X];
     let square = |up: DVec3| {
         (up - back * up.dot(back)).try_normalize().filter(|_| {
-            // Nearly along the line of sight it says nothing.
+            // A direction nearly parallel to `ahead` does not define a rotation.
             up.normalize_or_zero().cross(back).length() > 1e-4
         })
     };

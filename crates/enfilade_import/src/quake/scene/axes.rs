@@ -1,24 +1,24 @@
-//! From the axes of maps to ours: there z is up, here y. A quarter turn about x, so that nothing is rounded.
+//! Converts from the axes of maps (z up) to Enfilade's (y up): a quarter turn about x, without rounding.
 
 use enfilade::Transform;
 
-/// A point or a direction of a map as one of the scene.
+/// Converts a point or a direction.
 pub(super) fn turned([x, y, z]: [f32; 3]) -> [f32; 3] {
-    // Not −y, which would make −0 of 0.
+    // Not `-y`, which would turn 0 into −0.
     [x, z, 0.0 - y]
 }
 
-/// The same, exact in f64.
+/// The same in f64.
 pub(super) fn turned_exactly([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, z, 0.0 - y]
 }
 
-/// Where a model of a map is put.
+/// Returns the transform of a model at `origin`.
 pub(super) fn placed(origin: [f32; 3]) -> Transform {
     Transform::translation(turned(origin))
 }
 
-/// The direction of a yaw, counter-clockwise from x, and a pitch upwards, both in degrees; of the scene.
+/// Returns the direction of a yaw, counter-clockwise from x, and an upward pitch, both in degrees, in scene space.
 pub(super) fn direction(yaw: f32, pitch: f32) -> [f32; 3] {
     let [yaw, pitch] = [yaw, pitch].map(|angle| f64::from(angle).to_radians());
     let level = pitch.cos();

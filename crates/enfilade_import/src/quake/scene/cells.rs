@@ -1,9 +1,10 @@
-//! What is visible from where, as the map's compiler has left it: its tree of planes, whose leafs are cells, and their rows.
+//! Reads the baked visibility of a map: its BSP tree, whose leafs are cells, and their PVS rows.
 //!
-//! Cells of Quake are the leafs of the world but the first, which is solid; rows have a bit for each, zero bytes are a zero
-//! and their number. Those of Quake 3 are clusters of leafs, whose rows stand one after another.
-//! Source: the sources of both engines, as published by id Software.
-//! Cost: O(bytes of all rows, as they are unpacked).
+//! In Quake, the cells are the world's leafs except the first, which is solid; a row has one bit per cell, and runs of
+//! zero bytes are stored as a zero and their length. In Quake 3, the cells are clusters of leafs, with uncompressed
+//! rows.
+//! Source: the source code of both engines, published by id Software.
+//! Cost: O(bytes of all rows, uncompressed).
 
 use super::axes::turned_exactly;
 use crate::BrokenRule;
@@ -12,10 +13,10 @@ use crate::quake::bsp::{BspError, Child, Map, Node, Tree, in_range, int};
 use enfilade::{BakedCells, CellId, CellNode, CellSide, CellTree};
 use std::collections::HashMap;
 
-/// How far faces and portals that are meant to lie in a plane may be off it, in units of the map: compilers snap corners.
+/// Tolerance for faces and portals in a plane, in map units: compilers snap vertices.
 const SNAPPED: f64 = 0.1;
 
-/// The cells of a map, or `None` where nobody has computed yet what is visible.
+/// Returns the cells of a map; `None` if it has no PVS.
 pub(super) fn read(map: &Map, tree: &Tree, budget: &mut Budget) -> Result<Option<BakedCells>, BrokenRule> {
     let lump = map.lump(map.format.visibility);
     if lump.is_empty() {
@@ -33,19 +34,19 @@ pub(super) fn read(map: &Map, tree: &Tree, budget: &mut Budget) -> Result<Option
     rows.afford(budget)?;
     let row = |start: &usize| rows.seen(*start).map(CellId);
     let cells = BakedCells::new(rows.planes(tree), &rows.row_of, rows.starts.iter().map(row));
-    // All that it checks has been checked here, with names of the map's own.
+    // Everything that `BakedCells::new` checks has been checked above, with error messages in terms of the map.
     cells.map(Some).map_err(|why| BrokenRule::Cells(Box::new(why)))
 }
 
-/// Where in the lump the rows are.
+/// The PVS rows of the visibility lump.
 struct Rows<'m> {
     lump: &'m [u8],
     is_packed: bool,
-    /// By leaf: its cell.
+    /// Cell of each leaf.
     cell_of: Vec<Option<CellId>>,
-    /// By cell: its row; `None` where it sees everything.
+    /// Row of each cell; `None` if everything is visible from it.
     row_of: Vec<Option<u32>>,
-    /// By row: where in the lump it begins.
+    /// Start of each row in the lump.
     starts: Vec<usize>,
 }
 
@@ -101,7 +102,7 @@ impl<'m> Rows<'m> {
             starts: (0..count).map(|row| (8 + row * row_bytes) as usize).collect(),
         };
         for (leaf, of) in tree.leafs.iter().enumerate() {
-            // Solid leafs say −1.
+            // Solid leafs have cluster −1.
             let cluster = match of.kind {
                 ..0 => None,
                 kind => Some(in_range("leaf", leaf, "cluster", kind.into(), count as usize)?),
@@ -111,8 +112,8 @@ impl<'m> Rows<'m> {
         Ok(rows)
     }
 
-    /// Checks that no row ends too late, and sets memory aside for all of them, unpacked as runs of cells. What is walked
-    /// over counts, too, so that many long rows in one place take no time without end.
+    /// Checks that no row exceeds the lump, and reserves memory for all rows as runs of visible cells. The scanned
+    /// bytes count too, so that many long overlapping rows cannot take unbounded time.
     fn afford(&self, budget: &mut Budget) -> Result<(), BrokenRule> {
         const BYTES_OF_A_RUN: u64 = 8;
         for (number, &start) in self.starts.iter().enumerate() {
@@ -135,12 +136,12 @@ impl<'m> Rows<'m> {
                 runs += u64::from((byte & !(byte << 1 | last >> 7)).count_ones());
                 last = byte;
             }
-            budget.take(bytes + BYTES_OF_A_RUN * runs, || "what is visible".to_owned())?;
+            budget.take(bytes + BYTES_OF_A_RUN * runs, || "its visibility data".to_owned())?;
         }
         Ok(())
     }
 
-    /// The cells of a row.
+    /// Returns the visible cells of a row.
     fn seen(&self, start: usize) -> impl Iterator<Item = u32> + '_ {
         let count = self.row_of.len() as u32;
         let mut row = self.lump[start..].iter();
@@ -163,7 +164,7 @@ impl<'m> Rows<'m> {
         })
     }
 
-    /// The planes of the world, turned as all else.
+    /// Converts the BSP tree to the axes of the scene.
     fn planes(&self, tree: &Tree) -> CellTree {
         let side = |child: Child| match child {
             Child::Node(node) => CellSide::Node(node),

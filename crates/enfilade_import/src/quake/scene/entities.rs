@@ -1,22 +1,23 @@
-//! Entities: what stands in a map besides its walls, as text: `{ "key" "value" … }` one after another.
+//! Parses the entity lump: text of the form `{ "key" "value" … }`, repeated.
 //!
-//! Source: what the engines read. They know neither comments nor escapes there, and of two values of one key take the last.
-//! Hostile: what does not fit is refused by line; nothing is nested.
+//! Source: the parsers of the engines. The text has neither comments nor escapes; if a key repeats, the last value
+//! wins.
+//! Hostile input: syntax errors are reported by line; nothing is nested.
 
 use crate::quake::BspError;
 
-/// Something in a map: the world itself, a light, a door, a place to start.
+/// An entity of a map: the world, a light, a door, a player start.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Entity<'t> {
-    /// Its place in the map's list, from 0: the world.
+    /// Index in the map's list; 0 is the world.
     pub(super) number: usize,
     pairs: Vec<(&'t str, &'t str)>,
 }
 
-/// Bytes that an entity takes for each byte of its text, at most: a pair for each four quotes.
+/// Maximum memory per byte of entity text: one pair per four quotes.
 pub(super) const TIMES_ITS_LENGTH: u64 = 24;
 
-/// Reads the text of a map's entities.
+/// Parses the entity text of a map.
 pub(super) fn parse(text: &str) -> Result<Vec<Entity<'_>>, BspError> {
     let mut words = Words { rest: text, line: 1 };
     let mut entities = Vec::new();
@@ -45,28 +46,28 @@ pub(super) fn parse(text: &str) -> Result<Vec<Entity<'_>>, BspError> {
 }
 
 impl<'t> Entity<'t> {
-    /// What stands behind a key; empty where nothing does.
+    /// Returns the value of a key; empty if there is none.
     pub(super) fn get(&self, key: &str) -> &'t str {
         let named = self.pairs.iter().rev().find(|pair| pair.0 == key);
         named.map_or("", |pair| pair.1)
     }
 
-    /// What it is, as `func_door`.
+    /// Returns the class name, such as `func_door`.
     pub(super) fn class(&self) -> &'t str {
         self.get("classname")
     }
 
-    /// A finite number behind a key.
+    /// Returns the value of a key, if it is a finite number.
     pub(super) fn number(&self, key: &str) -> Option<f32> {
         finite(self.get(key))
     }
 
-    /// The first of some keys that has a finite number.
+    /// Returns the first finite number of several keys.
     pub(super) fn number_of_any(&self, keys: &[&str]) -> Option<f32> {
         keys.iter().find_map(|key| self.number(key))
     }
 
-    /// Three finite numbers behind a key.
+    /// Returns the value of a key, if it is three finite numbers.
     pub(super) fn three(&self, key: &str) -> Option<[f32; 3]> {
         let mut words = self.get(key).split_whitespace().map(finite);
         let mut next = || words.next().flatten();
@@ -74,7 +75,7 @@ impl<'t> Entity<'t> {
         words.next().is_none().then_some(three)
     }
 
-    /// How it is called: what it is, what others call it, and its number.
+    /// Returns the unique name: class, target name, and index.
     pub(super) fn name(&self) -> String {
         let called = ["targetname", "target"].map(|key| self.get(key));
         let called = called.into_iter().find(|name| !name.is_empty());
@@ -109,7 +110,7 @@ struct Words<'t> {
 
 impl<'t> Words<'t> {
     fn next(&mut self) -> Result<Option<Word<'t>>, BspError> {
-        // The text ends with a byte 0; what some compilers leave behind it is none of it.
+        // The text ends with a NUL byte; some compilers leave garbage after it.
         let begin = self
             .rest
             .find(|letter: char| letter == '\0' || !letter.is_whitespace());
@@ -124,7 +125,7 @@ impl<'t> Words<'t> {
             '"' => {
                 let text = &self.rest[1..];
                 let Some(end) = text.find(['"', '\0']).filter(|&end| text[end..].starts_with('"')) else {
-                    return Err(self.refusal(&Word::End, "the `\"` that ends a text"));
+                    return Err(self.refusal(&Word::End, "the closing `\"` of a string"));
                 };
                 self.skip(end + 2);
                 return Ok(Some(Word::Text(&text[..end])));
@@ -183,16 +184,19 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_named_by_its_line() {
         for (text, said) in [
-            ("\n\nworld", "`w` where `{` is wanted, in line 3"),
-            ("{ \"a\" }", "`}` where a value is wanted, in line 1"),
-            ("{\n\"a\n\" {", "`{` where a value is wanted, in line 3"),
-            ("{ \"a\" \"b\"", "the end where a key or `}` is wanted, in line 1"),
+            ("\n\nworld", "`w` where `{` is expected, in line 3"),
+            ("{ \"a\" }", "`}` where a value is expected, in line 1"),
+            ("{\n\"a\n\" {", "`{` where a value is expected, in line 3"),
+            (
+                "{ \"a\" \"b\"",
+                "the end where a key or `}` is expected, in line 1",
+            ),
             (
                 "{ \"a",
-                "the end where the `\"` that ends a text is wanted, in line 1",
+                "the end where the closing `\"` of a string is expected, in line 1",
             ),
-            ("{ { }", "`{` where a key or `}` is wanted, in line 1"),
-            ("\u{e4}", "`\u{e4}` where `{` is wanted, in line 1"),
+            ("{ { }", "`{` where a key or `}` is expected, in line 1"),
+            ("\u{e4}", "`\u{e4}` where `{` is expected, in line 1"),
         ] {
             let refused = refused(text);
             assert!(refused.contains(said), "{refused}");

@@ -1,7 +1,8 @@
-//! Faces of Quake: polygons over edges, each with its place in a texture.
+//! Reads the faces of Quake maps: polygons over edges, each with texture coordinates.
 //!
-//! Corners go clockwise seen from the front, and may be in line, where the next face has a corner in the middle of an edge.
-//! Liquids have two faces, one for each side. What a nameless texture is of is told by what is behind the face.
+//! Vertices are clockwise when seen from the front, and may be collinear where an adjacent face has a vertex on an
+//! edge. Liquid surfaces have two faces, one per side. If a map has no texture names, the leaf behind a face decides
+//! its kind.
 
 use super::axes::turned;
 use super::light::{self, FaceLight};
@@ -16,30 +17,30 @@ use crate::warning::{WarningKind, Warnings};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// Lumps that faces are made of, and how many bytes a thing in them takes.
+/// Lumps that faces are made of, with record sizes in bytes.
 const TEXTURES: usize = 2;
 const VERTICES: (usize, usize) = (3, 12);
 const PLACINGS: (usize, usize) = (6, 40);
 const FACES: usize = 7;
 const EDGES: usize = 12;
 const WALKS: (usize, usize) = (13, 4);
-/// Bytes of a face and of an edge, with numbers of 16 bits and of 32.
+/// Sizes of a face and an edge with 16-bit and with 32-bit indices, in bytes.
 const SHORT: [usize; 2] = [20, 4];
 const LONG: [usize; 2] = [28, 8];
 
-/// What a texture is called, in lower case, and its size in texels; 64 by 64, as most are, where the map does not say.
+/// Name of a texture, in lower case, and its size in texels; 64×64, the most common size, if the map does not store it.
 pub(in crate::quake) struct Image {
     pub(in crate::quake) name: String,
     size: [f32; 2],
 }
 
-/// How a texture lies on a face: texels for a place are `axis · place + offset`, across and down.
+/// Texture projection of a face: texels are `axis · position + offset`, for both texture axes.
 pub(in crate::quake) struct Placing {
     axes: [[f32; 4]; 2],
     pub(in crate::quake) image: u32,
 }
 
-/// The lumps that say where the corners of faces are.
+/// The lumps that define the vertices of faces.
 pub(in crate::quake) struct Outlines<'a> {
     map: &'a Map,
     edges: std::slice::ChunksExact<'a, u8>,
@@ -58,7 +59,7 @@ impl<'a> Outlines<'a> {
         })
     }
 
-    /// Returns which walks along edges go around face number `at`.
+    /// Returns the range of surface edges of face number `at`.
     fn walks_around(&self, at: usize, face: &[u8]) -> Result<Range<usize>, BspError> {
         let [first, count] = match self.map.format.is_short {
             true => [int(face, 4).into(), i64::from(short(face, 8))],
@@ -78,7 +79,7 @@ impl<'a> Outlines<'a> {
         }
     }
 
-    /// Replaces `outline` by the corners of face number `at`, counter-clockwise seen from the front.
+    /// Replaces `outline` by the vertices of face number `at`, counter-clockwise when seen from the front.
     pub(in crate::quake) fn read(
         &self,
         at: usize,
@@ -92,6 +93,7 @@ impl<'a> Outlines<'a> {
         Ok(())
     }
 
+    /// Returns the first vertex of a surface edge; negative edges are reversed.
     fn vertex(&self, face: usize, walk: usize) -> Result<[f32; 3], BspError> {
         let edge = i64::from(int(self.map.lump(WALKS.0), 4 * walk));
         let at = in_range("face", face, "edge", edge.abs(), self.edges.len())? as usize;
@@ -116,13 +118,13 @@ impl<'a> Outlines<'a> {
     }
 }
 
-/// The faces of a map, each as its bytes.
+/// Returns the records of all faces.
 pub(in crate::quake) fn faces(map: &Map) -> Result<std::slice::ChunksExact<'_, u8>, BspError> {
     let [face_bytes, _] = if map.format.is_short { SHORT } else { LONG };
     map.things(FACES, face_bytes)
 }
 
-/// Returns the plane, the side of it and the texture placing that a face names.
+/// Returns the plane, plane side and texture projection of a face.
 pub(in crate::quake) fn plane_side_placing(map: &Map, face: &[u8]) -> [i64; 3] {
     match map.format.is_short {
         true => [0, 2, 10].map(|place| i64::from(short(face, place))),
@@ -130,7 +132,7 @@ pub(in crate::quake) fn plane_side_placing(map: &Map, face: &[u8]) -> [i64; 3] {
     }
 }
 
-/// The direction in which a face on this side of a plane looks.
+/// Returns the normal of a face on this side of a plane.
 pub(in crate::quake) fn front(plane: &SplitPlane, side: i64) -> DVec3 {
     DVec3::from(plane.normal) * if side == 0 { 1.0 } else { -1.0 }
 }
@@ -225,7 +227,7 @@ pub(super) fn read(
     Ok(surfaces)
 }
 
-/// Returns the styles of light of a face, and where in the lump of light its samples begin; negative where it has none.
+/// Returns the light styles of a face, and the offset of its samples in the light lump; negative if it has none.
 fn styles_and_offset(map: &Map, face: &[u8]) -> ([u8; 4], i64) {
     let styles = if map.format.is_short { 12 } else { 20 };
     let bytes = [0, 1, 2, 3].map(|at| face[styles + at]);
@@ -233,7 +235,7 @@ fn styles_and_offset(map: &Map, face: &[u8]) -> ([u8; 4], i64) {
 }
 
 impl Placing {
-    /// A place on a face in texels.
+    /// Projects a position to texels.
     fn texels(&self, place: [f32; 3]) -> [f64; 2] {
         [0, 1].map(|way| {
             let [x, y, z, offset] = self.axes[way].map(f64::from);
@@ -241,7 +243,7 @@ impl Placing {
         })
     }
 
-    /// A place on a face as one in an image of a size in texels.
+    /// Projects a position to texture coordinates of an image of `size` texels; 0 if they are not finite.
     fn at(&self, place: [f32; 3], size: [f32; 2]) -> [f32; 2] {
         let [u, v] = [0, 1].map(|way| {
             let [x, y, z, offset] = self.axes[way];
@@ -255,10 +257,11 @@ impl Placing {
     }
 }
 
+/// Reads the texture projections.
 pub(in crate::quake) fn placings(map: &Map, images: usize) -> Result<Vec<Placing>, BspError> {
     let read = |(at, placing): (usize, &[u8])| {
         let image = i64::from(int(placing, 32));
-        // Compilers that find no image file write a map without one.
+        // Compilers that find no texture file write a map without textures.
         let image = if images == 0 { 0 } else { image };
         Ok(Placing {
             axes: [0, 16].map(|way| [0, 4, 8, 12].map(|part| number(placing, way + part))),
@@ -271,7 +274,7 @@ pub(in crate::quake) fn placings(map: &Map, images: usize) -> Result<Vec<Placing
         .collect()
 }
 
-/// The names of the textures: how many there are, where each begins, and each with its name first.
+/// Reads the names and sizes of the textures.
 pub(in crate::quake) fn images(map: &Map) -> Result<Vec<Image>, BspError> {
     let lump = map.lump(TEXTURES);
     if lump.is_empty() {
@@ -312,7 +315,7 @@ pub(in crate::quake) fn images(map: &Map) -> Result<Vec<Image>, BspError> {
     starts.chunks_exact(4).enumerate().map(read).collect()
 }
 
-/// What kind of face it is; `None` where engines do not draw it.
+/// Returns the kind of a face; `None` if engines do not draw it.
 fn kind(placing: &Placing, images: &[Image], behind: impl FnOnce() -> Kind) -> Option<Kind> {
     const UNSEEN: [&str; 6] = ["trigger", "clip", "skip", "hint", "hintskip", "origin"];
     let name = images.get(placing.image as usize).map_or("", |image| &image.name);
@@ -330,8 +333,8 @@ fn kind(placing: &Placing, images: &[Image], behind: impl FnOnce() -> Kind) -> O
     })
 }
 
-/// What the border is of that a face of the world stands on, by what is before it and behind: a wall, unless one of them is
-/// sky or a liquid and the other is not.
+/// Returns the kind of a face by the contents in front of it and behind it: a wall, unless exactly one side is sky or
+/// liquid.
 pub(in crate::quake) fn behind(tree: &Tree, outline: &[[f32; 3]], front: DVec3) -> Kind {
     let sum: DVec3 = outline
         .iter()
@@ -354,7 +357,7 @@ pub(in crate::quake) fn behind(tree: &Tree, outline: &[[f32; 3]], front: DVec3) 
 }
 
 impl Tree {
-    /// What fills the leaf of the world that a point is in.
+    /// Returns the contents of the leaf that contains a point.
     fn kind_at(&self, point: DVec3) -> i32 {
         let mut child = self.root;
         loop {

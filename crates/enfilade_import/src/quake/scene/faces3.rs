@@ -1,6 +1,7 @@
-//! Faces of Quake 3: triangles, and patches that are bent; their corners have normals, colors and places in a texture.
+//! Reads the faces of Quake 3 maps: triangle meshes and Bézier patches, whose vertices have normals, colors and texture
+//! coordinates.
 //!
-//! Corners of triangles go clockwise seen from the front. A flare is no face but a light that dazzles, and is not drawn.
+//! Triangles are clockwise when seen from the front. Flares are glare sprites, not surfaces, and are not drawn.
 
 use super::axes::turned;
 use super::light;
@@ -15,36 +16,36 @@ use crate::warning::{WarningKind, Warnings};
 use enfilade::{MaterialId, TextureId};
 use std::ops::Range;
 
-/// Lumps that faces are made of, and how many bytes a thing in them takes.
+/// Lumps that faces are made of, with record sizes in bytes.
 const TEXTURES: (usize, usize) = (1, 72);
 const CORNERS: (usize, usize) = (10, 44);
 const TRIANGLES: (usize, usize) = (11, 4);
 const FACES: (usize, usize) = (13, 104);
 
-/// Where a face has the number of its page of light.
+/// Offset of the lightmap index in a face record, in bytes.
 const LIGHT: usize = 28;
 
-/// What engines make of a surface, as bits beside its texture.
+/// Surface flags of a texture.
 const SKY: i32 = 0x4;
 const UNSEEN: i32 = 0x80 | 0x100 | 0x200;
-/// What a surface is the border of.
+/// Content flags of a texture.
 const LAVA: i32 = 0x8;
 const SLIME: i32 = 0x10;
 const WATER: i32 = 0x20;
 const SEEN_THROUGH: i32 = 0x2000_0000;
 
-/// A corner, as it stands in the map but for its axes.
+/// A vertex of a map, before the change of axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Corner {
     pub(super) position: [f32; 3],
     pub(super) texture: [f32; 2],
-    /// Its place in a page of light.
+    /// Lightmap coordinates.
     pub(super) light: [f32; 2],
     pub(super) normal: [f32; 3],
     pub(super) color: [f32; 4],
 }
 
-/// What the numbers of a face name.
+/// The validated ranges of a face.
 struct Shape {
     kind: i32,
     corners: Range<usize>,
@@ -190,7 +191,7 @@ fn corner(map: &Map, at: usize) -> Result<Corner, BspError> {
             .filter(|value| value.is_finite())
             .unwrap_or(0.0)
     };
-    // What is written is how bright a corner is to be shown.
+    // Vertex colors are stored gamma-encoded.
     let color = [40, 41, 42].map(|place: usize| (f32::from(bytes[place]) / 255.0).powi(2));
     Ok(Corner {
         position,
@@ -201,7 +202,8 @@ fn corner(map: &Map, at: usize) -> Result<Corner, BspError> {
     })
 }
 
-/// What a face is made of, with its page of light, and whether that shows; `None` where engines do not draw it.
+/// Returns the material of a face with its lightmap, and whether the lightmap is used; `None` if engines do not draw
+/// the face.
 fn material(
     map: &Map,
     texture: u32,
@@ -228,7 +230,7 @@ fn material(
     let [surface, content] = [64, 68].map(|place| int(bytes, place));
     let mut path = name.rsplit('/');
     let end = path.next().unwrap_or("");
-    // Where the game's scripts were not at hand, its tools are walls by their bits.
+    // Maps compiled without the game's shader scripts lack the flags of tool textures, so these are recognised by name.
     let is_tool = path.next() == Some("common") && TOOLS.contains(&end);
     if surface & UNSEEN != 0 || is_tool {
         return None;
@@ -243,7 +245,7 @@ fn material(
         None if content & SEEN_THROUGH != 0 && end.contains("glass") => Kind::Glass,
         None => Kind::Wall,
     };
-    // Liquids have one face, that is seen from below, too.
+    // Liquids have a single face that is also visible from below.
     let double_sided = matches!(kind, Kind::Water | Kind::Slime | Kind::Lava | Kind::Glass);
     let light = page.filter(|_| kind == Kind::Wall);
     let material = looks.material(texture, &name, kind, double_sided, light);
@@ -251,7 +253,7 @@ fn material(
 }
 
 impl Surfaces {
-    /// Adds a corner; of a face with a page of light, whose light is not that of its corners.
+    /// Adds a vertex; for a face with a lightmap, with its lightmap coordinates and without its color.
     fn push(&mut self, corner: &Corner, is_lit: bool) {
         let (texture, color) = if is_lit {
             (corner.light, [1.0; 4])
@@ -264,8 +266,8 @@ impl Surfaces {
         self.colors.push(color);
     }
 
-    /// Colors of corners are the light that falls there, where light was computed: else all are alike, and say nothing. The
-    /// game shows half of it as white. So that no corner is black, a part of them is light that is everywhere.
+    /// Scales vertex colors, which hold the computed light. If all are equal, no light was computed, and they are
+    /// dropped. The game shows half intensity as white. A constant ambient part keeps vertices from being black.
     fn even_out_colors(&mut self) {
         const EVERYWHERE: f32 = 0.4;
         if self.colors.iter().all(|color| *color == self.colors[0]) {

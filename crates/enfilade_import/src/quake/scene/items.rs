@@ -1,7 +1,7 @@
-//! Which faces make which item: those of the world that are seen from the same leafs, and those of a door or a lift.
+//! Groups faces into items: world faces by the leafs that they are visible from, and the faces of each brush entity.
 //!
-//! A method that knows what each leaf sees takes or leaves whole items. So an item of the world is as small as can be, and
-//! no face in it is seen from fewer leafs than another.
+//! A method with baked cells accepts or culls whole items. So world items are as small as possible: all faces of an
+//! item are in the same set of leafs.
 
 use super::axes::placed;
 use super::entities::Entity;
@@ -14,14 +14,14 @@ use enfilade::{GeometryBuilder, MeshId, Transform};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// The lumps of leafs' faces.
+/// The lumps of leaf faces.
 const MARKS: usize = 11;
 const MARKS_OF_QUAKE_3: usize = 5;
-/// Where in a model its first face and how many it has are written.
+/// Offsets of the first face and face count in a model record, in bytes.
 const FACES_OF_A_MODEL: usize = 56;
 const FACES_OF_A_MODEL_OF_QUAKE_3: usize = 24;
 
-/// The faces of each model; the first is the world.
+/// Returns the face range of each model; the first model is the world.
 pub(super) fn models(map: &Map, faces: usize) -> Result<Vec<Range<u32>>, BspError> {
     let place = match map.format.is_quake3 {
         true => FACES_OF_A_MODEL_OF_QUAKE_3,
@@ -44,8 +44,8 @@ pub(super) fn models(map: &Map, faces: usize) -> Result<Vec<Range<u32>>, BspErro
     models.enumerate().map(read).collect()
 }
 
-/// Adds an item for each set of leafs that some faces of the world are seen from: `leaf 12`, of the first of the set, or
-/// `cluster 12` in Quake 3, where leafs of a cluster see the same; `leaf 12.2` where that is taken.
+/// Adds an item for each set of leafs that list the same world faces: `leaf 12`, after the first leaf of the set, or
+/// `cluster 12` in Quake 3, whose leafs share visibility by cluster; `leaf 12.2` if that name is taken.
 pub(super) fn of_the_world(
     map: &Map,
     tree: &Tree,
@@ -97,7 +97,7 @@ pub(super) fn of_the_world(
     Ok(())
 }
 
-/// Which faces are seen from which leafs of the world, or clusters: pairs of a face and one of those, by rising numbers.
+/// Returns pairs of a face and a leaf (or cluster) that lists it, sorted and unique.
 fn marks(map: &Map, tree: &Tree, faces: usize, budget: &mut Budget) -> Result<Vec<[u32; 2]>, BrokenRule> {
     let is_quake3 = map.format.is_quake3;
     let (lump, bytes) = match (is_quake3, map.format.is_short) {
@@ -124,14 +124,14 @@ fn marks(map: &Map, tree: &Tree, faces: usize, budget: &mut Budget) -> Result<Ve
         }
         total += count;
     }
-    // A pair, and its share of a set of leafs to compare.
+    // A pair, and its share of a leaf set to compare.
     budget.take(total.saturating_mul(8 + 32), || "its leafs' faces".to_owned())?;
     let mut marks = Vec::with_capacity(total as usize);
     for at in leafs {
         let leaf = &tree.leafs[at];
         let place = match is_quake3 {
             false => at as u32,
-            // No eye is outside all clusters, so nothing is seen from there.
+            // The camera is never outside all clusters, so nothing is visible from there.
             true if leaf.kind < 0 => continue,
             true => leaf.kind as u32,
         };
@@ -149,8 +149,7 @@ fn marks(map: &Map, tree: &Tree, faces: usize, budget: &mut Budget) -> Result<Ve
     Ok(marks)
 }
 
-/// Adds an item for each entity that has a model of the map: `func_door gate#12`. What only starts something when it is
-/// touched is not seen.
+/// Adds an item for each entity with a brush model: `func_door gate#12`. Triggers are invisible and are skipped.
 pub(super) fn of_entities(
     entities: &[Entity],
     models: &[Range<u32>],
@@ -177,7 +176,8 @@ pub(super) fn of_entities(
         let mesh = match meshes.get(&model) {
             Some(mesh) => *mesh,
             None => {
-                // Models of a sound map have faces of their own, so no others than those set aside for all; these may not.
+                // Models of a valid map do not share faces, so the memory reserved for all faces suffices; an invalid
+                // map may share them.
                 let range = models[model as usize].clone();
                 budget.take(8 * range.len() as u64, || entity.name())?;
                 let faces: Vec<u32> = range.collect();

@@ -1,9 +1,9 @@
-//! Lightmaps: the light that compilers of maps have computed, as textures.
+//! Lightmaps: the light computed by map compilers, as textures.
 //!
-//! Quake has an image for each face, with a sample every 16 texels and for each style of light; they are packed into one
-//! texture. Quake 3 has pages of 128 by 128 samples, which faces share. Engines multiply what they show, not light: a sample of
-//! 128 shows a texture as it is, in Quake 3 one of 64.
-//! Source: the sources of both engines, `R_BuildLightMap` and `R_ColorShiftLightingBytes`.
+//! Quake stores one image per face and light style, with a sample every 16 texels; they are packed into one atlas
+//! texture. Quake 3 stores lightmap pages of 128×128 samples, which faces share. Engines multiply gamma-encoded values:
+//! a sample of 128 leaves a texture unchanged; in Quake 3, one of 64.
+//! Source: the source code of both engines, `R_BuildLightMap` and `R_ColorShiftLightingBytes`.
 
 use super::pattern::PATTERNS;
 use crate::BrokenRule;
@@ -12,40 +12,40 @@ use crate::quake::bsp::Map;
 use enfilade::{Filter, Minify, Texture, TextureId, Wrap};
 use std::sync::Arc;
 
-/// The lumps of light.
+/// The light lumps.
 const LIGHT: usize = 8;
 const LIGHT_OF_QUAKE_3: usize = 14;
-/// Columns of the texture of all faces of Quake.
+/// Width of the Quake atlas, in samples.
 const WIDTH: u32 = 1024;
-/// Columns and rows of a page of Quake 3.
+/// Width and height of a Quake 3 page, in samples.
 const PAGE: u32 = 128;
 const BYTES_OF_A_PAGE: usize = 3 * (PAGE * PAGE) as usize;
 /// Texels between two samples.
 const STEP: f64 = 16.0;
-/// The greatest number of samples along a side of a face: compilers cut faces long before.
+/// Maximum number of samples along a side of a face; compilers split faces long before.
 const MAX_SAMPLES: f64 = WIDTH as f64;
 
-/// What a color is multiplied by, so that a texel of 128 shows it as it is.
+/// Factor for colors under a lightmap, so that a sample of 128 shows them unchanged.
 pub(super) const FULL: f32 = 4.63;
 
-/// Light of all faces of a map of Quake, in rows of images side by side.
+/// The atlas of all faces of a Quake map, packed in rows.
 pub(super) struct FaceLight<'a> {
     lump: &'a [u8],
     texels: Vec<u8>,
-    /// Where the next image goes, and the height of the row.
+    /// Position of the next image, and height of the current row.
     next: [u32; 2],
     row: u32,
 }
 
-/// Where in the texture the light of a face is.
+/// The position of a face in the atlas.
 pub(super) struct Lit {
     first: [u32; 2],
-    /// The place in texels of the first sample.
+    /// Texel position of the first sample.
     least: [f64; 2],
 }
 
 impl<'a> FaceLight<'a> {
-    /// `None` where the map has no light.
+    /// Returns an empty atlas; `None` if the map has no light.
     pub(super) fn of(map: &'a Map) -> Option<FaceLight<'a>> {
         let lump = map.lump(LIGHT);
         (!lump.is_empty()).then_some(FaceLight {
@@ -56,8 +56,8 @@ impl<'a> FaceLight<'a> {
         })
     }
 
-    /// Takes in the light of a face whose corners are at these places of its texture, in texels; `None` if its samples are not in
-    /// the lump. Black where the face has none.
+    /// Adds the light of a face whose vertices have these texel positions; returns `None` if its samples exceed the
+    /// lump. Black if the face has no samples.
     pub(super) fn add(
         &mut self,
         corners: &[[f64; 2]],
@@ -104,7 +104,7 @@ impl<'a> FaceLight<'a> {
         }))
     }
 
-    /// Returns where an image of a size goes; `None` once the texture is as high as textures may be.
+    /// Returns the position of an image of a given size; `None` once the atlas has the maximum height.
     fn place(
         &mut self,
         [width, height]: [u32; 2],
@@ -129,7 +129,7 @@ impl<'a> FaceLight<'a> {
         Ok(Some(first))
     }
 
-    /// Returns the texture, and by what places in it, counted in samples, are divided.
+    /// Returns the atlas, and the divisors from samples to texture coordinates.
     pub(super) fn texture(self) -> Option<(Arc<Texture>, [f32; 2])> {
         let height = self.texels.len() as u32 / WIDTH;
         let texels = self
@@ -145,7 +145,7 @@ impl<'a> FaceLight<'a> {
 }
 
 impl Lit {
-    /// Returns a place of the face's texture, in texels, as one in the texture of light, in samples.
+    /// Converts a texel position of the face to a sample position in the atlas.
     pub(super) fn at(&self, place: [f64; 2]) -> [f32; 2] {
         [0, 1].map(|axis| {
             let sample = (place[axis] - self.least[axis]) / STEP + 0.5;
@@ -154,7 +154,7 @@ impl Lit {
     }
 }
 
-/// Returns the pages of a map of Quake 3.
+/// Returns the lightmap pages of a Quake 3 map.
 pub(super) fn pages(map: &Map, budget: &mut Budget) -> Result<Vec<Arc<Texture>>, BrokenRule> {
     let pages = map.lump(LIGHT_OF_QUAKE_3).chunks_exact(BYTES_OF_A_PAGE);
     let read = |page: &[u8]| {
@@ -171,7 +171,7 @@ pub(super) fn pages(map: &Map, budget: &mut Budget) -> Result<Vec<Arc<Texture>>,
     Ok(pages?.into_iter().flatten().collect())
 }
 
-/// Doubles light, as much as its hue allows.
+/// Doubles a light sample, clamped without changing its hue.
 fn twice(light: [u8; 3]) -> [u8; 4] {
     let doubled = light.map(|part| 2 * u32::from(part));
     let most = doubled.into_iter().fold(255, u32::max);
@@ -179,11 +179,11 @@ fn twice(light: [u8; 3]) -> [u8; 4] {
     [red, green, blue, 255]
 }
 
-/// `None` where the size is none that a texture may have.
+/// Creates a lightmap texture; `None` if its size is invalid.
 fn texture(name: &str, size: [u32; 2], texels: Vec<[u8; 4]>) -> Option<Arc<Texture>> {
     let mut texture = Texture::new(name, size, texels).ok()?;
     texture.wrap = [Wrap::Clamp; 2];
-    // The smaller levels of packed images are mixed with their neighbours.
+    // Mipmaps of an atlas would blend adjacent images.
     texture.minify = Minify {
         texels: Filter::Linear,
         levels: None,
@@ -191,7 +191,7 @@ fn texture(name: &str, size: [u32; 2], texels: Vec<[u8; 4]>) -> Option<Arc<Textu
     Some(Arc::new(texture))
 }
 
-/// Returns the number of a texture of light; those of patterns come first.
+/// Returns the id of a lightmap; the pattern textures come first.
 pub(super) fn number(page: usize) -> TextureId {
     TextureId((PATTERNS.len() + page) as u32)
 }

@@ -1,25 +1,26 @@
-//! Lights of a map: what compilers make light of that they then keep in files and in colors of corners.
+//! Lights of a map: the light entities from which compilers compute lightmaps and vertex colors.
 //!
-//! Where a light of 300 is as bright as it gets, a white surface sends back 1. Light of Quake grows weak evenly, up to as
-//! many units away as it is strong; here it is as bright halfway, and ends there, too. That of Quake 3 goes by the square of
-//! the distance. Nothing casts a shadow here, so light that a wall should stop goes on.
-//! Source: the light compilers of both games, and what they have come to understand since (ericw-tools, q3map2).
+//! A light of 300 at its full intensity gives a white surface a radiance of 1. Quake's lights fall off linearly and end
+//! at a distance of as many units as their value; here, they match at half that distance, and end at the same distance.
+//! Quake 3's lights fall off with the square of the distance. Nothing casts shadows here, so light passes through
+//! walls.
+//! Source: the light compilers of both games and their successors (ericw-tools, q3map2).
 
 use super::axes::{direction, turned};
 use super::entities::Entity;
 use enfilade::{Light, LightShape, SectorId};
 use std::collections::HashMap;
 
-/// How strong a light is that does not say.
+/// Default value of a light.
 const USUAL: f32 = 300.0;
-/// From how far away light that goes by the distance or its square is as bright as it says.
+/// Distance at which a light with linear or inverse-square falloff has its nominal intensity, in units.
 const AS_IT_SAYS: f32 = 128.0;
-/// A light of 1 in Quake 3 at a distance of 1, before it is divided by the square of the distance.
+/// Intensity of a Quake 3 light of value 1 at distance 1.
 const PHOTONS: f32 = 7500.0;
-/// How wide the cone of a spotlight is in all, in degrees, where it does not say.
+/// Default full angle of a spotlight, in degrees.
 const CONE: f32 = 40.0;
 
-/// The lamps and suns of a map; those that can light nothing are left out.
+/// Returns the valid lights and suns of a map.
 pub(super) fn lights(entities: &[Entity], is_quake3: bool) -> Vec<Light> {
     let mut named: HashMap<&str, &Entity> = HashMap::new();
     for entity in entities.iter().rev() {
@@ -34,6 +35,7 @@ pub(super) fn lights(entities: &[Entity], is_quake3: bool) -> Vec<Light> {
     lamps.chain(suns).filter(is_light).collect()
 }
 
+/// Returns `true` if the numbers of a light are finite and it emits anything.
 fn is_light(light: &Light) -> bool {
     let numbers = light.color.iter().chain(&light.position);
     let mut numbers = numbers.chain([&light.range]);
@@ -42,7 +44,7 @@ fn is_light(light: &Light) -> bool {
 
 fn lamp(entity: &Entity, named: &HashMap<&str, &Entity>, is_quake3: bool) -> Option<Light> {
     let strength = entity.number_of_any(&["light", "_light"]).unwrap_or(USUAL);
-    // Some maps take light away.
+    // Some maps use negative lights, which subtract; they are not supported.
     let strength = Some(strength).filter(|&strength| strength > 0.0)?;
     let origin = entity.three("origin")?;
     let [bright, range] = if is_quake3 {
@@ -72,13 +74,13 @@ fn lamp(entity: &Entity, named: &HashMap<&str, &Entity>, is_quake3: bool) -> Opt
     })
 }
 
-/// Where it shines, if it is a spotlight: one that is aimed.
+/// Returns the shape of a spotlight: a light with a target or an angle.
 fn spot(entity: &Entity, origin: [f32; 3], target: Option<[f32; 3]>, is_quake3: bool) -> Option<LightShape> {
     let (direction, outer) = match (target, entity.three("mangle")) {
         (Some(target), _) => {
             let way = [0, 1, 2].map(|axis| target[axis] - origin[axis]);
             let length = way.iter().map(|part| part * part).sum::<f32>().sqrt();
-            // The target of Quake 3 stands in the middle of a circle that is lit.
+            // In Quake 3, the target is the centre of the lit circle.
             let radius = entity
                 .number("radius")
                 .filter(|&radius| radius > 0.0)
@@ -109,7 +111,7 @@ fn spot(entity: &Entity, origin: [f32; 3], target: Option<[f32; 3]>, is_quake3: 
     })
 }
 
-/// What the world says of its sun, and of its sky, which is here a second one overhead and a third underfoot.
+/// Returns the suns of the world entity. The sky light becomes two suns, straight down and straight up.
 fn suns<'e>(world: &'e Entity) -> impl Iterator<Item = Light> + 'e {
     let sun = |strength: &[&str], tint: &str, direction: [f32; 3]| {
         let strength = world.number_of_any(strength).filter(|&strength| strength > 0.0)?;
@@ -133,7 +135,7 @@ fn suns<'e>(world: &'e Entity) -> impl Iterator<Item = Light> + 'e {
     .flatten()
 }
 
-/// A color from 0 to 1, or from 0 to 255 where any part of it is above 1.
+/// Parses a color from 0 to 1, or from 0 to 255 if any component is above 1.
 fn color(entity: &Entity, key: &str) -> Option<[f32; 3]> {
     let color = entity.three(key)?;
     let scale = if color.iter().any(|&part| part > 1.0) {

@@ -1,7 +1,8 @@
-//! How faces look: a muted color by the name of their texture, and a pattern that shows how large they are.
+//! The appearance of faces: a muted color derived from the texture name, and a pattern that shows scale and
+//! orientation.
 //!
-//! Maps name images of the game they were made for, or hold them without the palette that their colors are in. So colors
-//! are made up, the same for one name in each map: by a word in it that says what it is made of, else by all of it.
+//! Maps reference images of their game, or store them without the palette. So colors are made up, identical for a name
+//! in every map: from a word in the name that indicates a material, otherwise from a hash of the name.
 
 use super::light::FULL;
 use super::pattern::{PATTERNS, Pattern};
@@ -11,7 +12,7 @@ use enfilade::{Alpha, Material, MaterialId, Texture, TextureId};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What a face is, as far as it shows.
+/// Kind of a face, as far as it affects appearance and occlusion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::quake) enum Kind {
     Wall,
@@ -19,23 +20,23 @@ pub(in crate::quake) enum Kind {
     Water,
     Slime,
     Lava,
-    /// What one is carried elsewhere by.
+    /// A teleporter surface.
     Gate,
-    /// It bounds the world, so it hides like a wall.
+    /// The sky; it bounds the world, so it occludes like a wall.
     Sky,
 }
 
-/// What the faces of a map are made of.
+/// The materials of a map.
 #[derive(Debug, Default)]
 pub(super) struct Looks {
     pub(super) materials: Vec<Material>,
     known: HashMap<(u32, Kind, Option<TextureId>), MaterialId>,
     with_patterns: bool,
-    /// Textures of light, after those of patterns.
+    /// Lightmaps; their ids follow those of the patterns.
     pub(super) light: Vec<Arc<Texture>>,
 }
 
-/// Words in names, and what they are made of: linear colors.
+/// Words in texture names, with their linear color and pattern.
 const WORDS: [(&str, [f32; 3], Pattern); 22] = [
     ("brick", [0.27, 0.13, 0.085], Pattern::Bricks),
     ("brk", [0.27, 0.13, 0.085], Pattern::Bricks),
@@ -75,12 +76,12 @@ impl Looks {
         }
     }
 
-    /// Whether images are wanted, of light too.
+    /// Returns `true` if textures, including lightmaps, are wanted.
     pub(super) fn has_images(&self) -> bool {
         self.with_patterns
     }
 
-    /// The images that the materials name.
+    /// Returns the textures of the materials: patterns, then lightmaps.
     pub(super) fn textures(&self, budget: &mut Budget) -> Result<Vec<Arc<Texture>>, BrokenRule> {
         if !self.with_patterns {
             return Ok(Vec::new());
@@ -89,15 +90,15 @@ impl Looks {
             let (name, size, texels) = pattern.image();
             budget.take(4 * texels.len() as u64, || format!("pattern {name}"))?;
             Ok(Arc::new(
-                Texture::new(name, [size; 2], texels).expect("as many texels as it says"),
+                Texture::new(name, [size; 2], texels).expect("the texel count matches the size"),
             ))
         };
         let patterns = PATTERNS.iter().map(texture);
         patterns.chain(self.light.iter().cloned().map(Ok)).collect()
     }
 
-    /// The material of a texture, by its number in the map and its name, which is empty where the map has none. With `light` it
-    /// has no pattern but that texture, and shines by itself.
+    /// Returns the material of a texture, given its index in the map and its name, which is empty if the map stores
+    /// none. With `light`, the lightmap replaces the pattern, and the material is unlit.
     pub(super) fn material(
         &mut self,
         texture: u32,
@@ -141,7 +142,7 @@ fn glass() -> Material {
     }
 }
 
-/// Of its color in any light.
+/// Returns an unlit material.
 fn bright(color: [f32; 3]) -> Material {
     Material {
         unlit: true,
@@ -151,7 +152,7 @@ fn bright(color: [f32; 3]) -> Material {
 
 fn wall(texture: u32, name: &str) -> (Material, Option<Pattern>) {
     let name = name.to_ascii_lowercase();
-    // Of a path the end says most.
+    // The end of a path is the most specific.
     let end = name.rsplit('/').next().unwrap_or(&name);
     let number = match &*name {
         "" => spread(u64::from(texture) + 1),
@@ -159,7 +160,7 @@ fn wall(texture: u32, name: &str) -> (Material, Option<Pattern>) {
             .bytes()
             .fold(0, |sum, byte| spread(sum ^ (u64::from(byte) + 1))),
     };
-    // From 0 to 1, each from other bits.
+    // Values from 0 to 1, each from different bits.
     let share = |place: u32| (number >> (place * 12) & 0xfff) as f32 / 4096.0;
     let word = [end, &name]
         .into_iter()
@@ -184,8 +185,7 @@ fn wall(texture: u32, name: &str) -> (Material, Option<Pattern>) {
     (material, Some(pattern))
 }
 
-/// A color that is neither bright nor gaudy: one between two of stones, woods and metals, somewhat lighter or darker. All
-/// three numbers from 0 to 1.
+/// Returns a muted color between two tones of stone, wood or metal. All arguments are from 0 to 1.
 fn muted(which: f32, between: f32, tone: f32) -> [f32; 3] {
     const EARTHS: [[f32; 3]; 8] = [
         [0.26, 0.22, 0.17],
@@ -203,7 +203,7 @@ fn muted(which: f32, between: f32, tone: f32) -> [f32; 3] {
     [0, 1, 2].map(|part| tone * (EARTHS[first][part] * (1.0 - between) + EARTHS[second][part] * between))
 }
 
-/// A number whose bits all depend on all of another's.
+/// Hashes a number; every output bit depends on all input bits.
 fn spread(number: u64) -> u64 {
     let mut mixed = number.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     mixed = (mixed ^ mixed >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

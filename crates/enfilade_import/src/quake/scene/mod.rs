@@ -1,10 +1,11 @@
-//! Compiled maps as scenes: what is drawn, what shines, where one starts, and what is visible from where.
+//! Imports compiled maps: drawn faces, lights, player starts, and baked visibility.
 //!
-//! *surfaces* are the faces of a map, which *faces* reads of Quake, and *faces3* and *patch* of Quake 3; *items* says which
-//! of them belong together. *looks* and *pattern* make up what they look like, for the images lie in the files of the game, and *light* has their lightmaps.
-//! *cells* are what is visible from where. *entities* are text, of which *lights* and *starts* are made. *axes* turns all that so that y is up.
-//! Source: the sources of both engines, as published by id Software, and the files themselves.
-//! Hostile: every number is checked before it is used, and memory set aside before anything is stored.
+//! `surfaces` holds the faces, which `faces` reads for Quake, and `faces3` and `patch` for Quake 3; `items` groups them
+//! into items. `looks` and `pattern` make up materials, because the images are in other game files; `light` reads the
+//! lightmaps. `cells` reads the PVS. `entities` parses the entity text, from which `lights` and `starts` are created.
+//! `axes` converts from z up to y up.
+//! Source: the source code of both engines, published by id Software, and the files themselves.
+//! Hostile input: every number is checked before it is used, and memory is reserved before anything is stored.
 
 mod axes;
 mod cells;
@@ -31,27 +32,27 @@ use enfilade::GeometryBuilder;
 use looks::Looks;
 use std::sync::Arc;
 
-/// What a compiled map says of itself.
+/// Statistics of a compiled map.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct MapSummary {
     /// `BSP29`, `BSP2` or `IBSP46`.
     pub format: &'static str,
-    /// Leafs that one can be in: all but those that are solid.
+    /// Number of leafs that can contain the camera: all except solid ones.
     pub leafs: usize,
-    /// Clusters of leafs, in Quake 3; a map of Quake does not say which leafs see the same.
+    /// Number of clusters of leafs (Quake 3); `None` for Quake, whose maps do not store clusters.
     pub clusters: Option<usize>,
-    /// All faces, also those that are not drawn.
+    /// Number of faces, including those that are not drawn.
     pub faces: usize,
-    /// The world, and what moves in it.
+    /// Number of models: the world and the brush models.
     pub models: usize,
-    /// The world, lights, doors, monsters, and all else that its author has put there.
+    /// Number of entities: the world, lights, doors, monsters and all others.
     pub entities: usize,
-    /// How long what is visible from where is; 0 where nobody has computed it.
+    /// Size of the visibility lump, in bytes; 0 if no PVS has been computed.
     pub visibility_bytes: usize,
 }
 
-/// Do bytes begin as maps do that are read here?
+/// Returns `true` if the bytes begin like a supported map.
 pub(crate) fn begins_like_map(bytes: &[u8]) -> bool {
     let begins = [&b"BSP2"[..], b"IBSP", &29u32.to_le_bytes()];
     begins.iter().any(|magic| bytes.starts_with(magic))
@@ -64,7 +65,7 @@ pub(crate) fn import(
     options: &ReadOptions,
     mut budget: Budget,
 ) -> Result<Import, BrokenRule> {
-    // The map keeps a copy of them, and its tree takes at most three times as much as its planes, nodes and leafs.
+    // `Map` keeps a copy of the bytes, and `Tree` takes at most three times the size of the plane, node and leaf lumps.
     budget.take(4 * bytes.len() as u64, || "the map".to_owned())?;
     let map = Map::read(bytes)?;
     let is_quake3 = map.format.is_quake3;

@@ -1,21 +1,22 @@
-//! Bent faces: grids of Bézier patches with three corners a side, two neighbours sharing a row of corners.
+//! Tessellates Bézier patch faces: grids of quadratic patches with 3×3 control points, in which neighbours share a row.
 //!
-//! A patch takes the same number of steps along each side, a power of two: so a border comes out of its three corners
-//! exactly, whichever way round it is gone along, and there is no crack between patches, nor between faces that share it.
-//! Source: Quake 3's own, and any book on splines: a quadratic Bézier curve in both directions.
+//! Each patch is divided into the same power-of-two number of steps per side. So the vertices of a border depend
+//! exactly on its three control points, in either direction, and there are no cracks between patches or between faces
+//! that share a border.
+//! Source: Quake 3; biquadratic Bézier surfaces as in any book on splines.
 
 use super::faces3::Corner;
 
-/// Steps along a side of a patch.
+/// Steps per side of a patch.
 pub(super) const STEPS: usize = 8;
 
-/// A grid of corners, and triangles over them, counter-clockwise seen from the front.
+/// Vertices and triangles of a tessellated face, counter-clockwise when seen from the front.
 pub(super) struct Grid {
     pub(super) corners: Vec<Corner>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// Makes triangles of a face of `size` corners in a row and in a column, both odd and at least 3.
+/// Tessellates a face of `columns` × `rows` control points, both odd and at least 3.
 pub(super) fn tessellate(corners: &[Corner], [columns, rows]: [usize; 2]) -> Grid {
     let [across, down] = [columns, rows].map(|size| (size - 1) / 2 * STEPS + 1);
     let mut grid = Grid {
@@ -44,13 +45,13 @@ pub(super) fn tessellate(corners: &[Corner], [columns, rows]: [usize; 2]) -> Gri
     grid
 }
 
-/// The first corner of the patch that a step lies in, of a row of `size` corners, and how far in it lies.
+/// Returns the first control point of the patch that contains a step, and the curve parameter within it.
 fn piece(step: usize, size: usize) -> (usize, f64) {
     let patch = (step / STEPS).min((size - 1) / 2 - 1);
     (2 * patch, (step - patch * STEPS) as f64 / STEPS as f64)
 }
 
-/// All numbers of a corner, in f64: what steps make of numbers in f32 is exact there.
+/// All components of a vertex in f64, where the evaluation of f32 input is exact.
 #[derive(Clone, Copy)]
 struct Exact([f64; 14]);
 
@@ -78,7 +79,7 @@ impl Exact {
     }
 }
 
-/// A point of the curve with three corners. Symmetric: the way back gives the same bits.
+/// Evaluates a quadratic Bézier curve. Symmetric: the reversed curve gives the same bits.
 fn between([a, b, c]: [Exact; 3], along: f64) -> Exact {
     let back = 1.0 - along;
     let [from_a, from_b, from_c] = [back * back, 2.0 * along * back, along * along];
@@ -100,7 +101,7 @@ mod tests {
         }
     }
 
-    /// A quarter of a pipe, its axis along y, seen from inside.
+    /// A quarter of a pipe along the y axis, seen from inside.
     fn arch() -> Vec<Corner> {
         let rows = [0.1, 3.7, 9.3].map(|y| [at(0.0, y, 0.7), at(0.0, y, 10.1), at(9.9, y, 10.1)]);
         rows.as_flattened().to_vec()
@@ -125,7 +126,7 @@ mod tests {
         }
         let grid = tessellate(&wave, [5, 3]);
         assert_eq!(grid.corners.len(), 17 * 9);
-        // The row of corners that both patches have is that of either alone.
+        // The row of vertices shared by both patches equals that of the left patch alone.
         let left: Vec<Corner> = wave.chunks(5).flat_map(|row| row[..3].to_vec()).collect();
         let alone = tessellate(&left, [3, 3]);
         for row in 0..9 {

@@ -1,6 +1,6 @@
-//! Patterns that are laid over plain colors, so that one sees how large a face is and which way it lies.
+//! Generates pattern textures over plain colors, which show the scale and orientation of a face.
 
-/// A grey image that repeats; its number is its place among the textures.
+/// A tileable grey image; its discriminant is its texture index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pattern {
     Plates,
@@ -14,7 +14,7 @@ pub(super) const PATTERNS: [Pattern; 4] = [Pattern::Plates, Pattern::Bricks, Pat
 const SIZE: i32 = 64;
 
 impl Pattern {
-    /// Its name, its size and its texels, row after row.
+    /// Returns the name, the side length, and the texels row by row.
     pub(super) fn image(self) -> (&'static str, u32, Vec<[u8; 4]>) {
         let name = match self {
             Pattern::Plates => "plates",
@@ -48,7 +48,7 @@ impl Pattern {
     }
 }
 
-/// How much darker it is at a joint; there is one every so many texels.
+/// Returns how much darker a texel is near a joint; joints repeat every `every` texels.
 fn seam(at: i32, every: i32) -> f32 {
     match at % every {
         0 => 62.0,
@@ -58,7 +58,7 @@ fn seam(at: i32, every: i32) -> f32 {
     }
 }
 
-/// From −1 to 1, the same for one place every time.
+/// Returns hash noise from −1 to 1.
 fn noise(x: i32, y: i32, of: u32) -> f32 {
     let mut number = (x as u32).wrapping_mul(0x8da6_b343) ^ (y as u32).wrapping_mul(0xd816_3841) ^ of << 7;
     number = (number ^ number >> 15).wrapping_mul(0x2c1b_3c6d);
@@ -66,7 +66,7 @@ fn noise(x: i32, y: i32, of: u32) -> f32 {
     ((number ^ number >> 15) & 0xffff) as f32 / 32768.0 - 1.0
 }
 
-/// The same without edges: between places that lie so many texels apart. It repeats with the image.
+/// Returns smooth noise, interpolated between points `apart` texels apart; tileable.
 fn soft_noise(x: i32, y: i32, apart: i32) -> f32 {
     let cells = SIZE / apart;
     let [column, row] = [x / apart, y / apart];

@@ -1,18 +1,18 @@
-//! Where players start, and where the game looks from between two maps: as cameras.
+//! Creates cameras at player starts and intermission points.
 
 use super::axes::{direction, turned};
 use super::entities::Entity;
 use crate::Camera;
 
-/// How far above its origin the eye of a player is, in units of the map.
+/// Height of a player's eye above the entity origin, in map units.
 const EYE: f32 = 22.0;
 const EYE_IN_QUAKE_3: f32 = 26.0;
-/// A quarter turn across on a screen four wide and three high: what both games show.
+/// Vertical field of view, in radians: 90° horizontally at an aspect ratio of 4:3, as in both games.
 const FOV: f32 = 1.287_002_2;
-/// Nearer than walls come to a player's eye.
+/// Near-plane distance, smaller than the distance that walls keep from a player's eye.
 const NEAR: f32 = 1.0;
 
-/// The classes, those of most use first.
+/// Entity classes, most useful first.
 const CLASSES: [&str; 10] = [
     "info_player_start",
     "info_player_deathmatch",
@@ -26,8 +26,8 @@ const CLASSES: [&str; 10] = [
     "info_player_intermission",
 ];
 
-/// The cameras of a map: by class, then in the order of the entities; named for the class where it has one, else with the
-/// entity's number.
+/// Returns the cameras of a map, by class and then in entity order. Named after the class if it has one entity,
+/// otherwise with the entity index.
 pub(super) fn cameras(entities: &[Entity], is_quake3: bool) -> Vec<Camera> {
     let mut cameras = Vec::new();
     for class in CLASSES {
@@ -52,7 +52,7 @@ pub(super) fn cameras(entities: &[Entity], is_quake3: bool) -> Vec<Camera> {
     cameras
 }
 
-/// `None` where it stands so far out that nothing is in front of it.
+/// Returns `None` if the position is so far from the origin that the look-at point rounds to it.
 fn camera(
     entity: &Entity,
     origin: [f32; 3],
@@ -66,7 +66,7 @@ fn camera(
         (false, true) => EYE_IN_QUAKE_3,
     };
     let eye = turned([origin[0], origin[1], origin[2] + eye_height]);
-    // Both games say downwards first, then around.
+    // Both games store pitch (positive is down) before yaw.
     let turned_by = entity.three("mangle").or(entity.three("angles"));
     let [down, around] = match turned_by {
         Some([down, around, _]) => [down, around],
@@ -78,9 +78,9 @@ fn camera(
                 .unwrap_or(0.0),
         ],
     };
-    // Straight up or down there would be no upright in the picture.
+    // Straight up or down, the up vector would be undefined.
     let ahead = direction(around, (-down).clamp(-89.0, 89.0));
-    // One unit ahead, or more where that would be lost.
+    // One unit ahead, or more if rounding would lose that.
     let far = eye.iter().fold(1000.0, |far: f32, part| far.max(part.abs())) / 1000.0;
     let toward = [0, 1, 2].map(|axis| eye[axis] + far * ahead[axis]);
     let is_sound = toward.iter().all(|part| part.is_finite()) && toward != eye;

@@ -1,43 +1,43 @@
-//! What is drawn of a map: its faces as triangles, in the axes of the scene.
+//! The drawn faces of a map as triangles, in the axes of the scene.
 
 use crate::BrokenRule;
 use crate::budget::Budget;
 use enfilade::{Attributes, MaterialId, Mesh, MeshError, Part};
 use std::ops::Range;
 
-/// The faces of a map, those of the world and those of doors and lifts alike.
+/// All faces of a map: of the world and of brush models.
 #[derive(Debug, Default)]
 pub(super) struct Surfaces {
-    /// By the face's number in the map; `None` for what engines do not draw.
+    /// By face index of the map; `None` if engines do not draw the face.
     pub(super) faces: Vec<Option<Face>>,
-    /// Corners of all faces; no two faces share one.
+    /// Vertices of all faces; no two faces share one.
     pub(super) positions: Vec<[f32; 3]>,
-    /// One for each position.
+    /// One per position.
     pub(super) texture: Vec<[f32; 2]>,
-    /// One for each position, or none at all.
+    /// One per position, or empty.
     pub(super) normals: Vec<[f32; 3]>,
-    /// One for each position, or none at all.
+    /// One per position, or empty.
     pub(super) colors: Vec<[f32; 4]>,
-    /// Counter-clockwise seen from their front.
+    /// Counter-clockwise when seen from the front.
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// A face that is drawn.
+/// A drawn face.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Face {
     pub(super) triangles: Range<usize>,
     pub(super) material: MaterialId,
 }
 
-/// What a corner takes while the map is read: here, in the mesh of its item, and while that is built.
+/// Memory of a vertex while the map is read, in bytes: here, in the mesh of its item, and while that mesh is built.
 const BYTES_OF_A_CORNER: u64 = 48 + 48 + 40;
-/// The same of a triangle.
+/// The same for a triangle.
 const BYTES_OF_A_TRIANGLE: u64 = 12 + 16 + 120;
-/// What a face takes besides: that it may stand alone in an item.
+/// Additional memory of a face, in case it is a separate item.
 const BYTES_OF_A_FACE: u64 = 400;
 
 impl Surfaces {
-    /// Sets memory aside for as many faces, corners and triangles.
+    /// Reserves memory for faces, vertices and triangles.
     pub(super) fn afford(
         budget: &mut Budget,
         faces: u64,
@@ -56,7 +56,7 @@ impl Surfaces {
         budget.take(bytes, || "its faces".to_owned())
     }
 
-    /// How many of some faces' triangles there are.
+    /// Returns the number of triangles of some faces.
     pub(super) fn triangle_count(&self, faces: &[u32]) -> usize {
         let drawn = faces
             .iter()
@@ -64,7 +64,7 @@ impl Surfaces {
         drawn.map(|face| face.triangles.len()).sum()
     }
 
-    /// A mesh of some faces, in the order of their materials; without a triangle where none of them is drawn.
+    /// Builds a mesh of some faces, ordered by material; without triangles if none of them is drawn.
     pub(super) fn mesh(&self, faces: &[u32]) -> Result<Mesh, MeshError> {
         let mut drawn: Vec<&Face> = faces
             .iter()
@@ -106,16 +106,16 @@ impl Surfaces {
     }
 }
 
-/// The corners of one mesh, which are numbered within their part.
+/// The vertices of one mesh; indices are relative to their part.
 #[derive(Default)]
 struct Own {
-    /// Which corner of all.
+    /// Index of each vertex among those of all faces.
     taken: Vec<u32>,
     corners: Vec<u32>,
 }
 
 impl Own {
-    /// Takes the corners of a face, which share none with those of other faces, into the part that begins at `first`.
+    /// Adds the vertices of a face to the part that begins at `first`. Faces share no vertices.
     fn take(&mut self, triangles: &[[u32; 3]], first: usize) {
         let start = self.taken.len();
         let mut all: Vec<u32> = triangles.concat();

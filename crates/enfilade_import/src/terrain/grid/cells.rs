@@ -1,21 +1,22 @@
-//! Whether each cell of a grid is two triangles, and along which diagonal they meet.
+//! Checks that each cell of a grid is two triangles, and along which diagonal it is split.
 
 use super::GridError;
 use super::lines::Lines;
 use enfilade::{Diagonal, Mesh};
 
-/// A bit for each corner of a cell (north-west, north-east, south-west, south-east) that a triangle of it leaves out.
+/// Bit k of a cell is set if one of its triangles leaves out corner k (north-west, north-east, south-west, south-east).
 const NORTH_EAST_CUT: u8 = 0b1001;
 const NORTH_WEST_CUT: u8 = 0b0110;
-/// A triangle faces down.
+/// A triangle of the cell faces down.
 const DOWN: u8 = 1 << 4;
 /// Two triangles leave out the same corner.
 const TWICE: u8 = 1 << 5;
 
-/// The diagonal of all cells, where each place has a corner of the mesh, whose place stands at its number in `places`.
+/// Returns the common diagonal of all cells. Every grid point has a vertex; `places` holds the grid point of each
+/// vertex.
 pub(super) fn diagonal(mesh: &Mesh, lines: &Lines, places: &[u64]) -> Result<Diagonal, GridError> {
     let [columns, rows] = [&lines.columns, &lines.rows].map(|lines| lines.len());
-    // One more to the south and to the east than there are cells, so that a cell has the number of its first place.
+    // One more column and row than there are cells, so that a cell has the index of its north-west grid point.
     let mut cells = vec![0_u8; columns * rows];
     for face in 0..mesh.face_count() {
         mark(mesh, lines, places, face, &mut cells)?;
@@ -39,16 +40,16 @@ pub(super) fn diagonal(mesh: &Mesh, lines: &Lines, places: &[u64]) -> Result<Dia
             return Err(GridError::Diagonals { place });
         }
     }
-    // Without a cell there is nothing to cut; the field refuses it.
+    // A grid without cells has no diagonal; the height field rejects it.
     Ok(first.unwrap_or_default())
 }
 
-/// Says to the cell of a triangle which corner it leaves out.
+/// Marks in the cell of a triangle which corner the triangle leaves out.
 fn mark(mesh: &Mesh, lines: &Lines, places: &[u64], face: u32, cells: &mut [u8]) -> Result<(), GridError> {
     let corners = mesh.face(face);
     let at = |corner: usize| places[corners[corner] as usize];
     let [a, b, c] = [at(0), at(1), at(2)];
-    // What has two corners at one place is a line, and nothing of it is seen.
+    // A triangle with two corners at the same grid point is degenerate and invisible.
     if a == b || b == c || c == a {
         return Ok(());
     }
@@ -60,7 +61,7 @@ fn mark(mesh: &Mesh, lines: &Lines, places: &[u64], face: u32, cells: &mut [u8])
             place: lines.place(at(0)),
         });
     }
-    // The corners of a cell are numbered 0 to 3, so those of a triangle come to 6 less the one that it leaves out.
+    // The corners of a cell are numbered 0 to 3, so those of a triangle add up to 6 minus the one that it leaves out.
     let left_out = 6 - [a, b, c]
         .iter()
         .map(|[column, row]| column + 2 * row)
@@ -71,7 +72,8 @@ fn mark(mesh: &Mesh, lines: &Lines, places: &[u64], face: u32, cells: &mut [u8])
         *cell |= TWICE;
     }
     *cell |= bit;
-    // From above, with north ahead, counter-clockwise: y of the cross product of two sides.
+    // The y component of the cross product of two edges: positive for triangles that are counter-clockwise when seen
+    // from above.
     let [along, across] = [b, c].map(|corner| [corner[0] - a[0], corner[1] - a[1]]);
     if along[1] * across[0] - along[0] * across[1] < 0 {
         *cell |= DOWN;

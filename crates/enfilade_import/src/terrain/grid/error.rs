@@ -1,20 +1,20 @@
-//! Why a mesh is no grid of heights.
+//! Errors of recognising a grid of heights.
 
 use crate::spoken::short;
 use enfilade::HeightFieldError;
 use std::fmt;
 use thiserror::Error;
 
-/// Where columns and rows of a grid cross, or the corner north-west of a cell.
+/// A grid point: the intersection of a column and a row, or the north-west corner of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridPlace {
-    /// Counted from the west, which is −x.
+    /// Column, from the west (−x), from 0.
     pub column: u32,
-    /// Counted from the north, which is −z.
+    /// Row, from the north (−z), from 0.
     pub row: u32,
-    /// In the space of the mesh.
+    /// x in object space.
     pub x: f32,
-    /// In the space of the mesh.
+    /// z in object space.
     pub z: f32,
 }
 
@@ -22,90 +22,88 @@ impl fmt::Display for GridPlace {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let GridPlace { column, row, x, z } = *self;
         let [x, z] = [x, z].map(|value| short(value.into()));
-        write!(f, "column {column}, row {row} (x {x}, z {z} in its own space)")
+        write!(f, "column {column}, row {row} (x {x}, z {z} in object space)")
     }
 }
 
-/// Why a mesh is no grid of heights: y up, one height at each place where a column and a row cross, and between them cells
-/// of two triangles each.
+/// Why a mesh is not a grid of heights: y up, one height at each intersection of a column and a row, and two triangles
+/// in each cell between them.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GridError {
-    /// Columns and rows cross where the mesh has no corner: it is no grid, or has a hole.
+    /// The mesh has no vertex at an intersection: it is not a grid, or has a hole.
     #[error(
-        "its corners stand in {columns} columns and {rows} rows, but none at {place}; fill the hole, or cut the terrain in parts \
-         around it, and check that the mesh itself has y up"
+        "its vertices are in {columns} columns and {rows} rows, but there is none at {place}; fill the hole, or split the \
+         terrain around it, and check that the mesh itself has y up"
     )]
     NoCorner {
-        /// Of different x.
+        /// Number of different x.
         columns: u32,
-        /// Of different z.
+        /// Number of different z.
         rows: u32,
-        /// The first such place, row after row.
+        /// The first such intersection, row by row.
         place: GridPlace,
     },
-    /// One corner over another.
+    /// Two vertices are above each other.
     #[error(
-        "it has the heights {} and {} at {place}; leave one of them, and check that the mesh itself has y up",
+        "it has the heights {} and {} at {place}; remove one of them, and check that the mesh itself has y up",
         short(heights[0].into()), short(heights[1].into())
     )]
     TwoHeights {
-        /// Two of them.
+        /// Two of the heights.
         heights: [f32; 2],
-        /// Where.
+        /// The grid point.
         place: GridPlace,
     },
-    /// Corners at one place that differ in what can only be the same all around it.
-    #[error("it has two {what} at {place}; weld the seam there, or cut the terrain in two along it")]
+    /// The vertices at a grid point have different texture coordinates or colors.
+    #[error("it has two {what} at {place}; weld the seam there, or split the terrain along it")]
     Seam {
-        /// In what they differ.
+        /// The attribute that differs.
         what: &'static str,
-        /// Where.
+        /// The grid point.
         place: GridPlace,
     },
-    /// A triangle that is no half of a cell.
+    /// A triangle is not half of a cell.
     #[error(
-        "a triangle with a corner at {place} reaches over more than one cell; cut every cell in two triangles, all of the \
-         same columns and rows"
+        "a triangle with a corner at {place} spans more than one cell; split every cell into two triangles, and use the same \
+         columns and rows for all"
     )]
     Across {
         /// One of its corners.
         place: GridPlace,
     },
-    /// A cell of one triangle, or of none.
-    #[error(
-        "the cell south-east of {place} lacks a triangle; fill the hole, or cut the terrain in parts around it"
-    )]
+    /// A cell has only one triangle, or none.
+    #[error("the cell south-east of {place} lacks a triangle; fill the hole, or split the terrain around it")]
     Hole {
-        /// Its corner north-west.
+        /// The north-west corner of the cell.
         place: GridPlace,
     },
-    /// Triangles over one another.
+    /// A cell has overlapping triangles.
     #[error(
-        "triangles lie over one another in the cell south-east of {place}; leave two that make up the cell"
+        "the cell south-east of {place} has overlapping triangles; keep only the two that make up the cell"
     )]
     Overlap {
-        /// Its corner north-west.
+        /// The north-west corner of the cell.
         place: GridPlace,
     },
-    /// A triangle whose front is below.
+    /// A triangle faces down.
     #[error(
-        "a triangle in the cell south-east of {place} faces down; flip it, for terrain is seen from above"
+        "a triangle in the cell south-east of {place} faces down; flip it, because terrain is visible only from above"
     )]
     FacesDown {
-        /// The cell's corner north-west.
+        /// The north-west corner of the cell.
         place: GridPlace,
     },
-    /// A cell that is cut otherwise than the first.
+    /// A cell is split along another diagonal than the first cell.
     #[error(
-        "the cell south-east of {place} is cut in triangles along another diagonal than the first; cut all alike before \
+        "the cell south-east of {place} is split along another diagonal than the first; split all cells alike before \
          exporting"
     )]
     Diagonals {
-        /// Its corner north-west.
+        /// The north-west corner of the cell.
         place: GridPlace,
     },
-    /// What is left to the field to check.
-    #[error("{0}; cut it in parts, or join it with what is beside it")]
+    /// The [`HeightField`](enfilade::HeightField) rejects the grid.
+    #[error("{0}; split it, or join it with the adjacent terrain")]
     Field(HeightFieldError),
 }

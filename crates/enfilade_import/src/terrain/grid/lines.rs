@@ -1,19 +1,19 @@
-//! The columns and rows in which the corners of a mesh stand.
+//! The columns and rows of the vertices of a mesh.
 
 use super::{GridError, GridPlace};
 
-/// How far apart corners of one column or row may stand, as a part of the greatest x or z of all: two to four steps of f32
-/// there, which is what is left of a grid that was turned before it was exported. Columns nearer than that are one.
+/// Maximum distance between vertices of one column or row, relative to the maximum |x| or |z| of all: two to four f32
+/// steps there, the rounding error of a grid that was rotated before export. Columns closer than that are merged.
 pub(super) const TOLERANCE: f64 = 1.0 / (1 << 22) as f64;
 
-/// Where columns and rows stand, at the least x or z of their corners, growing.
+/// Positions of columns and rows, increasing; each is the minimum x or z of its vertices.
 pub(super) struct Lines {
     pub(super) columns: Vec<f32>,
     pub(super) rows: Vec<f32>,
 }
 
 impl Lines {
-    /// Those of positions that are finite, within a part of the greatest x or z.
+    /// Finds the columns and rows of finite positions; `tolerance` is relative to the maximum |x| or |z|.
     pub(super) fn of(positions: &[[f32; 3]], tolerance: f64) -> Lines {
         let reach = positions.iter().flat_map(|[x, _, z]| [x.abs(), z.abs()]);
         let tolerance = tolerance * f64::from(reach.fold(0.0, f32::max));
@@ -24,18 +24,18 @@ impl Lines {
         }
     }
 
-    /// The number of the place that one of those positions stands at, row after row.
+    /// Returns the index of a position's grid point, row by row.
     pub(super) fn place_of(&self, [x, _, z]: [f32; 3]) -> u64 {
         let last = |lines: &[f32], at: f32| lines.partition_point(|&line| line <= at) as u64 - 1;
         last(&self.rows, z) * self.columns.len() as u64 + last(&self.columns, x)
     }
 
-    /// How many places there are.
+    /// Returns the number of grid points.
     pub(super) fn places(&self) -> u64 {
         self.columns.len() as u64 * self.rows.len() as u64
     }
 
-    /// The column and the row of a place.
+    /// Returns the column and row of a grid point.
     pub(super) fn column_and_row(&self, place: u64) -> [u32; 2] {
         let columns = self.columns.len() as u64;
         [(place % columns) as u32, (place / columns) as u32]
@@ -60,7 +60,7 @@ impl Lines {
     }
 }
 
-/// The least of each run of numbers that are within a tolerance of it.
+/// Returns the minimum of each run of numbers that are within a tolerance of it.
 fn lines(numbers: impl Iterator<Item = f32>, tolerance: f64) -> Vec<f32> {
     let mut numbers: Vec<f32> = numbers.collect();
     numbers.sort_unstable_by(f32::total_cmp);

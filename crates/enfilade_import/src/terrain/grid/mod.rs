@@ -1,11 +1,12 @@
-//! From a mesh to the height field that it is: the same triangles, to the bit.
+//! Converts a mesh that is a grid of heights into a height field with bit-identical triangles.
 //!
-//! Corners whose x are the same but for rounding make a column, those of one z a row. Where both cross there must be a corner,
-//! or several of one height; between them each cell must be two triangles that face up, parted by the same diagonal in all.
-//! Steps between columns, and between rows, may differ. Nothing moves where corners of one column have the very same x, and
-//! those of one row the same z; where not, they move by less than [`TOLERANCE`] says.
+//! Vertices with the same x, up to rounding, form a column, and those with the same z a row. Every intersection must
+//! have a vertex, or several of the same height; every cell between them must be two upward-facing triangles, split
+//! along the same diagonal everywhere. Steps between columns, and between rows, may vary. If all vertices of a column
+//! have exactly the same x, and those of a row the same z, nothing moves; otherwise they move by less than
+//! [`TOLERANCE`].
 //! Source: ours.
-//! Cost: O(corners log corners + triangles); memory O(corners), whatever the corners are.
+//! Cost: O(corners log corners + triangles); memory O(corners), for any input.
 
 mod cells;
 mod error;
@@ -16,13 +17,13 @@ pub use error::{GridError, GridPlace};
 use enfilade::{Attributes, HeightField, Mesh};
 use lines::{Lines, TOLERANCE};
 
-/// Bytes that recognising a grid takes for a triangle at most, where its three corners are its own: their x and z, sorted, the
-/// numbers of their places and the turns in which these come, a list of corners that doubles as it grows, cells and heights.
+/// Maximum memory per triangle for recognising a grid, if no vertex is shared: x and z of its three corners, sorted;
+/// their point indices and sort order; the list of chosen corners, which doubles as it grows; cells; heights.
 pub(crate) const BYTES_AT_WORK: u64 = 3 * (4 + 4 + 8 + 4 + 16 + 1 + 4);
 
-/// The field that a mesh of triangles is, in the space of the mesh. The mesh must have a triangle, and be of one material.
+/// Returns the height field of a mesh, in object space. The mesh must have at least one triangle and only one material.
 ///
-/// Places where corners have different normals get none, so that faces are flat there, as where all of their corners differ.
+/// Grid points whose vertices have different normals get none, so the faces there are flat shaded.
 pub(crate) fn field_of(mesh: &Mesh) -> Result<HeightField, GridError> {
     let positions = mesh.positions();
     let laid_out = |lines: Lines| {
@@ -57,14 +58,14 @@ pub(crate) fn field_of(mesh: &Mesh) -> Result<HeightField, GridError> {
         .map_err(GridError::Field)
 }
 
-/// One of the corners at a place, all of which have its height.
+/// One of the vertices at a grid point; all of them have the same height.
 struct Corner {
     number: u32,
-    /// Have all of them its normal?
+    /// Whether all vertices at the point have the same normal.
     is_smooth: bool,
 }
 
-/// A corner for each place, row after row.
+/// Returns one vertex per grid point, row by row.
 fn one_for_each(mesh: &Mesh, lines: &Lines, places: &[u64]) -> Result<Vec<Corner>, GridError> {
     let mut turns: Vec<u32> = (0..places.len() as u32).collect();
     turns.sort_unstable_by_key(|&corner| (places[corner as usize], corner));
@@ -111,7 +112,7 @@ fn differ<T: PartialEq>(list: &[T], one: usize, other: usize) -> bool {
     !list.is_empty() && list[one] != list[other]
 }
 
-/// One for each corner, or none where the mesh has none.
+/// Returns the attribute of each corner; empty if the mesh does not have the attribute.
 fn picked<T: Copy>(list: &[T], corners: &[Corner]) -> Vec<T> {
     if list.is_empty() {
         return Vec::new();

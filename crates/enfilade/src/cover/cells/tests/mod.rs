@@ -1,4 +1,4 @@
-//! Surfaces in cells, held against points all over them.
+//! Compares coarse coverage with points all over the cells.
 
 use super::*;
 use crate::aperture::CellRoom;
@@ -11,7 +11,7 @@ use crate::scene::SectorId;
 use crate::view::View;
 use glam::{DVec2, DVec3};
 
-/// A cover that is an array, and nothing else.
+/// A cover that stores one reversed depth per cell.
 #[derive(Default)]
 struct CellArray {
     columns: usize,
@@ -67,7 +67,7 @@ impl Dice {
     }
 }
 
-/// What all faces of a geometry cover in so many cells of a screen of 320×180, seen along −z.
+/// Returns the coverage of all faces of a geometry in a grid of `cells`, on a screen of 320×180 that looks along −z.
 fn covered(geometry: &Geometry, cells: [u32; 2]) -> (CellArray, Passage) {
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [320, 180]);
     let passage = Passage::at_the_eye(&view, SectorId(0), false).in_cells(cells, &mut CellRoom::default());
@@ -97,7 +97,7 @@ fn geometry(meshes: &[(Vec<[f32; 3]>, Vec<u32>)], double_sided: bool) -> Geometr
     builder.build().expect("sound surfaces")
 }
 
-/// A sheet of many squares whose corners `place` puts somewhere; `gone` leaves squares out.
+/// Returns a sheet of squares with corners at `place`, without the squares for which `gone` is true.
 fn sheet(
     side: u32,
     place: impl Fn(f64, f64) -> [f64; 3],
@@ -115,7 +115,7 @@ fn sheet(
 
 #[test]
 fn a_wall_of_many_clusters_and_items_has_no_crack() {
-    // Larger than the picture, uneven, and in two items that share a row of corners.
+    // Larger than the screen, uneven, and in two items that share a row of vertices.
     let bumpy = |x: f64, y: f64| [9.0 * x, 6.0 * y, -4.0 - 0.3 * (7.0 * x).sin() * (5.0 * y).cos()];
     let lower = sheet(60, bumpy, |_, y| y >= 30);
     let upper = sheet(60, bumpy, |_, y| y < 30);
@@ -148,7 +148,8 @@ fn a_needle_hole_in_a_wall_stays_open() {
 
 #[test]
 fn a_surface_that_turns_over_is_open_where_it_does() {
-    // A sheet folded along x = 0: seen from both sides, it lies before and behind there, and its fold is its end.
+    // A sheet folded along x = 0 and double-sided: the fold is a silhouette, with the sheet in front and behind on one
+    // side of it.
     let folded = |x: f64, y: f64| [4.0 * x.abs() - 2.0, 6.0 * y, -4.0 - x];
     let (known, _) = covered(&geometry(&[sheet(21, folded, |_, _| false)], true), [64, 36]);
     let fold = 32.0 - 2.0 / 4.0 * 64.0 * 0.5 * 0.974;
@@ -215,7 +216,7 @@ fn what_covers_a_cell_is_at_every_place_in_it_and_no_farther() {
     assert!(held > 50_000 && faces > 5_000, "{held} places, {faces} faces");
 }
 
-/// The triangles that are seen, as (X, Y, W).
+/// Returns the visible triangles as (X, Y, W).
 fn on_screen(geometry: &Geometry, passage: &Passage, double_sided: bool) -> Vec<[DVec3; 3]> {
     let mut all = Vec::new();
     for item in (0..geometry.items().len() as u32).map(ItemId) {
@@ -235,7 +236,7 @@ fn on_screen(geometry: &Geometry, passage: &Passage, double_sided: bool) -> Vec<
     all
 }
 
-/// How near a triangle is at a place; 0 where it is not, or before the near distance.
+/// Returns the reversed depth of a triangle at a point; 0 outside it or in front of the near plane.
 fn rev_depth_at(&[a, b, c]: &[DVec3; 3], at: DVec2) -> f64 {
     let ray = at.extend(1.0);
     let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|plane| plane.dot(ray));

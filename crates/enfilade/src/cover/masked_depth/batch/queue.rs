@@ -1,6 +1,6 @@
 //! Queues of faces, so that the kernels get sixteen of a kind.
 //!
-//! Source: own design.
+//! Source: original to this library.
 //! Cost: O(corners).
 //! Exact: only copies.
 

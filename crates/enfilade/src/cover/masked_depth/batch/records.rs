@@ -2,7 +2,7 @@
 //!
 //! Sixteen faces write records at once without branches; the records are merged one by one, because two faces may cover
 //! the same sub-tile.
-//! Source: own design.
+//! Source: original to this library.
 //! Cost: O(records).
 //! Conservative: reversed depth is the minimum over a sub-tile, lowered, but at least the minimum of the corners.
 

@@ -1,4 +1,4 @@
-//! Occluders cover the very samples that exact covers give to the same faces.
+//! Occluders cover the same samples that the exact covers assign to the same faces.
 
 use super::*;
 use crate::collector::Collector;
@@ -11,7 +11,7 @@ use crate::geometry::{Geometry, GeometryBuilder, ItemId, Material, MaterialId};
 use crate::mesh::{Attributes, Mesh, Part};
 use std::collections::BTreeSet;
 
-/// The samples of a face, by the rasteriser.
+/// The samples of a face according to the rasterizer.
 struct SampleMask(Vec<bool>, usize);
 
 impl Sink for SampleMask {
@@ -26,7 +26,8 @@ impl Sink for SampleMask {
     }
 }
 
-/// The same face by both: true where the buffer covers less than the rasteriser, which it never exceeds.
+/// Rasterizes a face with both. Returns the samples that only the rasterizer covers, and asserts that the buffer covers
+/// no others.
 fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) {
     let mut builder = GeometryBuilder::new([Material {
         double_sided: true,
@@ -67,7 +68,7 @@ fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) 
     (lost, polygon, covered)
 }
 
-/// Reversed depth of a polygon's plane at each sample, and whether that is plainly beyond the near distance.
+/// Returns `true` if the polygon's plane at a sample is clearly behind the near plane.
 fn plainly_there(polygon: &Polygon, passage: &Passage, at: usize) -> bool {
     let [x, y] = [at % passage.size[0] as usize, at / passage.size[0] as usize];
     let ray = DVec3::new(x as f64 + 0.5, y as f64 + 0.5, 1.0);
@@ -133,7 +134,7 @@ fn a_polygon_of_many_corners_covers_the_samples_that_it_owns() {
     assert!(covered > 100_000, "{covered}");
 }
 
-/// Triangles about the eye, each an item of its own; some stand in common corners and planes.
+/// Triangles around the eye, each in an item; some share corners and planes.
 fn triangles(dice: &mut Dice, count: usize) -> Geometry {
     let mut builder = GeometryBuilder::new([Material {
         double_sided: true,
@@ -145,7 +146,7 @@ fn triangles(dice: &mut Dice, count: usize) -> Geometry {
             DVec3::new(dice.between(-1.0, 1.0), dice.between(-0.6, 0.6), -1.0) * dice.by_ratio(0.5, 20.0);
         let reach = dice.by_ratio(0.1, 10.0);
         let mut corners = [(); 3].map(|()| (center + dice.unit() * reach).as_vec3().to_array());
-        // Its neighbour across an edge, or the same once more: both are as near where they meet.
+        // An edge neighbour or a duplicate: both have the same depth where they meet.
         corners[..i % 4].copy_from_slice(&last[..i % 4]);
         last = corners;
         if let Ok(mesh) = Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)) {

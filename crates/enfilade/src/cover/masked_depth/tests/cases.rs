@@ -1,16 +1,16 @@
-//! Small worlds, each with something that is easily got wrong.
+//! Small scenes, one for each error that is easily made.
 
 use super::*;
 use crate::geom::ConvexPolygon;
 
-/// An eye at the origin that looks along −z with a lens of 90 degrees, so that at distance 1 the screen is 2 wide.
+/// A camera at the origin that looks along −z with a field of view of 90 degrees: the screen is 2 wide at distance 1.
 fn square(side: u32) -> Passage {
     let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [side, side]);
     view.fov_y = 90.0_f32.to_radians();
     Passage::at_the_eye(&view, SectorId(0), false)
 }
 
-/// A rectangle across the line of sight at a distance, by where it is on the screen of [`square`], in pixels.
+/// A rectangle parallel to the screen at a distance, given by its position on the screen of [`square`], in pixels.
 fn pane(passage: &Passage, [left, top, right, bottom]: [f64; 4], distance: f64) -> Polygon {
     let half = 0.5 * f64::from(passage.size[0]);
     let at = |x: f64, y: f64| DVec3::new((x - half) / half, (half - y) / half, -1.0) * distance;
@@ -20,7 +20,7 @@ fn pane(passage: &Passage, [left, top, right, bottom]: [f64; 4], distance: f64) 
     )
 }
 
-/// A cover that took these.
+/// Returns a buffer with these occluders.
 fn covered(passage: &Passage, polygons: &[Polygon]) -> MaskedDepth {
     let mut cover = MaskedDepth::default();
     cover.clear(passage);
@@ -30,7 +30,7 @@ fn covered(passage: &Passage, polygons: &[Polygon]) -> MaskedDepth {
     cover
 }
 
-/// Is a box, by its least and greatest corners in the space of the sector, seen?
+/// Whether a box, given by its minimum and maximum corner in the space of the sector, may be visible.
 fn sees(cover: &mut MaskedDepth, passage: &Passage, min: [f64; 3], max: [f64; 3]) -> bool {
     let [min, max] = [min, max].map(DVec3::from);
     let box_to_sector = DAffine3::from_translation(min) * DAffine3::from_scale(max - min);
@@ -79,7 +79,7 @@ fn what_is_as_near_as_a_slanting_occluder_is_seen() {
         let radius = center.length() * dice.between(0.05, 0.9);
         let polygon = Polygon::random(&mut dice, &passage, center, radius);
         let mut cover = covered(&passage, std::slice::from_ref(&polygon));
-        // A flat box that lies in it.
+        // A flat box in the plane of the polygon.
         let corners = &polygon.corners;
         let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let sides = [corners[0] - middle, corners[1] - middle, DVec3::ZERO].map(|side| 0.4 * side);
@@ -106,7 +106,7 @@ fn walls_that_share_edges_leave_no_crack() {
     let passage = passage([160, 90]);
     for round in 0..20 {
         const N: usize = 12;
-        // A rough sheet that is larger than the screen; each square of it is two triangles, or one where it is flat.
+        // A rough sheet larger than the screen; each square of it is two triangles, or one quad if it is flat.
         let step = 7.0 / N as f64;
         let mut points = [[DVec3::ZERO; N + 1]; N + 1];
         for (i, row) in points.iter_mut().enumerate() {
@@ -142,7 +142,7 @@ fn each_sample_belongs_to_exactly_one_of_two_that_share_an_edge() {
     let mut dice = Dice::new(11);
     let passage = square(64);
     for _ in 0..2000 {
-        // Edges through the centres of samples, too.
+        // Include edges through sample centres.
         let mut coordinate = || {
             let value = dice.between(4.0, 60.0);
             if dice.roll() < 0.5 {
@@ -193,7 +193,7 @@ fn a_slit_of_one_sample_shows_what_is_behind_it() {
             sees(&mut cover, &passage, [-9.0, -9.0, -9.0], [9.0, 9.0, -8.0]),
             "row {column}"
         );
-        // A slit between the centres of samples shows nothing.
+        // A slit between the sample centres shows nothing.
         let walls = [
             pane(&passage, [-9.0, -9.0, slit + 0.6, 137.0], 2.0),
             pane(&passage, [slit + 1.4, -9.0, 137.0, 137.0], 3.0),
@@ -270,7 +270,7 @@ fn what_is_before_the_near_distance_hides_nothing() {
     passage.near = 1.0;
     let mut cover = covered(&passage, &[pane(&passage, [0.0, 0.0, 64.0, 64.0], 0.99)]);
     assert!(sees(&mut cover, &passage, [-1.0, -1.0, -9.0], [1.0, 1.0, -8.0]));
-    // A floor that begins under the eye: what is below the screen's edge at the near distance stays open.
+    // A floor that begins under the eye: the rows where it is too near stay open.
     let floor = [
         [-90.0, -0.5, 3.0],
         [90.0, -0.5, 3.0],
@@ -280,7 +280,7 @@ fn what_is_before_the_near_distance_hides_nothing() {
     let floor = Polygon::new(&floor.map(DVec3::from), &passage);
     let cover = covered(&passage, &[floor]);
     for (x, y) in samples(cover.grid.rect) {
-        // What is at W = 4, as far as a plane that was pushed back may be taken to be, is at row 36.
+        // The margin for a pushed-back plane ends at W = 4, which is at row 36.
         let known = cover.known(x, y);
         assert!(known <= 1.0, "{known} at {x}, {y}");
         assert_eq!(known > 0.0, (32..36).contains(&y), "{x}, {y}");
@@ -314,7 +314,7 @@ fn outside_the_aperture_nothing_is_seen_however_near() {
     assert!(!cover.sees_rect(&rect, f32::INFINITY));
     assert!(
         sees(&mut cover, &passage, [-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]),
-        "the eye stands in it"
+        "the eye is inside the box"
     );
     assert!(cover.sees_rect(&Rect { y1: 40, ..rect }, 1e-30));
 }

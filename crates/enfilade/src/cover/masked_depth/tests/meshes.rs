@@ -1,4 +1,4 @@
-//! Meshes that the kernels let in, against the rasteriser of the exact covers.
+//! Compares meshes rasterized by the kernels with the rasterizer of the exact covers.
 
 use super::quads::quads;
 use super::*;
@@ -6,7 +6,8 @@ use crate::chance::levels;
 use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::triangle::Triangle;
 
-/// The nearest that the rasteriser gives each sample, from the corner of the screen; 0 where nothing is.
+/// The nearest reversed depth of each sample according to the rasterizer, from the top left corner of the screen; 0 if
+/// there is none.
 pub(super) struct ExactDepths {
     width: usize,
     rev_depth: Vec<f64>,
@@ -39,7 +40,7 @@ pub(super) fn exact(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) 
     nearest
 }
 
-/// Triangles of all sizes about the eye: some cross the near distance, some are needles, some share corners.
+/// Triangles of all sizes around the eye: some cross the near plane, some are needles, some share vertices.
 fn soup(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f32; 3]>, Vec<u32>) {
     let eye = DVec3::from(passage.eye());
     let mut positions: Vec<[f32; 3]> = Vec::new();
@@ -62,7 +63,7 @@ fn soup(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f32; 3]>, Vec
     (positions, corners)
 }
 
-/// A screen on which triangles may be wide, or the passage of another test.
+/// A screen on which triangles may be wide, or a passage of another test.
 pub(super) fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
     if seed.is_multiple_of(2) {
         return passages(seed, dice);
@@ -83,9 +84,9 @@ pub(super) fn hidden_by(level: Level, mesh: &OccluderMesh, passage: &Passage) ->
     cover
 }
 
-/// Holds a cover against the rasteriser: gives the number of samples covered, and of those that are known to be covered but
-/// not well.
-pub(super) fn hold(cover: &MaskedDepth, exact: &ExactDepths, scene: u64) -> [u64; 2] {
+/// Compares a buffer with the rasterizer. Returns the number of covered samples, and of those whose stored reversed
+/// depth is less than half the true one.
+pub(super) fn compare(cover: &MaskedDepth, exact: &ExactDepths, scene: u64) -> [u64; 2] {
     let [mut covered, mut apart] = [0_u64, 0_u64];
     for (x, y) in samples(cover.grid.rect) {
         let known = cover.rev_depth_at(x, y);
@@ -137,12 +138,12 @@ fn a_mesh_hides_the_very_samples_that_it_owns_and_is_nowhere_nearer() {
         let (positions, corners) = soup(&mut dice, &passage, count);
         let exact = exact(&positions, &corners, &passage);
         let cover = hidden_by_triangles(&positions, &corners, &passage);
-        let [some, of_these] = hold(&cover, &exact, seed);
+        let [some, of_these] = compare(&cover, &exact, seed);
         covered += some;
         apart += of_these;
     }
     assert!(covered > 1_000_000, "{covered}");
-    // Two layers do not hold all: but of most samples what is known is not far from the truth.
+    // Two layers cannot store everything, but most samples must have a depth near the true one.
     assert!(apart * 2 < covered, "{apart} of {covered}");
 }
 
@@ -157,14 +158,14 @@ fn a_floor_under_the_eye_and_a_wall_that_goes_on_for_miles_need_no_f64() {
         [1.5, -50.0, -900.0],
         [1.5, 70.0, 0.5],
     ];
-    // Both sides, of which one faces the eye.
+    // Both sides of each triangle, of which one faces the eye.
     let corners = [0, 1, 2, 0, 2, 1, 3, 4, 5, 3, 5, 4];
     let mesh = OccluderMesh::triangles(&positions, &corners);
     let mut cover = MaskedDepth::default();
     let mut stats = Stats::default();
     cover.clear(&passage);
     cover.hide_mesh(&mesh, &passage, &mut stats);
-    // The rasteriser of the exact covers counts samples, and the kernels do not.
+    // Only the rasterizer of the exact covers counts samples; the kernels do not.
     assert_eq!(stats.samples, 0);
     let exact = exact(&positions, &corners, &passage);
     let mut covered = 0;
@@ -244,7 +245,7 @@ fn strips_hide_the_very_samples_of_a_mesh_and_are_nowhere_nearer_by_any_number_o
             cover
         };
         let cover = in_strips();
-        covered += hold(&cover, &exact, seed)[0];
+        covered += compare(&cover, &exact, seed)[0];
         for threads in [1, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             let other = pool.build().expect("threads").install(in_strips);

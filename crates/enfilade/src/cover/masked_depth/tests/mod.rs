@@ -1,4 +1,4 @@
-//! The buffer against a plain array of one reversed depth for each sample.
+//! Compares the buffer with a plain array of one reversed depth per sample.
 
 mod agree;
 mod cases;
@@ -15,10 +15,10 @@ use crate::view::View;
 use glam::{DAffine3, DVec3};
 use oracle::*;
 
-/// A buffer and an oracle that took the same polygons.
+/// Returns a buffer and an oracle with the same polygons.
 fn filled(passage: &Passage, polygons: &[Polygon]) -> (MaskedDepth, Oracle) {
     let mut cover = MaskedDepth::default();
-    // Something is left from the last passage.
+    // Leave contents of an earlier passage in the buffer.
     cover.clear(passage);
     let before = [[-9.0, -9.0, -0.1], [9.0, -9.0, -0.1], [0.0, 9.0, -0.1]].map(DVec3::from);
     let before = Polygon::new(&before, passage);
@@ -127,7 +127,7 @@ fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
                 let beyond = oracle
                     .entry
                     .is_none_or(|(normal, d)| normal.dot(ray) > d * rev_depth);
-                // What is nearer than the near distance is not seen, but the rest of the box may be.
+                // The part in front of the near plane is not visible, but the rest of the box may be.
                 beyond.then_some(rev_depth.min(1.0 / oracle.near))
             });
             known += u32::from(!seen);
@@ -138,7 +138,8 @@ fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
             }
         }
     }
-    // So tight it is: of what no ray meets, as much; and the outline is worth its while.
+    // Expected tightness: nearly all boxes that no ray reaches are hidden, and the outline test hides many more than
+    // rectangles do.
     assert!(known > 10_000 && hidden * 100 > known * 92, "{hidden} of {known}");
     assert!(
         hidden * 100 > by_rect * 140,

@@ -1,11 +1,11 @@
-//! A plain array of one reversed depth for each sample, and random things to put into it.
+//! The oracle, a plain array of one reversed depth per sample, and random occluders and boxes.
 
 use super::*;
 use crate::aperture::Rows;
 use crate::geom::Aabb;
 use crate::geom::ConvexPolygon;
 
-/// Numbers from 0 to 1 that look random; the same for the same seed.
+/// Pseudo-random numbers from 0 to 1; deterministic for each seed.
 pub(super) struct Dice(u64);
 
 impl Dice {
@@ -24,7 +24,7 @@ impl Dice {
         low + (high - low) * self.roll()
     }
 
-    /// From `low` to `high`, as many below the middle by ratio as above.
+    /// Returns a number from `low` to `high`, uniform on a logarithmic scale.
     pub(super) fn by_ratio(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.roll())
     }
@@ -43,7 +43,7 @@ pub(super) struct Polygon {
 }
 
 impl Polygon {
-    /// The plane through corners that are given in the space of the sector.
+    /// Creates the polygon and its plane from corners in the space of the sector.
     pub(super) fn new(corners: &[DVec3], passage: &Passage) -> Polygon {
         let corners: Vec<DVec3> = corners
             .iter()
@@ -53,7 +53,7 @@ impl Polygon {
             .map(|i| (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]))
             .sum::<DVec3>()
             .normalize_or_zero();
-        // Behind all corners, as far as rounding goes.
+        // Behind all corners, within rounding.
         let side = if normal.dot(corners[0]) < 0.0 { -1.0 } else { 1.0 };
         let farthest = corners.iter().map(|c| side * normal.dot(*c)).fold(0.0, f64::max);
         Polygon {
@@ -62,7 +62,7 @@ impl Polygon {
         }
     }
 
-    /// A regular polygon that some of the sides of are cut short.
+    /// A regular polygon with some shortened sides.
     pub(super) fn random(dice: &mut Dice, passage: &Passage, center: DVec3, radius: f64) -> Polygon {
         let [u, v] = [dice.unit(), dice.unit()];
         let v = u.cross(v).normalize_or(u.any_orthonormal_vector());
@@ -86,7 +86,7 @@ impl Polygon {
     }
 }
 
-/// What is at each sample.
+/// Reversed depth of each sample.
 pub(super) struct Oracle {
     pub(super) size: [u16; 2],
     pub(super) near: f64,
@@ -139,7 +139,7 @@ impl Oracle {
                 let normal = from.cross(to);
                 normal.dot(ray) / normal.truncate().length().max(f64::MIN_POSITIVE)
             });
-            // A little more than it covers, so that what the buffer is held to is no more than the truth.
+            // Slightly larger than the polygon, so that the buffer is never expected to hide less than the truth.
             let mut signs = [true, true];
             for distance in sides {
                 signs[0] &= distance > -1e-7;
@@ -156,7 +156,7 @@ impl Oracle {
         }
     }
 
-    /// Does any open sample of `rect` show what is as near as `rev_depth(x, y)`?
+    /// Whether any open sample of `rect` may show geometry with reversed depth `rev_depth(x, y)`.
     pub(super) fn sees(&self, rect: Rect, rev_depth: impl Fn(u16, u16) -> Option<f64>) -> bool {
         samples(rect).any(|(x, y)| {
             let at = self.at(x, y);
@@ -165,13 +165,13 @@ impl Oracle {
     }
 }
 
-/// How near a box is at a sample; `None` where a ray through the sample does not meet it.
+/// Returns the reversed depth of a box at a sample; `None` if the ray through the sample misses it.
 pub(super) fn rev_depth_of(volume: &Volume, x: u16, y: u16) -> Option<f64> {
     let ray = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0);
     let [mut enter, mut leave] = [0.0_f64, f64::INFINITY];
     let mut sides = volume.sides;
     if let Some(flat) = sides.iter().position(|&side| side == DVec3::ZERO) {
-        // A ray meets what is flat in an instant: give it a little time.
+        // Give a flat box a small thickness, because a ray is inside it for zero length.
         let [a, b] = [sides[(flat + 1) % 3], sides[(flat + 2) % 3]];
         sides[flat] = a.cross(b).normalize_or_zero() * (1e-10 * a.length());
         if sides[flat] == DVec3::ZERO {
@@ -194,7 +194,7 @@ pub(super) fn passage(size: [u32; 2]) -> Passage {
     Passage::at_the_eye(&View::new([0.0; 3], [0.0, 0.0, -1.0], size), SectorId(0), false)
 }
 
-/// Passages of all kinds: the whole screen, behind an outline, behind samples.
+/// All kinds of passages: the whole screen, behind an outline, behind a set of samples.
 pub(super) fn passages(seed: u64, dice: &mut Dice) -> Passage {
     let mut passage = passage([[77, 43], [64, 16], [200, 61], [33, 9]][seed as usize % 4]);
     let [width, height] = passage.size;
@@ -228,7 +228,7 @@ pub(super) fn passages(seed: u64, dice: &mut Dice) -> Passage {
     passage
 }
 
-/// Polygons of all sizes, mostly before the eye, some through the near plane or around the eye.
+/// Polygons of all sizes, mostly in front of the eye, some through the near plane or around the eye.
 pub(super) fn polygons(dice: &mut Dice, passage: &Passage, count: usize) -> Vec<Polygon> {
     (0..count)
         .map(|_| {
@@ -240,7 +240,7 @@ pub(super) fn polygons(dice: &mut Dice, passage: &Passage, count: usize) -> Vec<
         .collect()
 }
 
-/// What a passage sees of the unit cube, put into the sector.
+/// Returns the region of the unit cube after its transform to the sector.
 pub(super) fn region_of(passage: &Passage, sector_from_cube: &DAffine3) -> Option<Region> {
     let cube = Aabb {
         min: [0.0; 3],
@@ -249,7 +249,7 @@ pub(super) fn region_of(passage: &Passage, sector_from_cube: &DAffine3) -> Optio
     Region::of(passage, &(passage.screen_from_sector * *sector_from_cube), &cube)
 }
 
-/// A box somewhere, turned and stretched; one in five is flat, one in twenty a stick.
+/// A random box, rotated and scaled; one in five is flat, one in twenty a segment.
 pub(super) fn random_box(dice: &mut Dice) -> DAffine3 {
     let distance = dice.by_ratio(0.05, 80.0);
     let at = DVec3::new(dice.between(-1.2, 1.2), dice.between(-0.7, 0.7), -1.0) * distance;

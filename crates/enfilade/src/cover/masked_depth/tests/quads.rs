@@ -1,11 +1,11 @@
-//! Quads, which are set up as such.
+//! Quads, which the kernels set up as quads.
 
-use super::meshes::{exact, hidden_by, hold, passage_of};
+use super::meshes::{compare, exact, hidden_by, passage_of};
 use super::*;
 use crate::cover::masked_depth::mesh::merged;
 
-/// Quads of all sizes about the eye: most are flat and convex, and share corners; some are neither, or cross the near
-/// distance.
+/// Quads of all sizes around the eye: most are planar and convex, and share corners; some are neither, or cross the
+/// near plane.
 pub(super) fn quads(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f32; 3]>, Vec<u32>) {
     let eye = DVec3::from(passage.eye());
     let mut positions: Vec<[f32; 3]> = Vec::new();
@@ -15,7 +15,7 @@ pub(super) fn quads(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f
         let size = dice.by_ratio(1e-3, 10.0);
         let [across, down] = [size * dice.unit(), size * dice.unit()];
         let first = positions.len() as u32;
-        // A strip of two, which share two corners.
+        // A strip of two quads, which share two corners.
         for corner in 0..6 {
             let column = f64::from(corner % 3);
             let mut place = at + across * column + down * f64::from(corner / 3) * (1.0 + 0.2 * column);
@@ -46,7 +46,7 @@ fn quads_flat_and_bent_hide_the_very_samples_of_their_halves_and_are_nowhere_nea
         let (positions, corners) = quads(&mut dice, &passage, count);
         let exact = exact(&positions, &halves(&corners), &passage);
         let mesh = OccluderMesh::quads(&positions, &corners);
-        let [some, of_these] = hold(&hidden_by(Level::new(), &mesh, &passage), &exact, seed);
+        let [some, of_these] = compare(&hidden_by(Level::new(), &mesh, &passage), &exact, seed);
         covered += some;
         apart += of_these;
     }
@@ -66,7 +66,7 @@ fn a_small_flat_quad_is_as_near_as_its_triangles_but_for_what_each_ends_at() {
         let corners = [at, at + across, at + across + down, at + down].map(|at| at.as_vec3().to_array());
         let either = |face: [u32; 4]| {
             let quad = OccluderMesh::quads(&corners, &face);
-            // With one between them that is nothing, they stay two.
+            // A degenerate triangle between the halves prevents merging.
             let [a, b, c, d] = face;
             let halves = OccluderMesh::triangles(&corners, &[a, b, c, a, a, a, a, c, d]);
             let quad = hidden_by(Level::new(), &quad, &passage);
@@ -82,7 +82,7 @@ fn a_small_flat_quad_is_as_near_as_its_triangles_but_for_what_each_ends_at() {
             }
             covered
         };
-        // It is seen from one of its sides.
+        // One of its two sides is visible.
         covered += either([0, 1, 2, 3]) + either([0, 3, 2, 1]);
     }
     assert!(covered > 1000, "{covered}");

@@ -1,12 +1,12 @@
-//! How looks grow with the scene: copies of the palace in a grid, as one sector and without portals, from 3·10⁵
-//! triangles to 10⁹.
+//! Cost of a look as the scene grows: copies of the palace in a grid, as one sector without portals, from 3·10⁵ to 10⁹
+//! triangles.
 //!
-//! Every copy stands on the same meshes. The eye is in rooms of the copy in the middle, whose doors are plain holes, and
-//! sees the same things however many copies there are: another number than the table's is an error, not a time. Twelve
-//! views end on the walls of four rooms; those along the enfilade, over the court and into a mirror, which without its
-//! portal is a hole in the wall, are told apart, for from there more is in sight where there is more.
+//! All copies share the same meshes. The eye is in rooms of the middle copy, whose doors are plain holes, and the same
+//! items are visible for any number of copies: a count that differs from the table is an error. Twelve views end at the
+//! walls of four rooms. The views along the enfilade, over the court and into a mirror (without its portal a hole in
+//! the wall) are reported separately, as more is visible in larger scenes.
 //!
-//! Run by `cargo test` it stops at 10⁷ triangles, and only counts.
+//! With `cargo test` it stops at 10⁷ triangles and only counts.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
@@ -21,16 +21,16 @@ use std::time::Instant;
 
 const SIZE: [u32; 2] = [1280, 720];
 
-/// The rooms of the smallest scene: views of them end there.
+/// The rooms of the smallest scene, in which the views end.
 const FOUR_ROOMS: [&str; 4] = ["Treasury", "Porcelain Cabinet", "Red Salon", "Green Salon"];
 
-/// Copies along x, y and z; the first is of the four rooms alone.
+/// Copies along x, y and z; the first grid consists of the four rooms alone.
 const GRIDS: [[i32; 3]; 5] = [[1; 3], [1; 3], [3; 3], [5; 3], [8; 3]];
 
-/// From one copy to the next, in metres: they stand 9 m apart, or one above the other 4 m.
+/// Distance between copies in metres: a gap of 9 m horizontally or 4 m vertically.
 const STEP: [f32; 3] = [216.5, 30.0, 191.0];
 
-/// Cameras, quarter turns to the right, and the items that are seen from there.
+/// Camera, quarter turns to the right, number of visible items.
 const INSIDE: [(&str, u8, usize); 12] = [
     ("porcelain cabinet", 0, 162),
     ("porcelain cabinet", 1, 65),
@@ -46,18 +46,18 @@ const INSIDE: [(&str, u8, usize); 12] = [
     ("red salon", 3, 37),
 ];
 
-/// From where one sees through many doors, or out.
+/// Views through many doors, or out of the building.
 const OUTWARD: [(&str, u8); 3] = [("enfilade", 0), ("mirror room", 0), ("court", 0)];
 
-/// By how much the boxes that a look from inside asks about may grow from the smallest scene to the largest, for the view
-/// in the middle: trees are deeper, and past the edges of a doorway methods that hold no picture see a little of what
-/// the wall around it hides.
+/// Maximum growth of the number of boxes tested by a look from inside, smallest to largest scene, median over the
+/// views: trees are deeper, and around doorways methods without an occlusion buffer test some geometry that the wall
+/// hides.
 const MAX_GROWTH: f64 = 2.0;
 
-/// Bytes of a geometry for each more item, at most.
+/// Maximum bytes of a geometry per added item.
 const BYTES_AN_ITEM: u64 = 100;
 
-/// Bytes of anything that a method builds for each more item, at most.
+/// Maximum bytes built by a method per added item.
 const BYTES_BUILT: u64 = 200;
 
 const METHODS: [Method; 5] = [
@@ -70,20 +70,21 @@ const METHODS: [Method; 5] = [
 
 const ROUNDS: usize = 9;
 
-/// What a look from inside comes to, over all views.
+/// Counts of a look from inside, over all views.
 struct Counted {
     items: usize,
-    /// Boxes asked about, view by view.
+    /// Boxes tested, per view.
     boxes: Vec<f64>,
 }
 
-/// A scene of one sector, and what it took.
+/// A scene of one sector, and its build time.
 struct Grown {
     scene: Scene,
     build_ms: f64,
 }
 
-/// The palace's rooms: what is reached through doors alone. The doll's house has measures of its own.
+/// Returns the palace's rooms, which are reached through doors. The doll's house behind a scaling portal is not
+/// included.
 fn rooms(palace: &Scene) -> Vec<SectorId> {
     let is_door = |there: &Transform| there.columns() == Transform::IDENTITY.columns();
     let mut found = vec![SectorId(0)];
@@ -100,7 +101,7 @@ fn rooms(palace: &Scene) -> Vec<SectorId> {
     found
 }
 
-/// Copies of rooms in a grid, the middle one where the rooms are.
+/// Builds copies of rooms in a grid; the middle copy is at the original position.
 fn copies(palace: &Scene, rooms: &[SectorId], grid: [i32; 3]) -> Geometry {
     let geometries: Vec<&Geometry> = rooms
         .iter()
@@ -135,7 +136,7 @@ fn copies(palace: &Scene, rooms: &[SectorId], grid: [i32; 3]) -> Geometry {
     builder.build().expect("a palace beside a palace")
 }
 
-/// A camera of the palace, turned.
+/// Returns a camera of the palace, rotated.
 fn view(palace: &BuiltIn, name: &str, turns: u8) -> View {
     let camera = palace.cameras.iter().find(|camera| camera.name == name);
     let camera = camera.expect("a camera of the palace");
@@ -155,14 +156,14 @@ fn median(mut values: Vec<f64>) -> f64 {
     0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
 }
 
-/// Looks by one thread: how often several would do something is not the scene's alone.
+/// Creates a single-threaded viewer: with several threads the number of tests would depend on scheduling.
 fn viewer() -> Viewer {
     let mut viewer = Viewer::new();
     viewer.set_parallel(false);
     viewer
 }
 
-/// Holds what is seen from inside against the table, and counts.
+/// Compares the visible items inside with the table, and counts tests.
 fn count(scene: &Scene, method: Method, views: &[View], viewer: &mut Viewer) -> Counted {
     let mut counted = Counted {
         items: 0,
@@ -179,13 +180,14 @@ fn count(scene: &Scene, method: Method, views: &[View], viewer: &mut Viewer) -> 
         let triangles = scene.triangle_count();
         assert!(
             right,
-            "{method}, {triangles} triangles, {camera} turned {turns} times: {seen}, not {expected}"
+            "{method}, {triangles} triangles, {camera} turned {turns} times: {seen} visible items, expected {expected}"
         );
     }
     counted
 }
 
-/// For each size, the milliseconds of each view's look: the median of some rounds, the sizes in turn.
+/// Returns, for each size, the milliseconds of each view's look: the median of several rounds, alternating between
+/// sizes.
 fn times(grown: &[Grown], views: &[View], viewers: &mut [Viewer]) -> Vec<Vec<f64>> {
     let mut times = vec![vec![Vec::with_capacity(ROUNDS); views.len()]; grown.len()];
     for _ in 0..ROUNDS {
@@ -215,7 +217,7 @@ fn main() {
 
     println!(
         "{:>14}{:>11}{:>22}{:>10}",
-        "triangles", "items", "bytes/more item", "build ms"
+        "triangles", "items", "bytes/added item", "build ms"
     );
     let mut plain: Vec<Grown> = Vec::new();
     for (number, &grid) in grids.iter().enumerate() {
@@ -256,10 +258,10 @@ fn main() {
         let items: Vec<usize> = counted.iter().map(|counted| counted.items).collect();
         let [first, last] = [&counted[0].boxes, &counted[counted.len() - 1].boxes];
         let growth = median(growth(first, last));
-        println!("  items inside {items:?}; boxes asked about grow {growth:.2} times");
+        println!("  items inside {items:?}; boxes tested grow {growth:.2} times");
         assert!(
             growth < MAX_GROWTH,
-            "{method}: boxes asked about grow {growth:.2} times"
+            "{method}: boxes tested grow {growth:.2} times"
         );
         if all {
             say_times("inside", &times(&grown, &inside, &mut viewers));
@@ -268,13 +270,13 @@ fn main() {
     }
 }
 
-/// How often the first goes into the last, view by view.
+/// Returns the ratio last / first, per view.
 fn growth(first: &[f64], last: &[f64]) -> Vec<f64> {
     last.iter().zip(first).map(|(last, first)| last / first).collect()
 }
 
-/// Prints the last of several sizes, and holds that its memory grows with the items alone: from the whole palace on,
-/// which has all meshes.
+/// Prints the last of several sizes, and checks that memory grows with the items alone. Compares with the first whole
+/// palace, which has all meshes.
 fn say_size(grown: &[Grown], max_bytes: u64) {
     let last = &grown[grown.len() - 1];
     let (scene, build_ms) = (&last.scene, last.build_ms);
@@ -284,13 +286,13 @@ fn say_size(grown: &[Grown], max_bytes: u64) {
         let more = (scene.item_count() - first.item_count()) as u64;
         let bytes = (scene.bytes() - first.bytes()) / more;
         println!("{bytes:22}{build_ms:10.0}");
-        assert!(bytes <= max_bytes, "{bytes} bytes for each more item");
+        assert!(bytes <= max_bytes, "{bytes} bytes per added item");
     } else {
-        println!("{:>22}{build_ms:10.0}", format!("({} in all)", scene.bytes()));
+        println!("{:>22}{build_ms:10.0}", format!("({} total)", scene.bytes()));
     }
 }
 
-/// Prints the median look of each size, and how the last compares with the first.
+/// Prints the median look of each size, and the ratio of last to first.
 fn say_times(what: &str, times: &[Vec<f64>]) {
     print!("  look {what:8}");
     for views in times {
@@ -299,7 +301,7 @@ fn say_times(what: &str, times: &[Vec<f64>]) {
     let ratios = growth(&times[0], &times[times.len() - 1]);
     let most = ratios.iter().copied().fold(0.0, f64::max);
     println!(
-        " ms; a view grows {:.2} times in the middle, {most:.2} at most",
+        " ms; growth per view: median {:.2}, maximum {most:.2}",
         median(ratios)
     );
 }

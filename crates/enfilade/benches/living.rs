@@ -1,8 +1,8 @@
-//! What moving costs: a town of 10,000 things of which 1,000 walk about, edited and looked at frame after frame; and what is
-//! left of the quality of trees after 100,000 edits.
+//! Cost of motion: a town of 10,000 items, 1,000 of which move, edited and looked at in every frame; and the quality of
+//! the trees after 100,000 edits.
 //!
-//! Nodes touched and boxes asked about are counted and held to a limit; more of them is an error, not a time. Run by
-//! `cargo test` the town is a tenth as large, and nothing is timed.
+//! Touched nodes and tested boxes are counted; exceeding the limit is an error. With `cargo test` the town is a tenth
+//! as large, and nothing is timed.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
@@ -15,7 +15,7 @@ use std::time::Instant;
 const TOWN: SectorId = SectorId(0);
 const SIZE: [u32; 2] = [1280, 720];
 
-/// Those whose orders follow in place.
+/// Methods whose trees are updated in place.
 const METHODS: [Method; 7] = [
     Method::ZBuffer,
     Method::SBuffer,
@@ -26,13 +26,14 @@ const METHODS: [Method; 7] = [
     Method::Mobsp,
 ];
 
-/// Nodes of all trees that one move may touch: an octree's path down twice, and as much again where there are more trees.
+/// Maximum number of tree nodes per move: the path down an octree twice, and the same again for methods with more
+/// trees.
 const MAX_NODES: u64 = 64;
 
-/// A look after many edits may ask about this many times the boxes that one at a scene built afresh does.
+/// Maximum ratio of boxes tested by a look after many edits to those at a scene built from scratch.
 const MAX_WORSE: f64 = 1.3;
 
-/// From house to house.
+/// Distance between houses.
 const BLOCK: f32 = 14.0;
 
 fn cuboid([width, height, depth]: [f32; 3]) -> Mesh {
@@ -56,7 +57,7 @@ fn cuboid([width, height, depth]: [f32; 3]) -> Mesh {
     Mesh::triangles(&corners, &triangles, MaterialId(0)).expect("a box")
 }
 
-/// Streets with houses between them, and people on the streets: their numbers come first.
+/// Streets with houses between them, and people on the streets; the people have the first ids.
 struct Town {
     scene: Scene,
     people: u32,
@@ -96,7 +97,7 @@ impl Town {
         }
     }
 
-    /// Everybody takes a step; gives the nodes touched.
+    /// Moves everybody by a step. Returns the number of nodes touched.
     fn step(&mut self, moment: u32) -> u64 {
         let mut edit = self.scene.edit();
         for number in 0..self.people {
@@ -109,7 +110,7 @@ impl Town {
         edited.nodes
     }
 
-    /// From the middle of a street, down it.
+    /// A view along a street from its middle.
     fn view(&self) -> View {
         let middle = (self.side / 2) as f32 * BLOCK;
         View::new(
@@ -120,7 +121,7 @@ impl Town {
     }
 }
 
-/// Where somebody is at a moment: up and down a street, at a tenth of a metre each.
+/// Returns the transform of a person at a time: up and down a street, at about a tenth of a metre per frame.
 fn walker(number: u32, moment: u32, side: usize) -> Transform {
     let along = BLOCK * side as f32;
     let street = (number.wrapping_mul(2_654_435_761) >> 8) as usize % (side + 1);
@@ -136,7 +137,7 @@ fn walker(number: u32, moment: u32, side: usize) -> Transform {
     Transform::translation(at)
 }
 
-/// Looks by one thread: how often several would do something is not the scene's alone.
+/// Creates a single-threaded viewer: with several threads the number of tests would depend on scheduling.
 fn viewer() -> Viewer {
     let mut viewer = Viewer::new();
     viewer.set_parallel(false);
@@ -154,10 +155,10 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// A frame: everybody moves, and one camera looks.
+/// Measures frames: everybody moves, and one camera looks.
 fn moving(things: u32, times: bool) {
     const FRAMES: u32 = 61;
-    println!("{things} things, a tenth of them walking, {SIZE:?}");
+    println!("{things} items, a tenth of them moving, {SIZE:?}");
     println!("method             edit ms   look ms  together       p99  nodes/move   seen");
     for method in METHODS {
         let mut town = Town::new(things, method);
@@ -170,9 +171,9 @@ fn moving(things: u32, times: bool) {
             }));
         }
         let per_move = nodes / u64::from(FRAMES * town.people);
-        assert!(per_move <= MAX_NODES, "{method}: {per_move} nodes for a move");
+        assert!(per_move <= MAX_NODES, "{method}: {per_move} nodes per move");
         let seen = viewer.visible().items().len();
-        assert!(seen > 10, "{method} sees {seen} items");
+        assert!(seen > 10, "{method}: only {seen} visible items");
         if times {
             let mut both: Vec<f64> = edits.iter().zip(&looks).map(|(edit, look)| edit + look).collect();
             both.sort_by(f64::total_cmp);
@@ -187,9 +188,9 @@ fn moving(things: u32, times: bool) {
     }
 }
 
-/// After so many edits, boxes asked about by looks, as a multiple of those at a scene built afresh.
+/// Measures boxes tested by looks after edits, relative to a scene built from scratch.
 fn quality(things: u32, edits: u32) {
-    println!("\nboxes asked about after {edits} edits / built afresh");
+    println!("\nboxes tested after {edits} edits / in a new scene");
     for method in METHODS {
         let mut town = Town::new(things, method);
         let steps = edits / town.people;
@@ -211,7 +212,7 @@ fn quality(things: u32, edits: u32) {
         }
         let worse = asked[0] as f64 / asked[1].max(1) as f64;
         println!("{:16}{worse:10.3}", method.name());
-        assert!(worse <= MAX_WORSE, "{method}: {worse} times the boxes");
+        assert!(worse <= MAX_WORSE, "{method}: {worse} times the boxes of a new scene");
     }
 }
 

@@ -1,6 +1,6 @@
-//! The masked occlusion buffer at 1280x720: occluders a second by their size, and boxes a second.
+//! The masked depth buffer at 1280x720: occluders per second by size, and box tests per second.
 //!
-//! A wrong number of occluders, samples or hidden boxes is an error, not a time.
+//! A wrong number of occluders, samples or hidden boxes is an error.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use enfilade::cover::{Cover, Hides, MaskedDepth};
@@ -13,12 +13,12 @@ use enfilade::{
 
 const SIZE: [u32; 2] = [1280, 720];
 
-/// The passage that an eye stands in.
+/// Returns the passage of the eye.
 fn passage(scene: &enfilade::Scene, view: &View) -> Passage {
     Viewer::new().look(scene, view).passages()[0].clone()
 }
 
-/// What `passage` sees of the best occluders of a geometry, the best first, each in a room of its own.
+/// Returns the best occluders of a geometry as projected in `passage`, best first, each in its own buffer.
 fn occluders<'a>(
     geometry: &Geometry,
     passage: &Passage,
@@ -43,7 +43,7 @@ fn filled(cover: &mut MaskedDepth, passage: &Passage, occluders: &[Occluder]) ->
     stats.samples
 }
 
-/// Triangles with two sides of so many pixels, all about, from near to far and turned all ways.
+/// Builds triangles with two sides of the given length in pixels, all over the screen, at all depths and orientations.
 fn triangles(pixels: f32, count: u32) -> Geometry {
     let view = View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE);
     let focal = 0.5 * SIZE[1] as f32 / (0.5 * view.fov_y).tan();
@@ -55,7 +55,7 @@ fn triangles(pixels: f32, count: u32) -> Geometry {
     let mesh = Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a triangle");
     let mesh = builder.mesh(mesh);
     for i in 0..count {
-        // Three sequences that fill space evenly.
+        // Three low-discrepancy sequences.
         let [x, y, depth] =
             [0.754_877_7, 0.569_840_3, 0.324_717_96].map(|step: f64| (f64::from(i) * step).fract() as f32);
         let distance = 2.0 + 48.0 * depth;
@@ -92,10 +92,10 @@ fn fill(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Samples that the triangles cover, each triangle's counted.
+/// Samples covered by the triangles, counted per triangle.
 const SAMPLES: [u64; 2] = [176_710, 18_746_320];
 
-/// All boxes that an order asks about, if nothing is hidden.
+/// All boxes that an order tests if nothing is hidden.
 #[derive(Default)]
 struct Boxes(Vec<Region>);
 
@@ -116,7 +116,7 @@ fn ask(criterion: &mut Criterion) {
     let built = enfilade_scenes::built_in("crowd").expect("a built-in scene");
     let geometry = built.scene.geometry(SectorId(0)).expect("a geometry");
     let order = BvhOrder::build(geometry, Method::DEFAULT_LIMIT).expect("a small scene");
-    let mut group = criterion.benchmark_group("masked: ask, boxes of @crowd");
+    let mut group = criterion.benchmark_group("masked: test, boxes of @crowd");
     for (name, expected) in ASKED {
         let camera = built.cameras.iter().find(|camera| camera.name == name);
         let passage = passage(&built.scene, &camera.expect("a camera of that scene").view(SIZE));
@@ -137,7 +137,7 @@ fn ask(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Cameras, how many occluders they see, and how many boxes these hide.
+/// Camera, number of visible occluders, number of boxes they hide.
 const ASKED: [(&str, [usize; 2]); 3] = [
     ("before the wall", [16, 3318]),
     ("at a gap", [16, 2877]),

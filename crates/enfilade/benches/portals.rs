@@ -1,8 +1,8 @@
-//! What portals cost: a row of up to 10,000 rooms, 10,000 closed doors in one, two mirrors face to face, and the memory of a
-//! look through a hundred mirrors.
+//! Cost of portals: a row of up to 10,000 rooms, 10,000 closed doors in one room, two facing mirrors, and the memory of
+//! a look through a hundred mirrors.
 //!
-//! What is seen is the same however long the row is: another number than the table's is an error, not a time; so are more
-//! boxes asked about. Run by `cargo test` it stops at 100 rooms, and only counts.
+//! The visible set does not depend on the length of the row: a count that differs from the table is an error, and so
+//! are additional box tests. With `cargo test` it stops at 100 rooms and only counts.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 #[path = "../tests/memory/mirrors.rs"]
@@ -19,7 +19,7 @@ use std::time::Instant;
 
 const SIZE: [u32; 2] = [1280, 720];
 
-/// Rooms in a row.
+/// Numbers of rooms in a row.
 const ROOMS: [usize; 4] = [10, 100, 1_000, 10_000];
 
 const METHODS: [Method; 5] = [
@@ -30,15 +30,15 @@ const METHODS: [Method; 5] = [
     Method::Mobsp,
 ];
 
-/// Rooms, and items, that are seen from the first room, and as many from one in the middle.
+/// Numbers of rooms and items visible from the first room; the same from a middle one.
 const SEEN: [usize; 2] = [3, 10];
 
-/// Passages of two mirrors face to face, and the milliseconds that a look into them may take.
+/// Passages of two facing mirrors, and the maximum milliseconds of a look into them.
 const MIRRORS: (usize, f64) = (65, 50.0);
 
 const ROUNDS: usize = 21;
 
-/// How long a room is, and where its doors begin across it: every other one.
+/// Length of a room, and the x at which its doors begin, alternating.
 const LENGTH: f32 = 6.0;
 const DOORS: [f32; 2] = [-1.3, 0.1];
 const WIDTH: f32 = 1.2;
@@ -51,7 +51,7 @@ fn stone() -> Material {
     }
 }
 
-/// Rectangles, each by a corner and two sides.
+/// Builds rectangles, each from a corner and two sides.
 fn sheets(sheets: &[[[f32; 3]; 3]]) -> Mesh {
     let (mut positions, mut corners) = (Vec::new(), Vec::new());
     for [corner, a, b] in sheets {
@@ -64,7 +64,7 @@ fn sheets(sheets: &[[[f32; 3]; 3]]) -> Mesh {
     Mesh::triangles(&positions, &corners, MaterialId(0)).expect("sound rectangles")
 }
 
-/// A room from z = 0 to -LENGTH whose doors begin at these places across it.
+/// Builds a room from z = 0 to -LENGTH whose back and front doors begin at the given x.
 fn shell([back, front]: [f32; 2]) -> Mesh {
     let [across, up, along] = [[6.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, -LENGTH]];
     let mut walls = vec![
@@ -82,7 +82,7 @@ fn shell([back, front]: [f32; 2]) -> Mesh {
     sheets(&walls)
 }
 
-/// Rooms in a row, each with four things, joined by doors that stand to the left and to the right in turn.
+/// Builds a row of rooms with four items each, joined by doors alternately on the left and on the right.
 fn row(rooms: usize) -> Scene {
     let shells = [[1, 0], [0, 1]].map(|[back, front]| Arc::new(shell([DOORS[back], DOORS[front]])));
     let thing = sheets(&[
@@ -116,7 +116,7 @@ fn row(rooms: usize) -> Scene {
     builder.build().expect("rooms in a row")
 }
 
-/// From a corner of an even room, toward the door on.
+/// A view from a corner of an even room towards the next door.
 fn view_from(room: usize) -> View {
     let z = -LENGTH * room as f32;
     View::new(
@@ -131,7 +131,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Milliseconds, the median of some rounds.
+/// Returns milliseconds, the median of several rounds.
 fn ms(mut work: impl FnMut()) -> f64 {
     let round = |_| {
         let start = Instant::now();
@@ -141,7 +141,7 @@ fn ms(mut work: impl FnMut()) -> f64 {
     median((0..ROUNDS).map(round).collect())
 }
 
-/// Looks by one thread: how often several would do something is not the scene's alone.
+/// Creates a single-threaded viewer: with several threads the number of tests would depend on scheduling.
 fn viewer() -> Viewer {
     let mut viewer = Viewer::new();
     viewer.set_parallel(false);
@@ -180,7 +180,7 @@ fn rooms_in_a_row(times: bool) {
             }
             let boxes = viewer.stats().boxes_tested;
             let few = *first_boxes.get_or_insert(boxes);
-            assert!(boxes <= few, "{place}: {boxes} boxes, not {few}");
+            assert!(boxes <= few, "{place}: {boxes} boxes tested, expected at most {few}");
             if times {
                 let looked = ms(|| look(&mut viewer, &scene, &view));
                 let mut named = view;
@@ -198,7 +198,7 @@ fn rooms_in_a_row(times: bool) {
     }
 }
 
-/// What stands before a wall a hundred metres wide.
+/// Objects in front of a wall a hundred metres wide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Before {
     Nothing,
@@ -206,10 +206,10 @@ enum Before {
     ClosedDoors,
 }
 
-/// Doors, or panels, in a hundred rows and columns.
+/// Number of doors or panels, in a hundred rows and columns.
 const DOORS_IN_A_WALL: u16 = 10_000;
 
-/// A hall with 10,000 of them before its far wall, and things.
+/// Builds a hall with 10,000 of them in front of its far wall, and some items.
 fn hall(before: Before) -> Scene {
     let mut hall = GeometryBuilder::new([stone()]);
     let wall = sheets(&[[[-50.0, 0.0, -30.0], [100.0, 0.0, 0.0], [0.0, 40.0, 0.0]]]);
@@ -250,7 +250,7 @@ fn hall(before: Before) -> Scene {
 
 fn closed_doors(times: bool) {
     println!(
-        "\n10,000 closed doors, ms a look{:>12}{:>12}{:>12}",
+        "\n10,000 closed doors, ms/look  {:>12}{:>12}{:>12}",
         "none", "panels", "doors"
     );
     let halls = [Before::Nothing, Before::Panels, Before::ClosedDoors].map(|before| (before, hall(before)));
@@ -292,7 +292,7 @@ fn closed_doors(times: bool) {
                 "{method}, {name}: {counted:?}"
             );
         } else {
-            // A closed door is two triangles, as a panel is, and no item.
+            // A closed door is two triangles, as a panel is, but no item.
             assert!(doors.1 <= panels.1 + 2, "{method}, {name}: {counted:?}");
             assert!(panels.0 > doors.0, "{method}, {name}: {counted:?}");
         }
@@ -311,7 +311,7 @@ fn closed_doors(times: bool) {
 fn mirrors_face_to_face(times: bool) {
     println!(
         "\n@mirrors{:>28}{:>12}{:>10}",
-        "ms a look", "passages", "complete"
+        "ms per look", "passages", "complete"
     );
     let (passages, most_ms) = MIRRORS;
     let mirrors = enfilade_scenes::built_in("mirrors").expect("it is built in");
@@ -339,11 +339,11 @@ fn mirrors_face_to_face(times: bool) {
     }
 }
 
-/// The most that a viewer takes at once, beyond the scene, to look and to draw at 1080p.
+/// Prints the peak memory of a viewer, beyond the scene, to look and to draw at 1080p.
 fn memory_of_mirrors() {
     println!(
         "\nMB at 1080p{:>27}{:>20}",
-        "100 side by side", "120 in each other"
+        "100 side by side", "120 nested"
     );
     let within = enfilade_scenes::built_in("mirrors").expect("it is built in");
     let scenes = [
@@ -376,7 +376,7 @@ fn memory_of_mirrors() {
     }
 }
 
-/// A canvas that does nothing with what it gets.
+/// A canvas that ignores all spans.
 struct Nothing;
 
 impl Canvas for Nothing {

@@ -1,4 +1,4 @@
-//! A look allocates nothing once its buffers have grown.
+//! Looks allocate nothing once their buffers have grown.
 
 use allocation_counter::measure;
 use enfilade::{Method, PortalId, Scene, Viewer};
@@ -7,7 +7,7 @@ use rayon::ThreadPoolBuilder;
 
 const SMALL: [u32; 2] = [96, 54];
 
-/// By every method, looks from up to four cameras allocate nothing any more when all have been taken a few times.
+/// Checks with every method that looks from up to four cameras stop allocating after a few rounds.
 fn allocates_nothing(name: &str, scene: &Scene, cameras: &[Camera], size: [u32; 2]) {
     for method in Method::ALL.into_iter().filter(|&method| scene.suits(method)) {
         let scene = scene.with_method(method, Method::DEFAULT_LIMIT);
@@ -20,7 +20,7 @@ fn allocates_nothing(name: &str, scene: &Scene, cameras: &[Camera], size: [u32; 
                 seen += viewer.look(&scene, view).items().len();
             }
         };
-        // Buffers go from hand to hand, and each must have been in the hands that need most.
+        // Buffers are passed between threads; each must have been where the most memory is needed.
         (0..16).for_each(|_| round());
         let allocated = measure(&mut round).count_total;
         assert!(seen > 0, "nothing is seen in @{name}");
@@ -51,7 +51,7 @@ fn nor_does_one_at_closed_doors() {
 fn nor_does_a_thread_that_shares_looks_with_another() {
     let pool = ThreadPoolBuilder::new().num_threads(2).build();
     let pool = pool.expect("two threads");
-    // What this thread of the pool allocates is counted; which strips it takes changes from look to look.
+    // Only allocations of this pool's single thread are counted; which strips it renders varies between looks.
     for name in ["two-rooms", "mirror", "glass"] {
         let built = built_in(name).expect("a built-in scene");
         pool.install(|| allocates_nothing(name, &built.scene, &built.cameras, [640, 360]));

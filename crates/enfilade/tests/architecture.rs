@@ -1,4 +1,4 @@
-//! Compares ARCHITECTURE.md with the folders, and tests the import rules that it states.
+//! Compares ARCHITECTURE.md with the folders, and tests the import rules in it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ fn root() -> PathBuf {
     package.join("../..").canonicalize().expect("the workspace")
 }
 
-/// Everything under a folder of the workspace, folders included, as paths from there.
+/// Returns all files and folders under a workspace folder, as relative paths.
 fn under(folder: &str) -> Vec<String> {
     let start = root().join(folder);
     let mut waiting = vec![start.clone()];
@@ -28,7 +28,7 @@ fn under(folder: &str) -> Vec<String> {
     found
 }
 
-/// The sources under a folder of the workspace, with their paths from there.
+/// Returns the source files under a workspace folder, with their relative paths.
 fn sources(folder: &str) -> Vec<(String, String)> {
     let paths = under(folder).into_iter().filter(|path| path.ends_with(".rs"));
     paths
@@ -39,8 +39,8 @@ fn sources(folder: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// What of the crate itself a source mentions, but for its unit tests, which may set up anything: `order::Unsorted;` and
-/// what follows, of `use crate::order::Unsorted;`.
+/// Returns the crate paths that a source file imports, outside its unit tests, which may import anything:
+/// `order::Unsorted;` and the following text for `use crate::order::Unsorted;`.
 fn mentions(text: &str) -> impl Iterator<Item = &str> {
     assert!(
         !text.contains("crate::{"),
@@ -132,7 +132,7 @@ fn only_methods_know_both_orders_and_covers() {
 
 #[test]
 fn orders_covers_and_methods_know_nothing_of_portals() {
-    // Unit tests in a folder of their own may set up anything, too.
+    // Unit tests in a separate folder may import anything, too.
     for (path, text) in sources(CORE)
         .into_iter()
         .filter(|(path, _)| !path.contains("/tests/"))
@@ -159,7 +159,7 @@ fn geometry_knows_nothing_else_of_ours_but_the_simd_level_and_the_threads() {
 
 #[test]
 fn the_reference_knows_nothing_of_methods() {
-    // But for the file that tests methods against it.
+    // Except the file that tests methods against the reference.
     let sources = sources(&format!("{CORE}/laws"));
     for (path, text) in sources.iter().filter(|(path, _)| path != "contracts.rs") {
         let shared = |of: &&str| {

@@ -1,4 +1,4 @@
-//! Bodies and cameras that move through portals: seen whole in doorways, and never lost.
+//! Bodies and cameras that move through portals: bodies are drawn whole in doorways, and no camera loses its sector.
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
@@ -6,14 +6,14 @@ use enfilade::{
     OpeningId, Scene, SceneBuilder, SectorId, Transform, View, Viewer,
 };
 
-/// Where the space of the other room lies: it has another origin, and is turned.
+/// Transform to the space of the other room, which has another origin and is rotated.
 fn there_from_here() -> Transform {
     Transform::translation([40.0, 0.0, 7.0]) * Transform::rotation([0.0, 1.0, 0.0], 2.2)
 }
 
 const RADIUS: f32 = 0.4;
 
-/// A room's walls: a floor and a back wall, with the opening before them, and what stands in it.
+/// Builds a room: a floor and a back wall, the opening in front of them, and the bodies inside.
 fn room(outline: &ConvexPolygon, here_from_first: Transform, depth: f32, bodies: &[[f32; 3]]) -> Geometry {
     let mut builder = GeometryBuilder::new([Material {
         double_sided: true,
@@ -45,7 +45,7 @@ fn room(outline: &ConvexPolygon, here_from_first: Transform, depth: f32, bodies:
     builder.build().expect("sound")
 }
 
-/// Two rooms with a door between them at z = -4, and a body that stands in each as [`Scene::body_sectors`] says.
+/// Two rooms joined by a door at z = -4, and a body placed in the sectors that [`Scene::body_sectors`] returns.
 fn rooms(bodies: [&[[f32; 3]]; 2]) -> Scene {
     let door = ConvexPolygon::rectangle([-1.0, 0.0, -4.0], [2.0, 0.0, 0.0], [0.0, 2.5, 0.0]).expect("a door");
     let there = there_from_here();
@@ -118,7 +118,7 @@ fn a_body_in_a_doorway_is_seen_in_both_rooms() {
                     })
                 };
                 if in_doorway {
-                    // Each side sees the half that is on it; the other may be behind that.
+                    // Each room shows the half of the body on its side; the other half may be hidden.
                     let own = u32::from(eye[0] > 20.0);
                     assert!(
                         seen_in(own),
@@ -138,7 +138,7 @@ fn a_body_in_a_doorway_is_seen_in_both_rooms() {
 fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
     let scene = rooms([&[], &[]]);
     let there = there_from_here();
-    // Where things are if the other room is carried back to the first: walls do not matter, only the door.
+    // Positions in the space of the first room; walls do not matter, only the door.
     let carried = |place: &Location| match place.sector.0 {
         0 => place.position,
         _ => there.inverse().expect("rigid").point(place.position),
@@ -153,18 +153,18 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
         let step = scene.walk(player, facing.map(|value| 0.05 * value));
         player = step.location;
         facing = step.there_from_here.direction(facing);
-        // The boom goes back and up from the player, and through the door that the player has gone through.
+        // The boom goes back and up from the player, also through the door behind the player.
         let boom = [-1.5 * facing[0], 0.4, -1.5 * facing[2]];
         let swung = scene.walk(player, boom);
         let camera = swung.location;
         let gaze = swung.there_from_here.direction(boom.map(|value| -value));
-        // By brute force: how far the player has come decides the room.
+        // Brute force: the distance covered determines the room.
         let gone = 0.05 * (frame + 1) as f32;
         let expected = [1.0 - gone, 1.0 - gone + 1.5].map(|z| u32::from(z < -4.0));
         if [1.0 - gone, 2.5 - gone].iter().all(|z| (z + 4.0).abs() > 1e-3) {
             assert_eq!([player.sector.0, camera.sector.0], expected, "frame {frame}");
         }
-        // And by the boxes of the rooms, which lie apart.
+        // The AABBs of the rooms are disjoint and determine it as well.
         for place in [player, camera] {
             let [x, y, z] = carried(&place);
             if (-2.9..2.9).contains(&x) && (0.1..2.9).contains(&y) && (z + 4.0).abs() > 1e-3 {
@@ -185,7 +185,7 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
             off.iter().all(|value| value.abs() < 1e-4),
             "frame {frame}: {off:?}"
         );
-        // What the camera sees is what the reference sees from there.
+        // Compare the camera's view with the reference.
         if frame % 20 == 0 || player.sector != camera.sector && frame % 5 == 0 {
             let toward = std::array::from_fn(|axis| camera.position[axis] + gaze[axis]);
             let mut view = View::new(camera.position, toward, [96, 72]);

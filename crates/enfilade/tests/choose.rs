@@ -1,4 +1,5 @@
-//! Methods chosen by measuring: what may be taken, what counts, and that nothing else hangs on it.
+//! Choice of methods by measurement: which methods are tried, what is measured, and that the choice changes nothing
+//! else.
 
 use enfilade::laws::OwnerPicture;
 use enfilade::{
@@ -113,7 +114,7 @@ fn what_counts_is_the_aim_and_the_share_of_building() {
     }
 }
 
-/// By a clock on which everything takes as long.
+/// With a clock by which all methods are equally fast.
 #[test]
 fn of_methods_that_are_as_fast_a_sector_keeps_its_own() {
     let scene = two_rooms();
@@ -125,7 +126,7 @@ fn of_methods_that_are_as_fast_a_sector_keeps_its_own() {
     for own in [Method::ZBuffer, Method::SBuffer] {
         let scene = scene.with_method(own, Method::DEFAULT_LIMIT).expect("small");
         let mut tried = 0;
-        // One view at a time: of several, those with little work count as disturbed if they take as long as the others.
+        // One view at a time: of several, those with little work would count as disturbed, as all take the same time.
         for view in views(&scene) {
             for choice in choose_methods(&scene, &[view], &ChoiceOptions::default(), &clock) {
                 assert_eq!(choice.method, own);
@@ -137,14 +138,14 @@ fn of_methods_that_are_as_fast_a_sector_keeps_its_own() {
     }
 }
 
-/// By a clock on which each method is slow from half of the views, each from the other half than the next.
+/// With a clock by which each method is slow in half of the views, alternating between methods.
 #[test]
 fn where_the_halves_of_the_views_disagree_a_sector_keeps_its_own() {
     let scene = two_rooms();
     let views = views(&scene);
     let (calls, time) = (Cell::new(0_u64), Cell::new(0_u64));
     let clock = || {
-        // Two readings for each look; looks are slow by turns.
+        // Two readings per look; looks are slow alternately.
         let call = calls.get();
         calls.set(call + 1);
         let random = (call / 2 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 60;
@@ -177,7 +178,7 @@ fn where_something_moves_a_tree_that_must_be_built_anew_pays_for_it() {
     assert!(tree.expect("tried").edit > octree.expect("tried").edit);
 }
 
-/// Six walls seen from inside, each an item: none can move without another being behind it.
+/// Six walls seen from inside, each an item: moving any of them puts it behind another.
 #[test]
 fn a_convex_room_whose_walls_move_is_no_cell() {
     let mut room = GeometryBuilder::new([Material::opaque([1.0; 3])]);
@@ -254,7 +255,7 @@ fn what_takes_too_long_to_sort_is_not_tried() {
     }
 }
 
-/// Twelve views see the only sector; it is tried on as many as are allowed, from all over the twelve.
+/// Twelve views are in the only sector; it is tried with the allowed number of them, spread over the twelve.
 #[test]
 fn as_many_views_as_are_allowed_are_taken_from_all_that_see() {
     let scene = two_rooms();

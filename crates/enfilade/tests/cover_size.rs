@@ -1,4 +1,4 @@
-//! Covers of lower resolution than the screen: they see more, and miss nothing.
+//! Covers with a lower resolution than the screen: conservative, so larger visible sets and no false culls.
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{Limits, Method, Scene, View, Viewer};
@@ -8,7 +8,7 @@ use proptest::test_runner::RngSeed;
 
 const SIZE: [u32; 2] = [96, 54];
 
-/// Halves, what divides nothing, one row, one cell.
+/// Half the size, sizes that do not divide the screen's, a single row, a single cell.
 const COVERS: [[u32; 2]; 5] = [[48, 27], [37, 50], [96, 1], [7, 5], [1, 1]];
 
 fn methods() -> impl Iterator<Item = Method> {
@@ -33,7 +33,7 @@ fn seen_by(method: Method, scene: &Scene) -> Scene {
     built.expect("the scenes of the laws are small")
 }
 
-/// Holds every such method to what the reference sees; gives the number of items that it sees for certain.
+/// Compares every such method with the reference. Returns the number of certainly visible items.
 fn nothing_is_missed(name: &str, built: &BuiltIn, cameras: usize) -> usize {
     let reference = Reference::new(&built.scene);
     let seen: Vec<_> = methods()

@@ -1,4 +1,4 @@
-//! Awkward faces: every method keeps its contract on them, in bounded memory.
+//! Degenerate faces: every method keeps its contract on them, in bounded memory.
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
@@ -8,16 +8,16 @@ use enfilade::{
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// A triangle of an awkward kind, in a space of ±1.
+/// A degenerate triangle, in a space of ±1.
 #[derive(Clone, Debug)]
 struct Awkward {
     corners: [[f32; 3]; 3],
-    /// How often it is there, each time as another item.
+    /// Number of copies, each a separate item.
     copies: u8,
 }
 
 fn point() -> impl Strategy<Value = [f32; 3]> {
-    // Coarse numbers, so that faces touch, share planes and cross in one line; and fine ones.
+    // Coarse coordinates, so that faces touch, are coplanar and cross in one line; and fine ones.
     let coarse = (-4_i8..=4).prop_map(|value| f32::from(value) * 0.25);
     let value = prop_oneof![3 => coarse, 1 => -1.0_f32..1.0];
     prop::array::uniform3(value)
@@ -60,7 +60,7 @@ fn scene(geometry: Geometry) -> Scene {
     scene.build().expect("one sector")
 }
 
-/// Holds every method to its contract; gives how many items the reference sees for certain.
+/// Tests every method against its contract. Returns the number of certainly visible items.
 fn every_method_keeps_its_contract(scene: &Scene, view: &View) -> usize {
     let truth = Reference::new(scene).see(scene, view, &Limits::default());
     for method in Method::ALL
@@ -81,7 +81,7 @@ fn every_method_keeps_its_contract(scene: &Scene, view: &View) -> usize {
             assert_eq!(verdict.pixels_different, 0, "{method}: {why:?}");
             assert_eq!(verdict.missed, [], "{method}");
         }
-        // A tree may cut n faces into n² pieces, if every one crosses every other; never into more.
+        // A tree may split n faces into at most n² pieces, if each one crosses all others.
         let faces = scene.build_stats().faces;
         assert!(
             seen.build_stats().faces <= faces * faces.max(2),
@@ -92,7 +92,7 @@ fn every_method_keeps_its_contract(scene: &Scene, view: &View) -> usize {
     truth.visible().len()
 }
 
-/// The same scenes every time, unless `PROPTEST_CASES` asks for more and others.
+/// The same scenes every time, unless `PROPTEST_CASES` requests more and other ones.
 fn by_chance() -> ProptestConfig {
     let default = ProptestConfig {
         failure_persistence: None,
@@ -127,7 +127,7 @@ proptest! {
 
 #[test]
 fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
-    // Ten sheets in the same place, each of 100 × 50 squares: whatever is in front, the lowest item owns.
+    // Ten coplanar sheets of 100 × 50 squares each: whichever is drawn first, the lowest item owns the sample.
     let (columns, rows) = (100_u32, 50_u32);
     let positions: Vec<[f32; 3]> = (0..(columns + 1) * (rows + 1))
         .map(|i| {
@@ -187,7 +187,7 @@ fn items_without_faces_or_extent_are_never_seen_and_hide_nothing() {
         if with_wall {
             geometry.item("wall", wall, Transform::IDENTITY);
         }
-        // Before the wall: a point, an upright line, and a sheet seen edge-on.
+        // In front of the wall: a point, a vertical line, and a sheet seen edge-on.
         for factors in [[0.0; 3], [0.0, 1.0, 0.0], [0.0, 1.0, 1.0]] {
             let before = Transform::translation([0.0, 0.0, 1.0]);
             geometry.item("flattened", wall, before * Transform::scaling(factors));
@@ -250,9 +250,9 @@ fn a_thousand_copies_of_one_face_look_like_one() {
 
 #[test]
 fn the_near_half_of_a_fold_hides_a_blade_that_passes_before_the_far_half() {
-    // A sheet is folded at an upright edge, and both halves lie to the left of it: the far half runs away to the left,
-    // and the near one comes back before it. A slanting blade stands before the far half and behind the near one.
-    // Where the near half ends, the far one goes on beside it, though not at the fold.
+    // A sheet is folded at a vertical edge, with both halves to the left of it: the far half recedes to the left, the
+    // near half comes back in front of it. A slanted blade is in front of the far half and behind the near half. At the
+    // near half's end the far half continues beside it, though not at the fold.
     let [low, high] = [[3.2, -4.0, -8.0], [3.2, 4.0, -8.0]];
     let far = [-15.0, 0.0, -30.0];
     let near = [-1.0, 0.0, -5.0];

@@ -1,10 +1,10 @@
-//! What is marked as detail never hides where a method chooses what does.
+//! Materials marked as detail are never occluders in methods that select occluders.
 
 use enfilade::{
     Contract, GeometryBuilder, Material, MaterialId, Mesh, Method, SceneBuilder, Transform, View, Viewer,
 };
 
-/// Items that are seen of a wall and a thing behind it.
+/// Returns the number of visible items of a wall and an item behind it.
 fn seen(method: Method, detail: bool, cover_size: Option<[u32; 2]>) -> usize {
     let wall = Material {
         detail,

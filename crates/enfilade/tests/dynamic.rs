@@ -1,4 +1,4 @@
-//! What moves has a sector of its own, and leaves the others as they are.
+//! Moving items in a separate sector; other sectors stay unchanged.
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
@@ -30,7 +30,7 @@ fn geometry(opening: ConvexPolygon, places: impl IntoIterator<Item = [f32; 3]>) 
     builder.build().expect("sound")
 }
 
-/// So many leaves behind the door, somewhere else at every moment.
+/// Leaves behind the door, at other positions in every frame.
 fn swarm(moment: u32, count: u32) -> Geometry {
     let place = |i: u32| {
         let phase = (i * 7 + moment) as f32 * 0.37;
@@ -63,7 +63,7 @@ fn a_swarm_moves_every_frame_and_nothing_else_is_built() {
         let mut viewer = Viewer::new();
         let mut seen = 0;
         for moment in 1..=20 {
-            // Sometimes few are left: what was seen before must not be asked for.
+            // Sometimes only few remain: items remembered from the last look must not be accessed.
             let count = if moment % 3 == 0 { 2 } else { 30 };
             scene.set_geometry(moving, swarm(moment, count)).expect("it fits");
             let truth = Reference::new(&scene).see(&scene, &view, &Limits::default());

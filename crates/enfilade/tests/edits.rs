@@ -1,4 +1,4 @@
-//! Edits: what comes of them, and what is refused.
+//! Edits: their effects and their errors.
 
 use enfilade::{
     Aabb, EditError, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
@@ -14,7 +14,7 @@ fn leaf() -> Arc<Mesh> {
     Arc::new(Mesh::triangles(&corners, &[0, 1, 2], MaterialId(0)).expect("a leaf"))
 }
 
-/// A wall with three leaves before it.
+/// A wall with three leaves in front of it.
 fn hall(method: Method) -> Scene {
     let mut hall = GeometryBuilder::new([Material {
         double_sided: true,
@@ -107,7 +107,7 @@ fn a_leaf_that_is_seen_past_hides_nothing() {
     {
         let (mut scene, mut viewer) = (hall(method), Viewer::new());
         let mut edit = scene.edit();
-        // Before the eye stands a leaf that hides everything, then one that does not.
+        // In front of the eye: first a leaf that hides everything, then the same leaf as a non-occluder.
         let near = Transform::from_columns([
             [20.0, 0.0, 0.0],
             [0.0, 20.0, 0.0],

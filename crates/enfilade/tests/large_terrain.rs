@@ -1,4 +1,4 @@
-//! Large ground is what the same heights are as a geometry, and takes next to no memory.
+//! `LargeTerrain` gives the same results as a height field in a geometry, with almost no memory.
 
 use allocation_counter::measure;
 use enfilade::laws::OwnerPicture;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 const COLOR: [f32; 3] = [0.3, 0.4, 0.2];
 const SCREEN: [u32; 2] = [96, 64];
 
-/// Heights that are made as they are needed.
+/// Heights generated on demand.
 struct Made<F> {
     size: [u32; 2],
     height: F,
@@ -31,7 +31,7 @@ impl<F: Fn(u32, u32) -> f32 + Send + Sync> Heights for Made<F> {
     }
 }
 
-/// Hills, spikes, cliffs, noise and plains: strips, single cells, and sizes that fill no block.
+/// Hills, spikes, cliffs, noise and plains; strips, single cells, and sizes that fill no block.
 fn heights(random: &mut Random) -> ([u32; 2], Vec<f32>) {
     let size = match random.below(5) {
         0 => [2, 2 + random.below(120) as u32],
@@ -61,7 +61,7 @@ fn bytes(heights: &[f32]) -> Vec<u8> {
     heights.iter().flat_map(|height| height.to_le_bytes()).collect()
 }
 
-/// Anywhere above, on, in and under the ground, level, straight up and down, and rolled.
+/// Positions above, on, in and under the ground; level, straight up and down, and rolled views.
 fn views(random: &mut Random, field: &HeightField) -> Vec<View> {
     let mut views = Vec::new();
     for look in 0..9 {
@@ -85,7 +85,7 @@ fn views(random: &mut Random, field: &HeightField) -> Vec<View> {
     views
 }
 
-/// The same ground as a geometry by the floating horizon, and as it is.
+/// The same terrain as a height field for the floating-horizon method, and as `LargeTerrain`.
 fn both(random: &mut Random) -> (HeightField, LargeTerrain) {
     let (size, heights) = heights(random);
     let cell = [0, 1].map(|_| f64::from(random.between(0.3, 2.0)));
@@ -192,7 +192,7 @@ fn rays_meet_it_where_they_meet_the_same_heights_as_a_geometry() {
     assert!(hits > 100, "{hits}");
 }
 
-/// A house in a hillside: a doorway in the ground leads to a room with a lamp.
+/// A house in a hillside: a doorway in the terrain leads to a room with a lamp.
 fn with_a_door(field: &HeightField, large: Option<LargeTerrain>) -> Scene {
     let doorway = ConvexPolygon::rectangle([20.0, 0.0, 20.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]);
     let doorway = doorway.expect("a rectangle");
@@ -255,7 +255,7 @@ fn an_opening_in_it_is_followed() {
             assert_eq!(item(&seen), item(&expected), "{at:?} from {eye:?}");
         }
     }
-    // A closed door is a face of its own, past all faces of the ground.
+    // A closed door is a face with an id after all terrain faces.
     let mut flat = OwnerPicture::new(SCREEN);
     let view = View::new([21.0, 2.0, 30.0], [21.5, 2.0, 15.0], SCREEN);
     viewer.draw(&large.without_portals(), &view, &mut flat);

@@ -1,4 +1,4 @@
-//! Limits of what one look or one query does: as large as the docs say, and reported where they are reached.
+//! Limits of one look or query: they match the docs and are reported when reached.
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
@@ -8,8 +8,8 @@ use enfilade::{
     geom::PolygonError,
 };
 
-/// A room whose opening fills the view, and shows the room itself from the same eye, a little smaller: so the opening
-/// behind the opening fills the view too, however many are followed.
+/// A room whose opening fills the view and shows the room itself from the same eye, slightly smaller, so the opening
+/// behind it fills the view too, at any recursion depth.
 fn endless() -> Scene {
     let mut room = GeometryBuilder::new([Material {
         double_sided: true,
@@ -85,7 +85,7 @@ const START: Location = Location {
 
 #[test]
 fn a_walk_through_a_teleport_that_enlarges_ends_at_a_place_and_reports_that_it_was_cut_short() {
-    // Each round begins at -10 or nearer to the opening, and is a thousand times as long as the one before.
+    // Each round starts at -10 or closer to the opening, and is `scale` times as long as the one before.
     for scale in [1.1, 2.0, 1e3, 1e6] {
         let scene = loop_of(scale);
         let walked = scene.walk(START, [1e5, 0.0, 0.0]);
@@ -170,7 +170,7 @@ fn coordinates_beyond_the_bound_are_refused_wherever_they_come_in() {
         Some(PolygonError::TooFar(0))
     );
 
-    // An item of which only the transform, or only the two together, lead so far.
+    // An item whose transform alone, or only together with its mesh, exceeds the range.
     for (x, at) in [
         (1.0, Transform::translation([0.0, -far, 0.0])),
         (

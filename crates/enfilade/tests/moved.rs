@@ -1,10 +1,10 @@
-//! A camera that moves a little costs what one that stands still does, and what has appeared.
+//! A camera that moves slightly costs as much as a still one plus the geometry that has appeared.
 
 use enfilade::{ItemId, Method, Scene, Viewer};
 use enfilade_scenes::built_in;
 use std::collections::BTreeMap;
 
-/// Triangles of each cluster that was seen last.
+/// Number of triangles of each cluster visible in the last look.
 fn clusters(viewer: &Viewer, scene: &Scene) -> BTreeMap<(u32, ItemId, u32), u64> {
     let set = viewer.visible();
     let mut all = BTreeMap::new();

@@ -1,6 +1,6 @@
-//! What makes no scene, and how that is told: every error once, by its whole message.
+//! Scene errors: each one once, with its whole message.
 //!
-//! A scene cannot stand in itself: [`SceneBuilder::nest`] takes one that is built already.
+//! A scene cannot contain itself: [`SceneBuilder::nest`] takes a scene that is already built.
 
 use enfilade::{
     Aabb, Canvas, Collector, Contract, ConvexPolygon, Geometry, GeometryBuilder, Hit, ItemId, Light,
@@ -29,7 +29,7 @@ fn room() -> Geometry {
     room.build().expect("a room")
 }
 
-/// A hall, and whatever else `add` puts into the scene; why that makes none.
+/// Builds a hall and whatever `add` puts into the scene. Returns the error.
 fn refused(add: impl FnOnce(&mut SceneBuilder, SectorId)) -> SceneError {
     let mut builder = SceneBuilder::new();
     let hall = builder.add("hall", room(), Method::ZBuffer);
@@ -41,7 +41,7 @@ fn says(error: &SceneError, message: &str) {
     assert_eq!(error.to_string(), message);
 }
 
-/// A scene of one room, left through its door and its window.
+/// A scene of one room, with its door and its window as exits.
 fn cabinet() -> Scene {
     let mut builder = SceneBuilder::new();
     let cabinet = builder.add("cabinet", room(), Method::ZBuffer);
@@ -64,7 +64,7 @@ fn a_sector_that_is_not_there() {
         scene.exit("gate", (nowhere, DOOR));
     });
     says(&error, "exit `gate` names sector 12, but there are only 1");
-    // A nested scene's sectors are its own affair: they are reached through its exits.
+    // Sectors of a nested scene cannot be accessed; they are reached through its exits.
     let error = refused(|scene, hall| {
         scene.nest(&cabinet());
         scene.portal((hall, DOOR), SectorId(1), Transform::IDENTITY);
@@ -141,7 +141,7 @@ fn two_portals_out_of_one_opening() {
         &error,
         "portal 0 and portal 2 both lead out of opening `window` of sector `hall`",
     );
-    // Portals of nested scenes have no number in the outer one.
+    // Portals of nested scenes have no id in the outer scene.
     let mut inner = SceneBuilder::new();
     let cabinet = inner.add("cabinet", room(), Method::ZBuffer);
     inner.mirror(cabinet, DOOR).exit("front", (cabinet, DOOR));
@@ -194,7 +194,7 @@ fn a_lamp_that_cannot_shine() {
         scene.light(lamp(SectorId(1), 1.0));
     });
     says(&error, &format!("light 0 {rule}"));
-    // One that is hung up later is held to the same.
+    // The same rules apply to a nested scene that is added later.
     let mut scene = cabinet();
     let later = scene.add_light(lamp(SectorId(0), -1.0)).expect_err("no range");
     says(&later, &format!("light 0 {rule}"));
@@ -219,7 +219,7 @@ fn a_sector_that_needs_too_much_memory() {
     );
 }
 
-/// A sector that shows nothing.
+/// A sector without visible geometry.
 struct Void(Aabb);
 
 impl Sector for Void {

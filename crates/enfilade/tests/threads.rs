@@ -1,4 +1,4 @@
-//! However many threads look and build, what is seen is the same, and so is what is built.
+//! Results do not depend on the number of threads, neither of looks nor of builds.
 
 use enfilade::{
     GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Stats,
@@ -8,7 +8,7 @@ use enfilade_scenes::built_in;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::BTreeMap;
 
-/// Large enough for many strips, and not divided by their heights.
+/// Large enough for many strips, and not divisible by their heights.
 const SIZE: [u32; 2] = [1000, 562];
 
 fn pools() -> Vec<ThreadPool> {
@@ -18,7 +18,7 @@ fn pools() -> Vec<ThreadPool> {
         .into()
 }
 
-/// A scene with each method that suits it.
+/// Returns the scene with each method that suits it.
 fn by_each_method(scene: &Scene) -> impl Iterator<Item = (Method, Scene)> {
     let suited = Method::ALL.into_iter().filter(|&method| scene.suits(method));
     suited.map(|method| {
@@ -27,7 +27,8 @@ fn by_each_method(scene: &Scene) -> impl Iterator<Item = (Method, Scene)> {
     })
 }
 
-/// A camera, and where it stands a step and two on: then what was seen last is seen first.
+/// A camera at its position and one and two steps on, so that looks test the geometry seen last first (temporal
+/// coherence).
 fn steps(at: &View) -> [View; 3] {
     [0.0, 0.02, 0.04].map(|far| {
         let on = |[x, y, z]: [f32; 3]| [x + far, y, z + 0.5 * far];
@@ -37,7 +38,7 @@ fn steps(at: &View) -> [View; 3] {
     })
 }
 
-/// Everything that the looks of a camera on its way say, and what they cost.
+/// Returns all results and statistics of looks along the path of a camera.
 fn seen_on_the_way(viewer: &mut Viewer, scene: &Scene, views: &[View]) -> (Vec<String>, Vec<Stats>) {
     let look = |view: &View| {
         let set = viewer.look(scene, view);
@@ -54,7 +55,7 @@ fn viewer() -> Viewer {
     viewer
 }
 
-/// What a camera sees on its way is the same in each pool; gives what it cost in each.
+/// Checks that a camera has the same visible sets along its path in each pool. Returns the statistics in each pool.
 fn same_in_each(pools: &[ThreadPool], scene: &Scene, views: &[View], place: &str) -> Vec<Vec<Stats>> {
     let in_pool = |pool: &ThreadPool| pool.install(|| seen_on_the_way(&mut viewer(), scene, views));
     let (seen, costs): (Vec<_>, Vec<_>) = pools.iter().map(in_pool).unzip();
@@ -89,7 +90,7 @@ fn block() -> Mesh {
     Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sound block")
 }
 
-/// Some thousand houses, all turned a little: enough for trees in parts, and for walks in shares.
+/// Several thousand slightly rotated houses: enough for trees built in parts and for parallel traversal.
 fn town() -> Scene {
     let mut builder = GeometryBuilder::new([Material::opaque([0.6; 3])]);
     let house = builder.mesh(block());
@@ -119,7 +120,7 @@ fn views_of_the_town() -> [View; 3] {
 #[test]
 fn two_threads_and_eight_see_what_one_does() {
     let pools = pools();
-    // Of each method, boxes asked about by one thread, and by eight.
+    // Boxes tested by one thread and by eight threads, per method.
     let mut asked: BTreeMap<&str, [u64; 2]> = BTreeMap::new();
     let mut looked_at = 0;
     let mut look = |name: &str, scene: &Scene, cameras: &[View]| {
@@ -143,7 +144,7 @@ fn two_threads_and_eight_see_what_one_does() {
     look("town", &town(), &views_of_the_town());
     assert!(looked_at > 300, "hardly anything was looked at: {looked_at}");
     for (method, [one, eight]) in asked {
-        // What the faces in the masked cover hide goes by the order in which they came, and cells know what is seen.
+        // The occlusion tests of the masked cover depend on the order of its faces; baked cells need no tests.
         let alone = ["masked", "pvs"].contains(&method);
         assert_eq!(
             alone,
@@ -191,7 +192,7 @@ fn two_threads_and_eight_build_what_one_does() {
     for method in Method::ALL.into_iter().filter(|&method| town.suits(method)) {
         let built = pools.iter().map(|pool| {
             pool.install(|| {
-                // A geometry of its own: what methods share would be built once.
+                // A separate geometry: shared acceleration data would be built only once.
                 let scene = self::town().with_method(method, Method::DEFAULT_LIMIT);
                 let scene = scene.expect("it is small");
                 let mut viewer = viewer();

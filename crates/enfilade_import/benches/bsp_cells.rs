@@ -1,11 +1,11 @@
-//! One BSP tree for an office, or one for each storey, for each cell of about six metres, for each item?
+//! Compares one BSP tree for an office with one per storey, one per cell of about six metres, and one per item.
 //!
-//! The claim: small trees cut far fewer faces than one large tree, and only those that are seen are walked. Source:
-//! Boreskov, Using portals to create aggregate scenes. Items are dealt out by the centres of their boxes, none is cut;
-//! the storeys are those that the file of cells beside the scene tells. Trees are walked near to far over the 16 views
-//! of the survey, with nothing hidden: what is counted are trees whose box is in the picture, and the pieces handed out.
-//! Built in turn, three times, and walked so: medians. Faces before must be those of the table however they are dealt,
-//! and fewer must be cut in parts than in one tree.
+//! The claim: small trees split far fewer faces than one large tree, and only visible ones are traversed. Source:
+//! Boreskov, Using portals to create aggregate scenes. Items are assigned by the centres of their AABBs, and none is
+//! split; the storeys are those in the file of cells next to the scene. Trees are traversed front to back over the 16
+//! survey views, without occlusion: counted are trees whose AABB is in the frustum, and the visited pieces. Built three
+//! times in turn, and traversed likewise: medians. The faces before splitting must equal the table for every grouping,
+//! and fewer must be split than in one tree.
 //!
 //! Trees whose boxes overlap have no order among them: parts that are to be drawn need portals or a depth each.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
@@ -37,7 +37,7 @@ struct Cut {
     scratch: <Bsp<NearToFar> as Order>::Scratch,
 }
 
-/// What walks meet: pieces of faces that hide, handed out one by one.
+/// Results of traversals: visited pieces of faces that occlude.
 struct Pieces<'a> {
     geometry: &'a Geometry,
     count: u64,
@@ -178,7 +178,7 @@ fn cut(name: &'static str, geometry: &Geometry, key: impl Fn(ItemId, [f32; 3]) -
     }
 }
 
-/// Some items of a geometry as one of their own; meshes are shared.
+/// Returns some items of a geometry as a separate geometry; meshes are shared.
 fn part(geometry: &Geometry, items: &[ItemId]) -> Geometry {
     let mut builder = GeometryBuilder::new(geometry.materials().to_vec());
     let mut taken: BTreeMap<u32, MeshId> = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! What one BSP tree over a whole scene comes to: faces after cutting, cuts, depth, time and memory.
+//! Measures one BSP tree over a whole scene: faces after splitting, splits, depth, time and memory.
 //!
 //! Scenes: an office, a hall, a classroom. More cuts than the table allows are an error, as is more memory of the tree
 //! than 150 bytes for each face of the scene. Each tree is built on one core, once to warm up, then three times: the

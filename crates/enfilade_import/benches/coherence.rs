@@ -1,10 +1,10 @@
-//! What an s-buffer saves by remembering the last frame: walks of 100 frames at 1280x720 from each of the 16 views of
-//! the survey.
+//! Measures what an s-buffer saves by temporal coherence: walks of 100 frames at 1280x720 from each of the 16 survey
+//! views.
 //!
-//! Each frame is 3 cm along the line of sight from the last, and 0.4 degrees to the left; walls do not stop the walk.
-//! With and without memory the same items and clusters must be seen in every frame, over all as many as in the table;
-//! and on the office a third of the comparisons must be saved, over all walks together. Times: both take turns at each
-//! frame, the mean of all.
+//! Each frame moves 3 cm along the view direction and turns 0.4 degrees to the left; walls do not stop the walk. With
+//! and without coherence, the visible items and clusters must be equal in every frame, and their total must match the
+//! table; on the office, a third of the comparisons must be saved, over all walks. Times: both variants take turns at
+//! each frame; mean of all.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 mod common;
@@ -27,7 +27,7 @@ const WALKED: [(&str, usize); 3] = [
 /// On the office at least this part of the comparisons must be saved.
 const LEAST_SAVED: f64 = 1.0 / 3.0;
 
-/// What looks cost.
+/// Costs of looks.
 #[derive(Clone, Copy, Default)]
 struct Cost {
     compared: u64,

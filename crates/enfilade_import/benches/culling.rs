@@ -1,10 +1,10 @@
-//! What culling buys, over the 16 views of the survey at 1280x720: three tables.
+//! Measures culling over the 16 survey views at 1280x720, in three tables.
 //!
-//! The first sets each method that culls beside frustum culling alone (svbsp with no occluders), and the s-buffer that
-//! walks no tree: what a look costs, how many items it calls visible for each that is, and what look and picture cost
-//! together (sets that are not exact are drawn by a z-buffer). The second gives occlusion trees budgets of 8 to 256
-//! occluders. The third gives covers fewer cells than the screen has samples.
-//! Exact sets are counted first, and conservative ones must hold them: a wrong number is an error, not a time. All
+//! The first compares each culling method with frustum culling alone (svbsp without occluders), and with the s-buffer
+//! that traverses no tree: the time of a look, the ratio of reported to actually visible items, and the time of look
+//! and picture together (sets that are not exact are drawn by a z-buffer). The second gives occlusion trees budgets of
+//! 8 to 256 occluders. The third gives covers fewer cells than the viewport has samples.
+//! Exact sets are counted first, and conservative ones must contain them: a wrong number is an error, not a time. All
 //! contenders of a table look in turn, view by view: one round to warm up, then five; the median of five for each view,
 //! then the median over the views.
 #![allow(clippy::print_stdout, reason = "a bench prints its tables")]
@@ -16,7 +16,7 @@ use enfilade::{Method, Scene, Viewer};
 
 const ROUNDS: usize = 5;
 
-/// Scenes, and the items that every exact method sees of them, over all views.
+/// Scenes, and the number of items visible by every exact method, over all views.
 const SCENES: [(&str, usize); 4] = [
     ("ifc_office_a.glb", 373),
     ("city_san_francisco.glb", 243),
@@ -24,7 +24,7 @@ const SCENES: [(&str, usize); 4] = [
     ("san_miguel.glb", 28_395),
 ];
 
-/// A method, and how it is told to look.
+/// A method and its viewer options.
 #[derive(Clone, Copy)]
 struct Contender {
     method: Method,
@@ -49,7 +49,7 @@ impl Contender {
     }
 }
 
-/// What a contender saw, and how long it took.
+/// Visible items of a contender, and its time.
 struct Outcome {
     items: usize,
     triangles: u64,
@@ -181,7 +181,7 @@ fn resolutions(file: &str, place: &Place, expected: usize) {
     }
 }
 
-/// What is surely seen must be there; where a set is exact, nothing else.
+/// Definitely visible items must be in the set; an exact set contains nothing else.
 fn check(name: &str, exact: bool, result: &Outcome, expected: usize) {
     assert!(
         result.items >= expected,

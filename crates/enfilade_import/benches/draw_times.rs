@@ -1,9 +1,9 @@
-//! What drawing costs: every method, over the 16 views of the survey at 1280x720, each sample painted in a plain colour.
+//! Measures drawing: every method, over the 16 survey views at 1280x720, each sample painted in a plain color.
 //!
 //! Scenes: an office, a hall, a classroom. First each sample is counted: it must be painted exactly once, and as many
 //! as the statistics say, whatever the method; the items seen are those of the table. Then the methods draw in turn,
 //! view by view: one round to warm up, then five; the median of five for each view, then the median over the views.
-//! For the s-buffer it is also told how it came to know which of two faces is nearer.
+//! For the s-buffer, also prints how it decided which of two faces is nearer.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 mod common;

@@ -1,9 +1,10 @@
-//! What terrain costs from the ground: the heights of Jacksboro by each method that culls well, at 1280x720.
+//! Measures terrain from the ground: the heights of Jacksboro with each method that culls well, at 1280x720.
 //!
-//! An eye 1.7 m above the lowest place of each of nine parts of the field, that is in a valley, looks to the four winds. All
-//! exact sets must be equal. How much is touched is told by the clusters of blocks that a cover takes: a block of 32x32 cells
-//! has about forty of them. A picture is one with light and sky, look and shading together. All contenders take turns view by
-//! view: one round to warm up, then five; the median of five for each view, then the median over the views.
+//! A camera 1.7 m above the lowest point of each of nine parts of the terrain, in a valley, looks in the four cardinal
+//! directions. All exact sets must be equal. The work is measured by the block clusters that a cover receives: a block
+//! of 32x32 cells has about forty. A picture has light and sky; its time includes the look and the shading. All
+//! contenders take turns view by view: one round to warm up, then five; the median of five for each view, then the
+//! median over the views.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 mod common;

@@ -1,9 +1,10 @@
-//! What mixing methods buys: a house in a valley (`common/land.rs`), by one method for the land and one for the house, beside
-//! one method for both.
+//! Measures the gain of mixing methods: a house in a valley (`common/land.rs`), with one method for the land and one
+//! for the house, compared with one method for both.
 //!
-//! Views are toward each window and outer door from outside, and out of each from inside, at 1280x720. Every set is held
-//! against the first, exact one: a wrong one is an error, not a time. All contenders look in turn, view by view: one round to
-//! warm up, then five; the median of five for each view, then the mean of the views, for half of them see the house alone.
+//! Views are toward each window and outer door from outside, and out of each from inside, at 1280x720. Every set is
+//! compared with the first, exact one: a wrong one is an error, not a time. All contenders look in turn, view by view:
+//! one round to warm up, then five; the median of five for each view, then the mean of the views, because half of them
+//! show only the house.
 #![allow(clippy::print_stdout, reason = "a bench prints its tables")]
 
 mod common;

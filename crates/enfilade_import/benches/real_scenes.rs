@@ -1,5 +1,5 @@
-//! What looking costs: every method, over the 16 views of the survey at 1280x720, and by how much each is faster than
-//! the z-buffer of the same run.
+//! Measures looks: every method, over the 16 survey views at 1280x720, and the speed of each relative to the z-buffer
+//! of the same run.
 //!
 //! A wrong number of visible items is an error, not a time. The methods look in turn, view by view: one round to warm
 //! up, then three; the median of three for each view, then the median over the views.
@@ -12,7 +12,7 @@ use enfilade::{Contract, Method, Viewer};
 
 const ROUNDS: usize = 3;
 
-/// Scenes that are no rooms, and the items that every exact method sees of them, over all views.
+/// Scenes without rooms, and the number of items visible by every exact method, over all views.
 const OTHERS: [(&str, usize); 2] = [("city_san_francisco.glb", 243), ("country_kitchen.glb", 545)];
 
 fn main() {

@@ -1,9 +1,9 @@
-//! What is visible in maps: how long it takes to find out on one thread, how many pairs are left, how many of them a line
-//! shows.
+//! Measures the PVS computation of maps: time on one thread, number of visible pairs, and how many of them a line of
+//! sight proves.
 //!
-//! Maps are those of `ENFILADE_MAPS`, each with the best time of other programs that is known, where one is, and `rooms`: a
-//! generated grid of rooms with five million visible pairs. More pairs than the table has are an error, as are fewer than 95
-//! of 100 shown by a line. Names of maps as arguments take those alone.
+//! Maps: those of `ENFILADE_MAPS`, each with the best known time of other programs, if any, and `rooms`: a generated
+//! grid of rooms with five million visible pairs. More pairs than in the table are an error, as are fewer than 95 of
+//! 100 proven by a line. Arguments select maps by name.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,

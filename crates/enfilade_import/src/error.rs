@@ -29,7 +29,7 @@ pub enum BrokenRule {
     /// The file has neither the magic number of a `.glb` nor the start of a JSON object.
     #[error("is not glTF: it {begins}; name a glTF 2.0 file (.glb, or .gltf with its .bin files)")]
     NotGltf {
-        /// How the file begins: "begins with `…`", or "is empty".
+        /// First bytes of the file: "begins with `…`", or "is empty".
         begins: String,
     },
     /// The file is of no supported format.
@@ -39,7 +39,7 @@ pub enum BrokenRule {
          its .raw file)"
     )]
     UnknownFormat {
-        /// How the file begins: "begins with `…`", or "is empty".
+        /// First bytes of the file: "begins with `…`", or "is empty".
         begins: String,
     },
     /// An OBJ file violates a rule.
@@ -61,7 +61,7 @@ pub enum BrokenRule {
     Truncated {
         /// The part in which the file ends.
         part: &'static str,
-        /// Where that part should end, in bytes from the start of the file.
+        /// Expected end of that part, in bytes from the start of the file.
         needs: u64,
         /// Length of the file, in bytes.
         has: u64,
@@ -93,7 +93,7 @@ pub enum BrokenRule {
     ExtensionRequired {
         /// Name of the extension, or names of several.
         extension: String,
-        /// How to fix it.
+        /// Remedy.
         remedy: &'static str,
     },
     /// A valid glTF feature that is not supported yet, and without which a shape would be wrong.
@@ -103,7 +103,7 @@ pub enum BrokenRule {
         place: String,
         /// The feature.
         what: &'static str,
-        /// How to fix it.
+        /// Remedy.
         remedy: &'static str,
     },
     /// An index is out of range.
@@ -151,7 +151,7 @@ pub enum BrokenRule {
     BadUri {
         /// The buffer or image.
         place: String,
-        /// What is wrong with the URI.
+        /// The error in the URI.
         why: String,
     },
     /// The file of a buffer or an image cannot be read.
@@ -161,7 +161,7 @@ pub enum BrokenRule {
         place: String,
         /// The path that was tried.
         path: String,
-        /// Why the file cannot be read.
+        /// The reason why the file cannot be read.
         why: Box<BrokenRule>,
     },
     /// A buffer has neither a URI nor a binary chunk of the `.glb`.
@@ -229,7 +229,7 @@ pub enum BrokenRule {
         found: String,
         /// The types that are allowed.
         wanted: &'static str,
-        /// How to fix it.
+        /// Remedy.
         remedy: &'static str,
     },
     /// The number of normals, texture coordinates or colors differs from the number of positions.
@@ -274,7 +274,7 @@ pub enum BrokenRule {
     BadCompression {
         /// The buffer view.
         place: String,
-        /// What is wrong with it.
+        /// The error in it.
         why: String,
     },
     /// The instance attributes of a node have different element counts.

@@ -43,13 +43,13 @@ pub(crate) fn decode(
 
 /// Decodes images in parallel and returns their textures in the same order.
 pub(crate) fn decode_all(images: Vec<Encoded>, budget: &mut Budget, warnings: &mut Warnings) -> Vec<Texture> {
-    let mut crowds = Crowds::default();
-    let admitted: Vec<Result<Measured, String>> = images
+    let mut batches = DecodeBatches::default();
+    let admitted: Vec<Result<ImageHeader, String>> = images
         .iter()
         .map(|image| {
             let bytes = image.bytes.as_ref().map_err(String::clone)?;
             measure(bytes)
-                .and_then(|measured| crowds.admit(measured, budget))
+                .and_then(|measured| batches.admit(measured, budget))
                 .map_err(|why| format!("{}: {why}", image.place))
         })
         .collect();
@@ -57,9 +57,9 @@ pub(crate) fn decode_all(images: Vec<Encoded>, budget: &mut Budget, warnings: &m
     let mut waiting = &images[..];
     let mut sizes = &admitted[..];
     while !waiting.is_empty() {
-        let crowd = crowds.next(sizes);
-        let (now, later) = waiting.split_at(crowd);
-        let (sizes_now, sizes_later) = sizes.split_at(crowd);
+        let batch = batches.next(sizes);
+        let (now, later) = waiting.split_at(batch);
+        let (sizes_now, sizes_later) = sizes.split_at(batch);
         let decoded: Vec<Result<Texture, String>> = now.par_iter().zip(sizes_now).map(texture).collect();
         // In order, so that warnings name the same images whichever thread finishes first.
         for (decoded, image) in decoded.into_iter().zip(now) {
@@ -88,7 +88,7 @@ pub(crate) fn grey_png() -> Vec<u8> {
 }
 
 /// Decodes an image whose header was read and admitted.
-fn texture((image, measured): (&Encoded, &Result<Measured, String>)) -> Result<Texture, String> {
+fn texture((image, measured): (&Encoded, &Result<ImageHeader, String>)) -> Result<Texture, String> {
     let measured = measured.as_ref().map_err(String::clone)?;
     let bytes = image.bytes.as_ref().map_err(String::clone)?;
     texels(bytes, measured)
@@ -98,7 +98,7 @@ fn texture((image, measured): (&Encoded, &Result<Measured, String>)) -> Result<T
 
 /// Size and memory needs of an image, from its header.
 #[derive(Clone, Copy, Debug)]
-struct Measured {
+struct ImageHeader {
     size: [u32; 2],
     /// Bytes of the decoded texture.
     kept: u64,
@@ -108,22 +108,25 @@ struct Measured {
 
 /// Maximum total memory for images that are decoded at the same time, unless a single image needs more. So memory use
 /// does not grow with the number of threads.
-const CROWD_BYTES: u64 = 128 << 20;
+const MAX_DECODE_BYTES: u64 = 128 << 20;
 
 /// Reserves memory for images and groups them into batches that are decoded in parallel.
 #[derive(Debug, Default)]
-struct Crowds {
+struct DecodeBatches {
     /// Bytes that all admitted images would need if they were decoded at the same time.
     all_at_work: u64,
     /// Bytes reserved for decoding.
     at_work: u64,
 }
 
-impl Crowds {
+impl DecodeBatches {
     /// Reserves memory for an image, or returns why it is too large.
-    fn admit(&mut self, image: Measured, budget: &mut Budget) -> Result<Measured, String> {
+    fn admit(&mut self, image: ImageHeader, budget: &mut Budget) -> Result<ImageHeader, String> {
         let all_at_work = self.all_at_work.saturating_add(image.at_work);
-        let at_work = all_at_work.min(CROWD_BYTES).max(image.at_work).max(self.at_work);
+        let at_work = all_at_work
+            .min(MAX_DECODE_BYTES)
+            .max(image.at_work)
+            .max(self.at_work);
         let needs = image.kept.saturating_add(at_work - self.at_work);
         let [width, height] = image.size;
         budget.take(needs, String::new).map_err(|_| {
@@ -137,7 +140,7 @@ impl Crowds {
     }
 
     /// Returns the size of the next batch, at least 1.
-    fn next(&self, images: &[Result<Measured, String>]) -> usize {
+    fn next(&self, images: &[Result<ImageHeader, String>]) -> usize {
         let mut together = 0_u64;
         let too_many = images.iter().position(|image| {
             together += image.as_ref().map_or(0, |image| image.at_work);
@@ -148,7 +151,7 @@ impl Crowds {
 }
 
 /// Reads an image's header.
-fn measure(bytes: &[u8]) -> Result<Measured, String> {
+fn measure(bytes: &[u8]) -> Result<ImageHeader, String> {
     /// Memory for what a header may contain, such as color profiles.
     const HEADER_BYTES: u64 = 16 << 20;
     let decoder = decoder(bytes, HEADER_BYTES)?;
@@ -164,7 +167,7 @@ fn measure(bytes: &[u8]) -> Result<Measured, String> {
         return Err("it is truncated".to_owned());
     }
     let kept = 4 * u64::from(width) * u64::from(height);
-    Ok(Measured {
+    Ok(ImageHeader {
         size: [width, height],
         kept,
         // The encoded bytes, the decoder's output, the JPEG decoder's internal copies of it, and the RGBA texels.
@@ -203,7 +206,7 @@ fn is_cut_jpeg(bytes: &[u8]) -> bool {
 }
 
 /// Decodes the texels, in rows from the top.
-fn texels(bytes: &[u8], measured: &Measured) -> Result<Vec<[u8; 4]>, String> {
+fn texels(bytes: &[u8], measured: &ImageHeader) -> Result<Vec<[u8; 4]>, String> {
     let decoder = decoder(bytes, measured.at_work + measured.kept)?;
     let image = image::DynamicImage::from_decoder(decoder).map_err(|why| why.to_string())?;
     let texels = image.into_rgba8();

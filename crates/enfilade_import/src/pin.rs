@@ -22,7 +22,7 @@ pub enum PinError {
 }
 
 /// Result of writing the methods.
-enum Pinned {
+enum PinResult {
     Done(Vec<u8>),
     NoPlace,
     TooLong,
@@ -42,22 +42,22 @@ pub fn with_methods(path: &Path, methods: &[Method], limit_bytes: u64) -> Result
     };
     let pinned = read_file(path, &options, |bytes, _, budget| pin(bytes, methods, budget));
     match pinned.map_err(Box::new)? {
-        Pinned::Done(bytes) => Ok(bytes),
-        Pinned::NoPlace => Err(PinError::NoPlace),
-        Pinned::TooLong => Err(PinError::TooLong),
+        PinResult::Done(bytes) => Ok(bytes),
+        PinResult::NoPlace => Err(PinError::NoPlace),
+        PinResult::TooLong => Err(PinError::TooLong),
     }
 }
 
-fn pin(bytes: &[u8], methods: &[Method], budget: Budget) -> Result<Pinned, BrokenRule> {
+fn pin(bytes: &[u8], methods: &[Method], budget: Budget) -> Result<PinResult, BrokenRule> {
     if terrain::describes_terrain(bytes) {
         return match methods.first() {
-            Some(&method) => terrain::with_method(bytes, method).map(Pinned::Done),
-            None => Ok(Pinned::Done(bytes.to_vec())),
+            Some(&method) => terrain::with_method(bytes, method).map(PinResult::Done),
+            None => Ok(PinResult::Done(bytes.to_vec())),
         };
     }
     if !gltf::begins_like_gltf(bytes) {
-        return Ok(Pinned::NoPlace);
+        return Ok(PinResult::NoPlace);
     }
     let pinned = gltf::with_methods(bytes, methods, budget)?;
-    Ok(pinned.map_or(Pinned::TooLong, Pinned::Done))
+    Ok(pinned.map_or(PinResult::TooLong, PinResult::Done))
 }

@@ -1,8 +1,8 @@
-//! What questions cost: items in a box, a sphere, a frustum, the nearest ones, rays, pairs that overlap, boxes that see each
-//! other, a capsule that walks; beside `rstar` and `parry3d` where they do the same job.
+//! Cost of spatial queries: items in a box, a sphere or a frustum, the nearest items, rays, overlapping pairs,
+//! visibility between boxes, a moving capsule; compared with `rstar` and `parry3d` where they do the same job.
 //!
-//! What is found is counted and must be what the other crate finds: another number is an error, not a time. Run by `cargo
-//! test` it asks a few questions, and only counts.
+//! Results are counted and must match those of the other crate: a difference is an error. With `cargo test` it runs a
+//! few queries and only counts.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 mod pairs;
@@ -22,7 +22,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Each is asked so many times a round, and the median of the rounds is told.
+/// Queries per round; the median of the rounds is reported.
 const QUESTIONS: usize = 1000;
 const ROUNDS: usize = 21;
 
@@ -33,12 +33,12 @@ fn cube(middle: [f32; 3], half: f32) -> Aabb {
     }
 }
 
-/// Has something computed that nobody asks for.
+/// Keeps a result from being optimized away.
 fn hold<T>(answer: T) {
     black_box(answer);
 }
 
-/// Ten thousand blocks along a hundred streets, on a floor.
+/// Ten thousand blocks along a hundred streets, on a ground slab.
 fn city() -> Geometry {
     const SIDES: [[u32; 4]; 6] = [
         [0, 4, 6, 2],
@@ -72,14 +72,14 @@ fn largest(name: &str) -> Arc<Geometry> {
     Arc::clone(largest.expect("it has sectors"))
 }
 
-/// A row of the table: nanoseconds a question, of ours and of the other crate.
+/// Prints rows of the table: nanoseconds per query, for this crate and the other one.
 struct Bench {
     times: bool,
     questions: usize,
 }
 
 impl Bench {
-    /// Nanoseconds a call, the median of some rounds, a round being one call for each question.
+    /// Returns nanoseconds per call: the median of several rounds with one call per query.
     fn ns(&self, mut ask: impl FnMut(usize)) -> f64 {
         let mut round = || {
             let start = Instant::now();
@@ -204,7 +204,7 @@ fn items(bench: &Bench, place: &str, geometry: &Geometry) {
     bench.tell(place, "the 10 nearest items", ours, Some(("rstar", theirs)), 10.0);
 }
 
-/// All triangles of a geometry as one mesh.
+/// Builds one mesh from all triangles of a geometry.
 fn soup(geometry: &Geometry) -> TriMesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for item in (0..geometry.items().len() as u32).map(ItemId) {
@@ -246,10 +246,10 @@ fn rays(bench: &Bench, place: &str, geometry: &Geometry) {
         };
         differ += usize::from(!agree);
     }
-    // Theirs are in f32, and slip through edges now and then.
+    // `parry3d` computes in f32 and sometimes misses at edges.
     assert!(
         differ <= bench.questions / 200,
-        "{place}: {differ} rays end elsewhere"
+        "{place}: {differ} rays have different hits"
     );
     let each = bench.questions as f64;
     let ours = bench.ns(|i| hold(geometry.cast(&rays[i])));
@@ -284,11 +284,11 @@ fn between(bench: &Bench, place: &str, geometry: &Geometry) {
         .iter()
         .filter(|&&answer| answer != BoxVisibility::Unknown)
         .count();
-    assert!(known > 0, "nothing is known of {place}");
+    assert!(known > 0, "all visibility is unknown in {place}");
     let ours = bench.ns(|i| hold(geometry.between(&boxes[i][0], &boxes[i][1], &occluders)));
     bench.tell(
         place,
-        "do two boxes see each other",
+        "visibility between two boxes",
         ours,
         None,
         known as f64 / bench.questions as f64,
@@ -311,7 +311,7 @@ fn capsule(bench: &Bench, place: &str, scene: &Scene, from: Location) {
     };
     let ours = bench.ns(&mut step);
     let rounds = if bench.times { ROUNDS } else { 1 };
-    assert!(touched > 0, "nothing was in the way in {place}");
+    assert!(touched > 0, "the capsule touched nothing in {place}");
     bench.tell(
         place,
         "a step of a capsule",
@@ -330,7 +330,7 @@ fn main() {
     if times {
         println!(
             "{:14}{:34}{:>9} {:>9} {:>10} {:>9} {:>6}",
-            "place", "question", "ns", "found", "beside", "ns", "ratio"
+            "scene", "query", "ns", "found", "peer", "ns", "ratio"
         );
     }
     let city = Arc::new(city());

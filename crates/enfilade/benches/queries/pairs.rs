@@ -1,4 +1,4 @@
-//! Which of many moving boxes overlap, beside `parry3d`.
+//! Overlapping pairs of moving boxes, compared with `parry3d`.
 
 use super::{Bench, cube};
 use enfilade::{Aabb, Pairs};
@@ -7,7 +7,7 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Boxes, and how many of them move at a time.
+/// Number of boxes, and number of boxes moved per update.
 const BOXES: u32 = 10_000;
 const MOVED: u32 = 1_000;
 
@@ -36,7 +36,7 @@ pub(crate) fn pairs(bench: &Bench, place: &str, sides: [f32; 3]) {
     assert_eq!(pairs.count(), met, "{place}");
     bench.tell(
         place,
-        "pairs of 10,000 boxes, at first",
+        "pairs of 10,000 boxes, initial",
         first,
         Some(("parry3d", other)),
         met as f64,
@@ -72,7 +72,7 @@ pub(crate) fn pairs(bench: &Bench, place: &str, sides: [f32; 3]) {
     }
     let mut met = 0;
     tree.traverse_bvtt_single_tree::<false>(&mut space, &mut |_, _| met += 1);
-    assert_eq!(pairs.count(), met, "{place}, in the end");
+    assert_eq!(pairs.count(), met, "{place}, after all updates");
     let median = |times: &mut Vec<f64>| {
         times.sort_by(f64::total_cmp);
         times[times.len() / 2]

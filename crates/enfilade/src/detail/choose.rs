@@ -1,4 +1,4 @@
-//! Which levels are wanted: by how far an error shows on the screen.
+//! LOD selection by screen-space error.
 
 use super::{Details, Key};
 use crate::geom::Aabb;
@@ -8,15 +8,15 @@ use crate::scene::Scene;
 use crate::visible::VisibleSet;
 use std::collections::BTreeMap;
 
-/// A level that an item wants.
-pub(super) struct Wanted {
+/// The level that an item should have.
+pub(super) struct WantedLevel {
     pub(super) key: Key,
     pub(super) level: u32,
 }
 
 impl Details {
-    /// What was seen, each with the level that it wants, those first whose errors show most.
-    pub(super) fn wanted(&self, scene: &Scene, seen: &[&VisibleSet]) -> Vec<Wanted> {
+    /// Returns the visible items, each with its target level, largest screen-space error first.
+    pub(super) fn wanted(&self, scene: &Scene, seen: &[&VisibleSet]) -> Vec<WantedLevel> {
         let mut most: BTreeMap<Key, f64> = BTreeMap::new();
         let mut note = |passage: &Passage, item: ItemId| {
             let key = (passage.sector, item);
@@ -41,20 +41,21 @@ impl Details {
                 }
             }
         }
-        let mut all: Vec<(f64, Wanted)> = most
+        let mut all: Vec<(f64, WantedLevel)> = most
             .into_iter()
             .map(|(key, pixels)| {
                 let shows = pixels * self.sources[&self.items[&key].source].error(self.items[&key].level);
                 let level = self.level_for(key, pixels);
-                (shows, Wanted { key, level })
+                (shows, WantedLevel { key, level })
             })
             .collect();
         all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.key.cmp(&b.1.key)));
         all.into_iter().map(|(_, wanted)| wanted).collect()
     }
 
-    /// The items in whose boxes a passage begins, at the eye or in the last portal: it need not meet any side of those, and
-    /// what is in them may stand before all that is drawn.
+    /// Returns the items whose AABB contains the start of a passage: the eye or the last portal. Such an item need not
+    /// appear in the visible set, as no face of its volume may be in view, yet its finer levels may be in front of
+    /// everything drawn.
     fn entered(&self, scene: &Scene, passage: &Passage) -> impl Iterator<Item = ItemId> {
         let begins = beginnings(scene, passage);
         let here = (passage.sector, ItemId(0))..=(passage.sector, ItemId(u32::MAX));
@@ -67,7 +68,8 @@ impl Details {
         })
     }
 
-    /// The coarsest level whose error is within the tolerance; one coarser than now only where it is so by far.
+    /// Returns the coarsest level whose error is within the tolerance. Switches to a coarser level than the current one
+    /// only with the margin given by [`DetailOptions::hysteresis`](super::DetailOptions::hysteresis).
     fn level_for(&self, key: Key, pixels: f64) -> u32 {
         let held = &self.items[&key];
         let levels = &self.sources[&held.source];
@@ -87,7 +89,8 @@ impl Details {
     }
 }
 
-/// Boxes around where a passage begins: around what is nearest to the eye, and around the last portal.
+/// Returns AABBs around the start of a passage: around the eye with the near plane's corners, and around the last
+/// portal.
 fn beginnings(scene: &Scene, passage: &Passage) -> [Option<Aabb>; 2] {
     let [width, height] = passage.size.map(f64::from);
     let near = f64::from(passage.near);

@@ -1,13 +1,14 @@
-//! Levels of detail: a volume now, geometry when it is found visible, as fine as it is large on the screen.
+//! Levels of detail (LOD): a box at first; when it becomes visible, geometry as fine as its size on the screen needs.
 //!
-//! Looks see what stands in the scene. Between them, what was seen is refined: each item that was gets the coarsest level
-//! whose error is below a tolerance in pixels where it stands; a level is built when it is wanted first, and a look's
-//! building is bounded. What is not built yet is drawn by what there is.
-//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3 (an object is tested by its volume, and
-//!     only then refined); hysteresis as in Luebke and others, Level of Detail for 3D Graphics, 2003, section 4.5.
-//! Cost: a step O(items with levels that are seen), an edit of those that change, and what sources take to build.
-//! Judged as drawn: what is behind a level with an error is seen past it, and an item that is drawn by one is seen where
-//! that is. Only a volume is sure to be seen where anything of the item would be.
+//! Between looks, [`Details::refine`] gives each visible item the coarsest level whose error, in pixels, is below a
+//! tolerance. A level is built when it is first needed; the work per step is limited. Until then the item is drawn with
+//! the best level already built.
+//! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3 (an object is tested by its volume,
+//!     and refined only if visible); hysteresis as in Luebke and others, Level of Detail for 3D Graphics, 2003, section
+//!     4.5.
+//! Cost: a step is O(visible items with levels), plus an edit of the changed items, plus the time the sources take.
+//! Visibility refers to the levels as drawn: items behind a level with an error are visible past that level's outline,
+//! and an item is visible where its current level is. Only the box is certainly visible wherever the item would be.
 
 mod bezier;
 mod choose;
@@ -21,42 +22,46 @@ use crate::geometry::ItemId;
 use crate::mesh::Mesh;
 use crate::scene::{EditError, Scene, SceneError, SectorId};
 use crate::visible::VisibleSet;
-use choose::Wanted;
+use choose::WantedLevel;
 use source::Levels;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// The items of a scene that have levels of detail.
+/// LOD manager: the items of a scene that have levels of detail.
 ///
-/// Lives beside the scene: look, then [`Details::refine`], then look again. An item is judged as it is drawn: one that was
-/// not seen for long, and by a coarse level, comes into view when that level does, not when it would itself.
+/// Kept beside the scene: look, then call [`Details::refine`], then look again. Visibility is computed with the level
+/// an item has now: an item that was invisible for long and has a coarse level becomes visible when that level does,
+/// not when its finest level would.
+#[doc(alias = "LOD")]
+#[doc(alias = "level of detail")]
 #[derive(Default)]
 pub struct Details {
     options: DetailOptions,
-    items: BTreeMap<Key, Held>,
-    /// Each source once, by its address.
+    items: BTreeMap<Key, DetailedItem>,
+    /// Each source once, keyed by its address.
     sources: BTreeMap<usize, Levels>,
     step: u64,
 }
 
-/// How fine, and how much at once.
+/// LOD tolerance and limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct DetailOptions {
-    /// How far off its true place anything may be drawn, in pixels; above 0.
+    /// Maximum error on the screen, in pixels; above 0.
     pub tolerance_px: f32,
-    /// A coarser level is taken only where its error is this many times below the tolerance, so that one does not flicker
-    /// between two; at least 1.
+    /// Hysteresis: a coarser level is chosen only if its error is this many times below the tolerance, so that items do
+    /// not flicker between two levels. At least 1.
     pub hysteresis: f32,
-    /// When so many faces were built in one step, no further level is begun; at least one is.
+    /// Streaming budget: no further level is started after this many faces were built in a step. At least one level is
+    /// built.
     pub faces_per_step: u64,
-    /// When levels take more memory than this, in bytes, those that are not seen are given up.
+    /// Memory limit for levels, in bytes. Above it, levels of invisible items are dropped.
     pub bytes: u64,
 }
 
 impl Default for DetailOptions {
-    /// One pixel, a quarter, 100,000 faces, 256 MB.
+    /// 1 pixel, hysteresis 1.25, 100,000 faces, 256 MB.
     fn default() -> DetailOptions {
         DetailOptions {
             tolerance_px: 1.0,
@@ -69,40 +74,40 @@ impl Default for DetailOptions {
 
 type Key = (SectorId, ItemId);
 
-/// The levels that items get.
+/// New level per item.
 type Changes = BTreeMap<Key, Option<u32>>;
 
 /// An item with levels.
-struct Held {
+struct DetailedItem {
     source: usize,
-    /// What it is drawn by; `None`: its volume.
+    /// Current level; `None`: the box.
     level: Option<u32>,
-    /// May it hide where it is exact?
+    /// Whether it is an occluder when drawn with an exact level.
     may_hide: bool,
     seen_at: u64,
 }
 
-/// What a step did.
+/// Statistics of a [`Details::refine`] step.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RefineStats {
-    /// Levels that were built.
+    /// Number of levels built.
     pub built: u32,
-    /// Faces of those levels.
+    /// Number of faces of those levels.
     pub faces: u64,
-    /// Items that have another level now.
+    /// Number of items whose level changed.
     pub changed: u32,
-    /// Items that are drawn by a coarser level than they should be, as the step was over.
+    /// Number of items whose level is still too coarse because the budget of the step was used up.
     pub waiting: u32,
-    /// Items that keep what they have, as a level could not be made or does not fit, and why. Each level of a source is told
-    /// once, for the item that asked first.
+    /// Items that keep their level because the new one could not be built or does not fit, and the reason. Each level
+    /// of a source is reported once, for the first item that needed it.
     pub failed: Vec<(SectorId, ItemId, String)>,
-    /// Memory of all levels that are kept, in bytes.
+    /// Memory of all levels kept, in bytes.
     pub bytes: u64,
 }
 
 impl Details {
-    /// Nothing yet.
+    /// Creates a manager without items.
     pub fn new(options: DetailOptions) -> Details {
         Details {
             options,
@@ -110,10 +115,11 @@ impl Details {
         }
     }
 
-    /// Adds an item to a scene: for now its volume, which hides nothing. Items that share a source share its levels.
+    /// Adds an item to a scene, drawn as its box, which is no occluder, until it is refined. Items with the same source
+    /// share its levels.
     ///
     /// # Errors
-    /// [`DetailError`], and then nothing is added.
+    /// [`DetailError`]; the scene is unchanged then.
     pub fn add(
         &mut self,
         scene: &mut Scene,
@@ -128,14 +134,14 @@ impl Details {
         let item = edit.add(sector, name, volume, sector_from_item)?;
         edit.set_occluder(sector, item, false)?;
         edit.finish()?;
-        self.items.insert((sector, item), Held::new(source, true));
+        self.items.insert((sector, item), DetailedItem::new(source, true));
         Ok(item)
     }
 
-    /// Gives levels to items that are in the scene: for now their volumes.
+    /// Gives levels to items of a scene. They are drawn as their boxes until they are refined.
     ///
     /// # Errors
-    /// [`DetailError`], and then none is changed.
+    /// [`DetailError`]; no item is changed then.
     pub fn adopt(
         &mut self,
         scene: &mut Scene,
@@ -144,7 +150,10 @@ impl Details {
         let mut adopted = Vec::new();
         for (sector, item, source) in items {
             let is_occluder = scene_item(scene, (sector, item)).is_none_or(|(_, is_occluder)| is_occluder);
-            adopted.push(((sector, item), Held::new(self.levels_of(source)?, is_occluder)));
+            adopted.push((
+                (sector, item),
+                DetailedItem::new(self.levels_of(source)?, is_occluder),
+            ));
         }
         let mut edit = scene.edit();
         for ((sector, item), held) in &adopted {
@@ -156,13 +165,13 @@ impl Details {
         Ok(())
     }
 
-    /// Forgets an item, which keeps the level that it has. One that was removed from the scene, or given another mesh, need
-    /// not be forgotten.
+    /// Stops managing an item; it keeps its current level. Not needed for items that were removed from the scene or
+    /// given another mesh.
     pub fn forget(&mut self, sector: SectorId, item: ItemId) {
         self.items.remove(&(sector, item));
     }
 
-    /// The level that an item is drawn by, if it has any; `Some(None)` where that is its volume.
+    /// Returns the current level of an item: `Some(None)` if it is drawn as its box, `None` if it is not managed.
     pub fn level(&self, sector: SectorId, item: ItemId) -> Option<Option<u32>> {
         self.items.get(&(sector, item)).map(|held| held.level)
     }
@@ -175,19 +184,19 @@ impl Details {
         Ok(address)
     }
 
-    /// Is an item still what was made of it here?
+    /// Returns `true` if the item still has the mesh that was set here.
     fn holds(&self, scene: &Scene, key: Key) -> bool {
         let held = self.items.get(&key).zip(scene_item(scene, key));
         held.is_some_and(|(held, (mesh, _))| Arc::ptr_eq(mesh, self.sources[&held.source].mesh(held.level)))
     }
 
-    /// Gives what was seen the levels that it wants, as far as they can be built within one step.
+    /// Gives the visible items the levels they need, as far as the budget of one step allows.
     ///
-    /// `seen` is what looks at the scene as it is now saw, each of its own camera.
+    /// `seen` holds the visible sets of looks at the scene in its current state, one per camera.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`] where a method cannot see so fine a scene, [`SceneError::NotConvex`] where it cannot see
-    /// levels that hide; then it stays as it was.
+    /// [`SceneError::TooLarge`] if a method cannot handle a scene this fine, [`SceneError::NotConvex`] if it cannot
+    /// handle the levels that are occluders; the scene is unchanged then.
     pub fn refine(&mut self, scene: &mut Scene, seen: &[&VisibleSet]) -> Result<RefineStats, SceneError> {
         self.step += 1;
         let mut refined = RefineStats::default();
@@ -203,8 +212,8 @@ impl Details {
         changed.map(|()| refined)
     }
 
-    /// The level that an item gets now, if it is another than it has. Builds it, if there is room.
-    fn take(&mut self, wanted: &Wanted, refined: &mut RefineStats) -> Option<Option<u32>> {
+    /// Returns the new level of an item if it changes. Builds the target level if the budget allows.
+    fn take(&mut self, wanted: &WantedLevel, refined: &mut RefineStats) -> Option<Option<u32>> {
         let held = self.items.get_mut(&wanted.key)?;
         held.seen_at = self.step;
         let levels = self.sources.get_mut(&held.source)?;
@@ -223,7 +232,8 @@ impl Details {
         (best != held.level).then_some(best)
     }
 
-    /// Has items that are not seen drawn by their volumes, the longest unseen first, where levels take too much memory.
+    /// If the levels exceed the memory limit, switches invisible items back to their boxes, those invisible for longest
+    /// first.
     fn give_up(&self, changes: &mut Changes) {
         let limit = self.options.bytes;
         if self.sources.values().map(Levels::bytes).sum::<u64>() <= limit {
@@ -261,7 +271,7 @@ impl Details {
         mut changes: Changes,
         refined: &mut RefineStats,
     ) -> Result<(), SceneError> {
-        // What somebody has removed or changed meanwhile is theirs.
+        // Items that the user removed or changed meanwhile are no longer managed.
         changes.retain(|&key, _| {
             let ours = self.holds(scene, key);
             if !ours {
@@ -292,7 +302,7 @@ impl Details {
         Ok(())
     }
 
-    /// Lets go of levels that no item is drawn by, where all take too much memory; gives the bytes of those that are kept.
+    /// Drops unused levels if all together exceed the memory limit. Returns the bytes that are kept.
     fn drop_unused(&mut self) -> u64 {
         let sources: BTreeSet<usize> = self.items.values().map(|held| held.source).collect();
         self.sources.retain(|key, _| sources.contains(key));
@@ -310,9 +320,9 @@ impl Details {
     }
 }
 
-impl Held {
-    fn new(source: usize, may_hide: bool) -> Held {
-        Held {
+impl DetailedItem {
+    fn new(source: usize, may_hide: bool) -> DetailedItem {
+        DetailedItem {
             source,
             level: None,
             may_hide,
@@ -321,7 +331,7 @@ impl Held {
     }
 }
 
-/// The mesh of an item, and whether it hides.
+/// Returns the mesh of an item and whether it is an occluder.
 fn scene_item(scene: &Scene, (sector, item): Key) -> Option<(&Arc<Mesh>, bool)> {
     let there = (sector.0 as usize) < scene.sector_count();
     let geometry = there.then(|| scene.geometry(sector)).flatten()?;
@@ -329,22 +339,20 @@ fn scene_item(scene: &Scene, (sector, item): Key) -> Option<(&Arc<Mesh>, bool)> 
     Some((&geometry.meshes()[item.mesh.0 as usize], item.is_occluder))
 }
 
-/// Why an item gets no levels.
+/// Why an item cannot get levels.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DetailError {
-    /// It cannot be put into the scene so.
+    /// The item cannot be added or changed.
     #[error(transparent)]
     Edit(#[from] EditError),
-    /// The scene cannot be changed so.
+    /// The scene cannot be changed.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The box of the source holds nothing, or is not finite and within [`MAX_COORDINATE`].
-    #[error(
-        "the source's bounds hold nothing, are not finite, or reach farther out than {MAX_COORDINATE:e} units"
-    )]
+    /// The source's bounds are empty, not finite, or beyond [`MAX_COORDINATE`].
+    #[error("the source's bounds are empty, not finite, or beyond {MAX_COORDINATE:e} units")]
     NoBounds,
-    /// The source panicked when it was asked how large it is.
+    /// The source panicked while its bounds, material and levels were read.
     #[error("the source panicked: {0}")]
     Panicked(String),
 }

@@ -1,4 +1,4 @@
-//! Where levels come from, and those of one source that were built.
+//! Sources of levels, and the levels built from each.
 
 use super::DetailError;
 use crate::geom::Aabb;
@@ -10,41 +10,42 @@ use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// Makes the geometry of an item when it is wanted, as fine as it is wanted.
+/// Builds the geometry of an item on demand, at the requested level of detail.
 ///
-/// All but [`DetailSource::build`] is asked once.
+/// All methods but [`DetailSource::build`] are called once per source.
 pub trait DetailSource: Send + Sync {
-    /// A box that holds every level, in the space of the item.
+    /// Returns an AABB that contains every level, in item space.
     fn bounds(&self) -> Aabb;
 
-    /// What the volume is drawn as until there is more.
+    /// Returns the material of the box that is drawn until a level is built.
     fn material(&self) -> MaterialId;
 
-    /// How many levels there are, from 0, the coarsest; at least 1, and of more than 64 only the first are asked for.
+    /// Returns the number of levels, at least 1. Level 0 is the coarsest. At most 64 levels are used.
     fn levels(&self) -> u32;
 
-    /// How far a level is off the true surface, and that off it, at most, in lengths of the item's space; less for finer
-    /// levels, and 0 for one that is exact and may hide.
+    /// Returns the geometric error of a level: the maximum distance from the level to the true surface and from the
+    /// surface to the level, in item space. Smaller for finer levels; 0 for an exact level, which may be an occluder.
     fn error(&self, level: u32) -> f32;
 
-    /// Makes a level.
+    /// Builds a level.
     ///
     /// # Errors
-    /// Any: the item keeps what it has, and the error is told. So it is with a panic, a mesh of no faces, and one that
-    /// reaches out of the bounds.
+    /// Any error: the item keeps its current level and the error is reported in
+    /// [`RefineStats::failed`](super::RefineStats::failed). A panic, a mesh without faces, and a mesh that exceeds the
+    /// bounds count as errors too.
     fn build(&self, level: u32) -> Result<Arc<Mesh>, Box<dyn Error + Send + Sync>>;
 }
 
-/// Levels that are asked for: each halving the error, they would end below the last bit of f32.
+/// Maximum number of levels: if each halves the error, further ones are below f32 precision.
 const MAX_LEVELS: u32 = 64;
 
-/// The levels of a source that were built.
+/// A source and the levels built from it.
 pub(super) struct Levels {
     source: Arc<dyn DetailSource>,
     pub(super) bounds: Aabb,
-    /// Of each level, from the coarsest.
+    /// Error of each level, coarsest first.
     errors: Vec<f32>,
-    /// What an item is drawn by until a level is built.
+    /// The box that is drawn until a level is built.
     volume: Arc<Mesh>,
     built: BTreeMap<u32, Arc<Mesh>>,
     failed: BTreeSet<u32>,
@@ -62,7 +63,8 @@ impl Levels {
         if bounds.is_empty() || !bounds.is_in_range() {
             return Err(DetailError::NoBounds);
         }
-        // A level is believed to be no better than any finer one, and what is no number to be no good.
+        // Makes errors monotonic: a level is assumed no better than any finer one. NaN and negative errors count as
+        // infinite.
         let mut worst = 0.0;
         for error in errors.iter_mut().rev() {
             let claimed = if *error >= 0.0 { *error } else { f32::INFINITY };
@@ -79,7 +81,7 @@ impl Levels {
         })
     }
 
-    /// How far a level is off; the volume may be by all its size.
+    /// Returns the geometric error of a level; for the box, its diagonal.
     pub(super) fn error(&self, level: Option<u32>) -> f64 {
         match level {
             Some(level) => f64::from(self.errors[level as usize]),
@@ -94,12 +96,12 @@ impl Levels {
         self.errors.len() as u32 - 1
     }
 
-    /// Was a level neither built nor tried in vain?
+    /// Returns `true` if a level was neither built nor failed to build.
     pub(super) fn lacks(&self, level: u32) -> bool {
         !self.built.contains_key(&level) && !self.failed.contains(&level)
     }
 
-    /// Builds a level, and gives its number of faces; or says why not, and then it is not tried again.
+    /// Builds a level and returns its number of faces, or the reason of the failure. A failed level is not tried again.
     pub(super) fn build(&mut self, level: u32) -> Result<u64, String> {
         let made = match catch_unwind(AssertUnwindSafe(|| self.source.build(level))) {
             Ok(Ok(mesh)) if mesh.face_count() == 0 => Err("it made a mesh of no faces".to_owned()),
@@ -123,14 +125,14 @@ impl Levels {
         }
     }
 
-    /// The level to draw by where `wanted` may not be there: it, or the coarsest that is finer, or the finest there is.
+    /// Returns the best built level for `wanted`: itself, else the coarsest finer one, else the finest.
     pub(super) fn best_for(&self, wanted: u32) -> Option<u32> {
         let enough = self.built.range(wanted..).next();
         let best = enough.or_else(|| self.built.range(..wanted).next_back());
         best.map(|(&level, _)| level)
     }
 
-    /// What is drawn of a level; of none, the volume.
+    /// Returns the mesh of a level; for `None`, the box.
     pub(super) fn mesh(&self, level: Option<u32>) -> &Arc<Mesh> {
         let built = level.and_then(|level| self.built.get(&level));
         built.unwrap_or(&self.volume)
@@ -153,7 +155,7 @@ impl Levels {
     }
 }
 
-/// Does a box hold another, up to rounding?
+/// Returns `true` if a box contains another, up to rounding.
 fn holds(bounds: &Aabb, inner: &Aabb) -> bool {
     let slack = 1e-5 * bounds.longest_side();
     (0..3).all(|axis| {
@@ -164,10 +166,10 @@ fn holds(bounds: &Aabb, inner: &Aabb) -> bool {
 fn words(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str))
-        .unwrap_or("without a word")
+        .unwrap_or("no message")
 }
 
-/// A box as a mesh. Its sides are seen from within too: the eye may stand in it.
+/// Returns a box as a mesh. It has back faces too, as the eye may be inside.
 fn volume(bounds: &Aabb, material: MaterialId) -> Result<Arc<Mesh>, DetailError> {
     const SIDES: [[u32; 4]; 6] = [
         [0, 4, 6, 2],

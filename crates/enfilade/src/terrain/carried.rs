@@ -1,19 +1,19 @@
-//! What the places of a height field carry for who draws them, instead of normals made of its heights.
+//! User-defined vertex attributes of a height field: normals, texture coordinates and colors.
 
 use super::{HeightField, HeightFieldError};
 use crate::mesh::Attributes;
 
-/// Each list empty, or one for each place, row after row.
+/// Each list is empty or has one entry per sample, row after row.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Carried {
+pub(super) struct FieldAttributes {
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) texture: Vec<[f32; 2]>,
     pub(super) colors: Vec<[f32; 4]>,
 }
 
 impl HeightField {
-    /// The same field, whose places carry something: each list of `attributes` is empty, or has one for each place, row
-    /// after row as the heights. No normals are made of the heights then: where none are given, faces are flat.
+    /// Returns the field with vertex attributes: each list of `attributes` is empty or has one entry per sample, in the
+    /// order of the heights. Replaces the computed normals: without normals in `attributes`, faces are flat-shaded.
     ///
     /// # Errors
     /// [`HeightFieldError::AttributeCount`] and [`HeightFieldError::AttributeNotFinite`].
@@ -38,7 +38,7 @@ impl HeightField {
                 return Err(HeightFieldError::AttributeNotFinite { what });
             }
         }
-        self.carried = Some(Carried {
+        self.vertex_attributes = Some(FieldAttributes {
             normals: normals.to_vec(),
             texture: texture.to_vec(),
             colors: colors.to_vec(),
@@ -51,10 +51,10 @@ fn all_finite<const N: usize>(list: &[[f32; N]]) -> bool {
     list.iter().flatten().all(|value| value.is_finite())
 }
 
-impl Carried {
-    /// Of some places, by their numbers among all.
-    pub(super) fn at(&self, places: &[usize]) -> Carried {
-        Carried {
+impl FieldAttributes {
+    /// Returns the attributes of the samples with the given indices.
+    pub(super) fn at(&self, places: &[usize]) -> FieldAttributes {
+        FieldAttributes {
             normals: picked(&self.normals, places),
             texture: picked(&self.texture, places),
             colors: picked(&self.colors, places),

@@ -1,18 +1,17 @@
-//! Along which diagonal the cells of a height field are two triangles.
+//! The diagonal along which the cells of a height field are split into triangles.
 
-/// By the northern corner that a diagonal begins in; north is −z, east +x.
+/// Named for its northern end; north is −z, east +x.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Diagonal {
-    /// From the corner north-east to the one south-west.
+    /// From the north-east corner to the south-west corner.
     #[default]
     NorthEast,
-    /// From the corner north-west to the one south-east.
+    /// From the north-west corner to the south-east corner.
     NorthWest,
 }
 
 impl Diagonal {
-    /// The two triangles of a cell by its corners north-west, north-east, south-west and south-east, counter-clockwise seen
-    /// from above.
+    /// Returns the two triangles of a cell, counter-clockwise seen from above, from the indices of its corners.
     pub(super) fn triangles(
         self,
         [north_west, north_east, south_west, south_east]: [u32; 4],

@@ -1,8 +1,8 @@
-//! Height fields: ground of which one height is known at each place of a grid.
+//! Height fields (heightmaps): terrain with one height per grid sample.
 //!
-//! A cell between four places is two triangles, parted by the same [`Diagonal`] in all. Cells are taken together in square
-//! blocks, each a mesh, so that any method can see a terrain.
-//! Source: ours; the axes as in glTF, with north ahead: x goes east, y up, z south.
+//! A cell between four samples is two triangles, split along the same [`Diagonal`] in all cells. Cells are grouped into
+//! square blocks, one mesh each, so that every method can render terrain.
+//! Source: original; axes as in glTF, x east, y up, z south.
 //! Cost: O(samples).
 
 mod carried;
@@ -18,115 +18,118 @@ pub use large::{HeightBytes, HeightFormat, Heights, LargeTerrain};
 use crate::geom::{MAX_COORDINATE, Transform, is_in_range};
 use crate::geometry::{Geometry, GeometryBuilder, GeometryError, ItemId, MaterialId, MeshId};
 use crate::mesh::{Mesh, Part};
-use carried::Carried;
+use carried::FieldAttributes;
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Cells along a side of a block; those at the east and the south end may have fewer.
+/// Cells along a side of a block; blocks at the eastern and southern border may have fewer.
 const BLOCK: u32 = 32;
 
-/// The most samples along a side: 2¹⁶ cells.
+/// Maximum number of samples along a side: 2¹⁶ cells.
 const MAX_SAMPLES: u32 = (1 << 16) + 1;
 
-/// Heights at the places of a grid.
+/// A heightmap: heights at the samples of a grid.
+///
+/// Add it to a geometry with [`GeometryBuilder::terrain`]. For terrain too large for memory see [`LargeTerrain`].
+#[doc(alias = "heightmap")]
+#[doc(alias = "terrain")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     size: [u32; 2],
-    /// x of the columns and z of the rows, which grow.
+    /// x of the columns and z of the rows, increasing.
     lines: [Vec<f32>; 2],
     heights: Vec<f32>,
     diagonal: Diagonal,
-    /// What is there instead of normals made of the heights.
-    carried: Option<Carried>,
+    /// User-defined vertex attributes instead of computed normals.
+    vertex_attributes: Option<FieldAttributes>,
 }
 
-/// Why heights make no field.
+/// Why heights do not form a height field.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HeightFieldError {
-    /// There is no cell, or there are more than are numbered.
+    /// Too few samples for a cell, or more than the maximum.
     #[error("a height field has 2 to {MAX_SAMPLES} samples along each side, but this one has {} x {}", .0[0], .0[1])]
     Size([u32; 2]),
-    /// A cell has no length, or all together are longer than [`MAX_COORDINATE`].
-    #[error("cells are {} long from west to east and {} from north to south; that must be above 0, and all of them within {MAX_COORDINATE:e}", .0[0], .0[1])]
+    /// A cell size is not positive, or the field is longer than [`MAX_COORDINATE`].
+    #[error("cells are {} long from west to east and {} from north to south; both must be above 0, and the whole field within {MAX_COORDINATE:e}", .0[0], .0[1])]
     Cell([f64; 2]),
-    /// A column that is not east of the one before it, or a row that is not south of it; or NaN, or beyond
-    /// [`MAX_COORDINATE`].
+    /// Column or row positions that do not increase, are NaN, or exceed [`MAX_COORDINATE`].
     #[error(
         "{what} {number} of a height field stands at {place}, which is not beyond the one before it, or is not within {MAX_COORDINATE:e}"
     )]
     Line {
-        /// Columns or rows.
+        /// `column` or `row`.
         what: &'static str,
-        /// Which of them, counted from the west or from the north.
+        /// Index, counted from the west or from the north.
         number: u32,
-        /// Its x, or z.
+        /// Its x or z.
         place: f32,
     },
-    /// Not one height for each place.
+    /// The number of heights differs from the number of samples.
     #[error("{needs} heights are needed, but {has} are there")]
     Count {
-        /// How many there should be.
+        /// Expected number.
         needs: u64,
-        /// How many there are.
+        /// Actual number.
         has: u64,
     },
-    /// Not as many bytes as the heights take.
-    #[error("heights of {needs} bytes are needed, but {has} are there")]
+    /// The number of bytes does not match the size and format.
+    #[error("the heights need {needs} bytes, but there are {has}")]
     Bytes {
-        /// How many there should be.
+        /// Expected number.
         needs: u64,
-        /// How many there are.
+        /// Actual number.
         has: u64,
     },
-    /// More faces than are numbered.
-    #[error("blocks of so many samples take {0} numbers of faces, but there are no more than 4294907295")]
+    /// More faces than face ids.
+    #[error("terrain of this size needs {0} face ids, but there are only 4294907295")]
     Faces(u64),
-    /// NaN, which stands for a hole as a rule, or infinite.
+    /// A height is NaN, which usually marks a hole, or infinite.
     #[error(
-        "the height at column {column}, row {row} is {height}: terrain has no holes. Fill it, or cut the field in parts around it"
+        "the height at column {column}, row {row} is {height}: terrain cannot have holes; fill it, or split the field around it"
     )]
     Hole {
-        /// Counted from the west.
+        /// Column, counted from the west.
         column: u32,
-        /// Counted from the north.
+        /// Row, counted from the north.
         row: u32,
-        /// What stands there.
+        /// The value.
         height: f32,
     },
-    /// A height beyond [`MAX_COORDINATE`].
+    /// A height is beyond [`MAX_COORDINATE`].
     #[error("the height at column {column}, row {row} is {height}, which is not within {MAX_COORDINATE:e}")]
     TooFar {
-        /// Counted from the west.
+        /// Column, counted from the west.
         column: u32,
-        /// Counted from the north.
+        /// Row, counted from the north.
         row: u32,
-        /// What stands there.
+        /// The value.
         height: f32,
     },
-    /// What places carry is not there for each of them.
+    /// An attribute list has not one entry per sample.
     #[error("{needs} {what} are needed, or none, but {has} are there")]
     AttributeCount {
-        /// Which of them.
+        /// Name of the attribute.
         what: &'static str,
-        /// How many places there are.
+        /// Number of samples.
         needs: u64,
-        /// How many of them there are.
+        /// Number of entries.
         has: u64,
     },
-    /// What a place carries is NaN or infinite.
+    /// An attribute is NaN or infinite.
     #[error("{what} of a height field are not all finite")]
     AttributeNotFinite {
-        /// Which of them.
+        /// Name of the attribute.
         what: &'static str,
     },
 }
 
 impl HeightField {
-    /// `size` samples from west to east and from north to south, of which the first stands at x = 0, z = 0, and the next ones
-    /// `cell` lengths on; their heights y, row after row, the northern first.
+    /// Creates a field of `size` samples (west to east, north to south), spaced `cell` units along x and z. The first
+    /// sample is at x = 0, z = 0. `heights` are y, row after row from the north, each row from west to east.
     ///
     /// # Errors
     /// A [`HeightFieldError`] for the first broken rule.
@@ -144,8 +147,8 @@ impl HeightField {
         HeightField::on(lines, size, heights.into())
     }
 
-    /// Samples where columns and rows cross: `columns` are the x of those that go from north to south, `rows` the z of those
-    /// from west to east, each at least 2 numbers that grow, their steps as they like; heights as for [`HeightField::new`].
+    /// Creates a field with a non-uniform grid: `columns` are the x and `rows` the z of the samples, each at least 2
+    /// increasing numbers. Heights as for [`HeightField::new`].
     ///
     /// # Errors
     /// A [`HeightFieldError`] for the first broken rule.
@@ -167,7 +170,7 @@ impl HeightField {
         HeightField::on(lines, size, heights.into())
     }
 
-    /// Heights on sound lines.
+    /// Creates a field on checked grid lines.
     fn on(lines: [Vec<f32>; 2], size: [u32; 2], heights: Vec<f32>) -> Result<HeightField, HeightFieldError> {
         let needs = u64::from(size[0]) * u64::from(size[1]);
         if needs != heights.len() as u64 {
@@ -184,21 +187,21 @@ impl HeightField {
             lines,
             heights,
             diagonal: Diagonal::default(),
-            carried: None,
+            vertex_attributes: None,
         })
     }
 
-    /// The same field, its cells cut along another diagonal.
+    /// Returns the field with its cells split along the given diagonal.
     pub fn cut_along(self, diagonal: Diagonal) -> HeightField {
         HeightField { diagonal, ..self }
     }
 
-    /// Samples from west to east and from north to south.
+    /// Returns the number of samples from west to east and from north to south.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Where a sample stands. There must be one.
+    /// Returns the position of a sample. Panics if there is none.
     pub fn position(&self, column: u32, row: u32) -> [f32; 3] {
         let [columns, rows] = &self.lines;
         [
@@ -208,12 +211,12 @@ impl HeightField {
         ]
     }
 
-    /// Blocks from west to east and from north to south.
+    /// Returns the number of blocks from west to east and from north to south.
     pub fn blocks(&self) -> [u32; 2] {
         self.size.map(|side| (side - 1).div_ceil(BLOCK))
     }
 
-    /// The columns and rows of the samples of a block, by its own column and row.
+    /// Returns the sample columns and rows of a block, given the block's column and row.
     pub fn samples_of(&self, block: [u32; 2]) -> [Range<u32>; 2] {
         [0, 1].map(|axis| {
             let first = block[axis] * BLOCK;
@@ -225,12 +228,12 @@ impl HeightField {
         self.heights[self.place(column, row)]
     }
 
-    /// The number of a place among all.
+    /// Returns the index of a sample.
     fn place(&self, column: u32, row: u32) -> usize {
         row as usize * self.size[0] as usize + column as usize
     }
 
-    /// A block as a mesh, cell by cell.
+    /// Builds the mesh of a block, cell by cell.
     fn mesh_of(&self, block: [u32; 2], material: MaterialId) -> Mesh {
         let [columns, rows] = self.samples_of(block);
         let width = columns.len() as u32;
@@ -243,8 +246,8 @@ impl HeightField {
                 places.push(self.place(column, row));
             }
         }
-        let carried = match &self.carried {
-            Some(carried) => carried.at(&places),
+        let vertex_attributes = match &self.vertex_attributes {
+            Some(vertex_attributes) => vertex_attributes.at(&places),
             None => self.smooth([columns.clone(), rows.clone()]),
         };
         for row in 0..rows.len() as u32 - 1 {
@@ -260,21 +263,21 @@ impl HeightField {
             corners: &corners,
             sides: None,
             material,
-            attributes: carried.attributes(),
+            attributes: vertex_attributes.attributes(),
         };
-        Mesh::new(&[part]).expect("heights and places are finite, and triangles need no more")
+        Mesh::new(&[part]).expect("finite positions and attributes form a valid mesh")
     }
 
-    /// Normals made of the heights, for some columns and rows.
-    fn smooth(&self, [columns, rows]: [Range<u32>; 2]) -> Carried {
+    /// Computes vertex normals for a range of columns and rows.
+    fn smooth(&self, [columns, rows]: [Range<u32>; 2]) -> FieldAttributes {
         let row = |row| columns.clone().map(move |column| self.normal(column, row));
-        Carried {
+        FieldAttributes {
             normals: rows.flat_map(row).collect(),
-            ..Carried::default()
+            ..FieldAttributes::default()
         }
     }
 
-    /// Upright on the ground at a sample, by the neighbours around it.
+    /// Computes the unit normal at a sample by central differences.
     fn normal(&self, column: u32, row: u32) -> [f32; 3] {
         let along = |at: u32, axis: usize| [at.saturating_sub(1), (at + 1).min(self.size[axis] - 1)];
         let [west, east] = along(column, 0).map(|column| f64::from(self.height(column, row)));
@@ -295,7 +298,7 @@ fn check_size(size: [u32; 2]) -> Result<(), HeightFieldError> {
     Ok(())
 }
 
-/// Why a height that is not in range is refused.
+/// Returns the error for a height that is not in range.
 fn bad_height(column: u32, row: u32, height: f32) -> HeightFieldError {
     if height.is_finite() {
         HeightFieldError::TooFar { column, row, height }
@@ -319,15 +322,15 @@ fn check_cell(size: [u32; 2], cell: [f64; 2]) -> Result<(), HeightFieldError> {
 #[derive(Clone, Debug)]
 pub(crate) struct Terrain {
     pub(crate) field: Arc<HeightField>,
-    /// The numbers of the items that are its blocks.
+    /// Item ids of its blocks.
     pub(crate) blocks: Range<u32>,
-    /// The mesh of the first block; the others' follow.
+    /// Mesh of the first block; the other blocks' meshes follow.
     first_mesh: MeshId,
     pub(crate) sector_from_field: Transform,
 }
 
 impl Terrain {
-    /// Are all blocks still there, and as they were?
+    /// Returns `true` if all blocks are still in the geometry, unchanged.
     pub(crate) fn is_whole(&self, geometry: &Geometry) -> bool {
         let place = self.sector_from_field.columns();
         self.blocks.clone().zip(self.first_mesh.0..).all(|(block, mesh)| {
@@ -338,11 +341,11 @@ impl Terrain {
 }
 
 impl GeometryBuilder {
-    /// Adds the blocks of a height field as items, row after row, the northern first and each from west to east. They are called
-    /// `NAME ROW COLUMN`, by numbers of blocks. Gives their numbers.
+    /// Adds the blocks of a height field as items, row after row from the north, each row from west to east. They are
+    /// named `NAME ROW COLUMN`, by block indices. Returns their ids.
     ///
     /// # Errors
-    /// As [`GeometryBuilder::build`], where there would be more faces than are numbered.
+    /// [`GeometryError::TooManyFaces`], as [`GeometryBuilder::build`].
     pub fn terrain(
         &mut self,
         name: &str,
@@ -368,7 +371,7 @@ impl GeometryBuilder {
                 first.get_or_insert((item, mesh));
             }
         }
-        let (first_item, first_mesh) = first.expect("a field has a block at least");
+        let (first_item, first_mesh) = first.expect("a height field has at least one block");
         let blocks = first_item.0..first_item.0 + columns * rows;
         self.terrains.push(Terrain {
             field,

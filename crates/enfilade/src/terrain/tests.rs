@@ -1,4 +1,4 @@
-//! What fields are refused, and what blocks are made of them.
+//! Height fields: rejected input, and the meshes of blocks.
 
 use super::*;
 use crate::geometry::{Geometry, Material};
@@ -78,7 +78,7 @@ fn blocks_cover_the_field_once_and_share_their_edges() {
         assert_eq!([bounds.min[0], bounds.min[2]], [0.0, 0.0]);
         let last = field.position(size[0] - 1, size[1] - 1);
         assert_eq!([bounds.max[0], bounds.max[2]], [last[0], last[2]]);
-        // From above one meets the ground everywhere, and nowhere twice.
+        // A ray from above hits the ground at any position, and its front.
         for number in 0..200 {
             let place = |step: f64, end: f32| ((f64::from(number) * step).fract() as f32) * end;
             let origin = [place(0.754_877_7, last[0]), 50.0, place(0.569_840_3, last[2])];
@@ -94,7 +94,7 @@ fn blocks_cover_the_field_once_and_share_their_edges() {
 
 #[test]
 fn the_diagonal_of_a_cell_goes_from_north_east_to_south_west() {
-    // A ridge along it, or else a valley.
+    // A ridge along the diagonal; the other diagonal would make it a valley.
     let field = field([2, 2], |column, row| if column == row { 0.0 } else { 1.0 });
     let geometry = geometry(&field);
     let down = Ray {
@@ -137,12 +137,12 @@ fn a_field_may_be_cut_along_the_other_diagonal() {
 #[test]
 fn columns_and_rows_stand_where_they_are_said_to() {
     let field = HeightField::on_lines([-7.5, 0.1, 0.3], [-1.0, 1e6], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
-    let field = field.expect("they grow");
+    let field = field.expect("increasing lines");
     assert_eq!((field.size(), field.position(1, 1)), ([3, 2], [0.1, 4.0, 1e6]));
     assert_eq!(geometry(&field).bounds().min, [-7.5, 0.0, -1.0]);
     let refused = |columns: &[f32], rows: &[f32]| {
         let refused = HeightField::on_lines(columns, rows, [0.0; 6]);
-        refused.expect_err("they do not grow").to_string()
+        refused.expect_err("lines do not increase").to_string()
     };
     let words = "which is not beyond the one before it";
     for (columns, said) in [
@@ -176,9 +176,9 @@ fn what_places_carry_comes_to_the_corners_of_their_blocks() {
             ..Attributes::default()
         })
     };
-    let geometry = geometry(&carrying(&places).expect("one for each"));
+    let geometry = geometry(&carrying(&places).expect("one per sample"));
     for mesh in geometry.meshes() {
-        // Where no normals are given faces are flat.
+        // Without given normals, faces are flat-shaded.
         assert!(mesh.normals().is_empty() && mesh.colors().is_empty());
         let pairs = mesh.positions().iter().zip(mesh.texture());
         for (position, place) in pairs {

@@ -1,4 +1,4 @@
-//! Planes and rows that make no cells.
+//! Invalid planes and visibility rows of baked cells.
 
 use enfilade::{BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree};
 

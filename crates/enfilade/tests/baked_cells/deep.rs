@@ -1,4 +1,4 @@
-//! Trees as deep as they have nodes, numbers as large as there are, and things in every cell.
+//! Trees as deep as their number of nodes, very large coordinates, and items in every cell.
 
 use crate::{HOUSE, SIZE, names};
 use enfilade::{
@@ -6,7 +6,7 @@ use enfilade::{
     Mesh, Method, Scene, SceneBuilder, Transform, View,
 };
 
-/// Planes across x, one below the other; behind each lies a cell, and in front the next.
+/// Planes across x, one below the other in the tree; behind each is a cell, and in front the next plane.
 fn chain(count: u32, distance: impl Fn(u32) -> f64, tolerance: f64) -> BakedCells {
     let node = |number: u32| CellNode {
         normal: [1.0, 0.0, 0.0],
@@ -23,12 +23,12 @@ fn chain(count: u32, distance: impl Fn(u32) -> f64, tolerance: f64) -> BakedCell
         nodes: (0..count).map(node).collect(),
         tolerance,
     };
-    // From each cell only the cell itself, by a row of none.
+    // An empty row: from each cell only the cell itself is potentially visible.
     let row_of = vec![Some(0); count as usize + 1];
     BakedCells::new(tree, &row_of, [[]]).expect("a chain is a tree")
 }
 
-/// A sheet across the line of sight, of this reach along x, and small ones at 10.5, 500.5 and 9,000.5.
+/// A sheet perpendicular to the view direction with this extent along x, and small ones at 10.5, 500.5 and 9,000.5.
 fn scene(cells: BakedCells, reach: [f32; 2]) -> Scene {
     let material = Material {
         double_sided: true,
@@ -70,7 +70,8 @@ fn a_tree_of_a_hundred_thousand_planes_in_a_row_is_walked_without_recursion() {
     ] {
         assert_eq!(seen(&scene, x), ["0 long", name]);
     }
-    // On the plane before it: both cells are asked. In another cell nothing else comes, though it is in view.
+    // On the plane in front of the sheet both cells count. From another cell nothing else is potentially visible,
+    // though it is in the frustum.
     assert_eq!(seen(&scene, 10.0), ["0 long", "1 at 10.5"]);
     assert_eq!(seen(&scene, 11.5), ["0 long"]);
     assert_eq!(scene.build_stats().depth, 100_000);
@@ -81,7 +82,7 @@ fn a_hundred_thousand_times_the_same_plane_ends_too() {
     let scene = scene(chain(100_000, |_| 0.0, 0.0), [-10.0, 20_000.0]);
     assert_eq!(seen(&scene, 500.5), ["0 long", "2 at 500.5"]);
     assert_eq!(seen(&scene, 0.0).len(), 1);
-    // All planes are within the tolerance of everything: whatever is asked for is everywhere.
+    // All planes are within the tolerance of everything, so each query touches all cells.
     let scene = self::scene(chain(100_000, |_| 0.0, 1e9), [-10.0, 20_000.0]);
     assert_eq!(seen(&scene, 10.5), ["0 long", "1 at 10.5"]);
 }

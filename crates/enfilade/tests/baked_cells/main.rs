@@ -1,4 +1,4 @@
-//! What goes by cells computed ahead: nothing that is seen is left out, from wherever and whatever moves.
+//! Baked cells (PVS): no false culls from any position and for any moving item.
 
 mod bad;
 mod deep;
@@ -26,8 +26,8 @@ fn by_cells(scene: &Scene) -> Scene {
         .expect("it has cells")
 }
 
-/// Looks and draws, and holds both against the reference, `places` by chance in each pixel; gives the numbers of items that
-/// are seen for certain, and in the set.
+/// Looks and draws, and compares both with the reference at `places` random positions per pixel. Returns the numbers of
+/// certainly visible items and of items in the set.
 fn holds(scene: &Scene, reference: &Reference, view: &View, places: u32, place: &str) -> [usize; 2] {
     let mut viewer = Viewer::new();
     viewer.set_limits(limits());
@@ -46,7 +46,7 @@ fn holds(scene: &Scene, reference: &Reference, view: &View, places: u32, place: 
     counts
 }
 
-/// The names of what is in the set, in order.
+/// Returns the names of the items in the set, in order.
 fn names(scene: &Scene, view: &View) -> Vec<String> {
     let geometry = scene.geometry(HOUSE).expect("ours");
     let mut viewer = Viewer::new();
@@ -56,7 +56,7 @@ fn names(scene: &Scene, view: &View) -> Vec<String> {
         .collect()
 }
 
-/// The same geometry with other cells.
+/// Returns the same geometry with other cells.
 fn with_cells(geometry: &Geometry, cells: Option<Arc<BakedCells>>) -> Geometry {
     let mut builder = GeometryBuilder::new(geometry.materials());
     for (number, item) in geometry.items().iter().enumerate() {
@@ -70,7 +70,7 @@ fn with_cells(geometry: &Geometry, cells: Option<Arc<BakedCells>>) -> Geometry {
     builder.build().expect("as sound as it was")
 }
 
-/// The same cells, from all of which everything is seen.
+/// Returns the same cells with everything potentially visible from each.
 fn blind(cells: &BakedCells) -> Arc<BakedCells> {
     let rows: [[enfilade::CellId; 0]; 0] = [];
     let row_of = vec![None; cells.cell_count()];
@@ -122,7 +122,7 @@ fn eyes_on_walls_in_doorways_in_rock_and_outside_miss_nothing() {
                 })
             };
             let [mut eye, toward] = [anywhere(0.1), anywhere(0.0)];
-            // All planes of the house stand at whole numbers.
+            // All planes of the house are at integer coordinates.
             match number % 4 {
                 0 => eye[0] = eye[0].round(),
                 1 => eye[2] = eye[2].round().next_up(),
@@ -131,7 +131,7 @@ fn eyes_on_walls_in_doorways_in_rock_and_outside_miss_nothing() {
             }
             let mut view = View::new(eye, toward, SIZE);
             if number % 3 == 0 {
-                // So far away that walls lie before it.
+                // So far away that walls are in front of it.
                 view.near = 0.75;
             }
             seen += holds(&scene, &reference, &view, 3, &format!("house {seed}, {view:?}"))[0];
@@ -181,7 +181,7 @@ fn a_room_behind_a_door_shows_what_is_seen_through_it_and_not_what_its_eye_would
     assert!(!names.iter().any(|name| name.starts_with("f ")), "{names:?}");
 }
 
-/// Moves, adds and removes what stands free, also into walls and out of the house.
+/// Moves, adds and removes free-standing items, also into walls and out of the house.
 fn edit_what_stands_free(scene: &mut Scene, count: usize, random: &mut Random) -> u64 {
     let geometry = Arc::clone(scene.geometry(HOUSE).expect("ours"));
     let is_free = |item: &ItemId| {
@@ -258,7 +258,7 @@ fn a_thing_that_stands_nowhere_is_always_looked_at_and_one_that_is_gone_never() 
     edit.set_transform(HOUSE, ball, above).expect("it is there");
     edit.finish().expect("little");
     let eye = [middle[0] + 1.0, 9.0, middle[2]];
-    // From within the house too, as far as boxes tell: no row says anything of what is in no cell.
+    // Also from inside the house, limited only by boxes: rows say nothing about items outside all cells.
     for eye in [eye, [middle[0], 1.5, middle[2]]] {
         let mut view = View::new(eye, [middle[0] + 0.001, middle[1] + 8.0, middle[2]], SIZE);
         view.up = [0.0, 0.0, 1.0];

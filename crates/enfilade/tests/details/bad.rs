@@ -1,4 +1,4 @@
-//! Sources that fail: their items keep their boxes, the error is told once, and looks go on.
+//! Sources that fail: their items keep their boxes, the error is reported once, and later looks work.
 
 use crate::world::{Ball, HALL, at, empty, settle, square, straight};
 use enfilade::{
@@ -12,7 +12,7 @@ type Made = Result<Arc<Mesh>, Box<dyn Error + Send + Sync>>;
 
 type Make = fn(u32) -> Made;
 
-/// A source that makes what it is told to.
+/// A source that calls the given function.
 #[derive(Clone, Copy)]
 struct Odd {
     bounds: [f32; 2],
@@ -194,7 +194,7 @@ fn what_somebody_else_removes_or_changes_is_theirs() {
             .add(&mut scene, HALL, "ball", Ball::new(), at([x, 0.0, -6.0]))
             .expect("it fits")
     });
-    // One is removed and its number taken by another, one is given another mesh; both after they were seen.
+    // One item is removed and its id reused, one gets another mesh; both after they were visible.
     let set = viewer.look(&scene, &straight());
     let mut edit = scene.edit();
     edit.remove(HALL, items[0]).expect("it is there");
@@ -211,7 +211,7 @@ fn what_somebody_else_removes_or_changes_is_theirs() {
     let geometry = scene.geometry(HALL).expect("ours");
     let faces = items.map(|item| geometry.mesh_of(item).face_count());
     assert!(faces[0] == 2 && faces[1] == 2 && faces[2] > 24, "{faces:?}");
-    // What is forgotten keeps what it has.
+    // A forgotten item keeps its level.
     details.forget(HALL, items[2]);
     assert_eq!(details.level(HALL, items[2]), None);
     settle(&mut details, &mut scene, &mut viewer, &straight());

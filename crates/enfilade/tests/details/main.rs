@@ -1,4 +1,5 @@
-//! Levels of detail: what is hidden builds nothing, what is seen becomes as fine as it is large, and nothing is dropped.
+//! Levels of detail: hidden items build nothing, visible ones get the level their screen size needs, and no item is
+//! missed.
 
 mod bad;
 mod pictures;
@@ -12,7 +13,7 @@ use enfilade::{
 use std::sync::Arc;
 use world::{Ball, HALL, at, hall, names, settle, square, straight, wall_at};
 
-/// The methods that promise something.
+/// The methods that guarantee no false culls.
 fn surely() -> impl Iterator<Item = Method> {
     let all = Method::ALL.into_iter();
     all.filter(|method| method.contract().never_misses() && method.requires().is_none())
@@ -33,14 +34,14 @@ fn what_is_hidden_builds_nothing_until_it_is_seen() {
         settle(&mut details, &mut scene, &mut viewer, &straight());
         assert_eq!((seen.builds(), hidden.builds()), (1, 0), "{method}");
         assert_eq!(details.level(HALL, behind), Some(None));
-        // From the side it comes into view.
+        // It comes into view from the side.
         let view = View::new([6.0, 0.0, -6.0], [0.0, 0.0, -8.0], [96, 72]);
         settle(&mut details, &mut scene, &mut viewer, &view);
         assert_eq!(hidden.builds(), 1, "{method}");
     }
 }
 
-/// A hall with a door to a study, and a mirror beside the door; in the study stands nothing yet.
+/// A hall with a door to an empty study, and a mirror beside the door.
 fn rooms(method: Method) -> (Scene, SectorId) {
     let [mut hall, mut study] = [world::materials(), world::materials()].map(GeometryBuilder::new);
     let door = ConvexPolygon::rectangle([-0.5, -1.0, -4.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]).expect("flat");
@@ -65,7 +66,7 @@ fn what_is_seen_through_a_door_or_in_a_mirror_is_seen() {
         let places = [
             ("in line with the door", study, [0.0, 0.0, -8.0], 1),
             ("beside the door", study, [6.0, 0.0, -5.0], 0),
-            // What stands at z = 2 is seen as if at −10, where the mirror shows x from 2.5 to 5.
+            // An item at z = 2 appears at −10 in the mirror, which shows x from 2.5 to 5.
             ("in the mirror", HALL, [3.7, 0.0, 2.0], 1),
             ("beside the mirror", HALL, [9.0, 0.0, 2.0], 0),
         ];
@@ -103,7 +104,7 @@ fn what_the_eye_or_a_door_stands_in_is_seen_though_no_side_of_its_box_is() {
             .expect("it fits");
         settle(&mut details, &mut scene, &mut viewer, &straight());
         assert!(details.level(HALL, around_eye).flatten().is_some(), "{method}");
-        // The same of a box in a study that reaches out of its door.
+        // The same for a box in the study that extends through the door.
         let mut edit = scene.edit();
         let wall = edit
             .add(study, "wall", wall_at(-5.0), Transform::IDENTITY)
@@ -264,7 +265,7 @@ fn a_way_there_and_back_changes_levels_once_each_way_and_a_trembling_eye_changes
     let there: Vec<f32> = (0..200).map(|i| (60.0 * 0.97_f32.powi(i)).max(0.6)).collect();
     let mut levels = Vec::new();
     for &distance in there.iter().chain(there.iter().rev()) {
-        // The eye trembles by a hundredth of the distance.
+        // The eye jitters by a hundredth of the distance.
         let trembling = [0.0, 0.01, -0.01, 0.01, -0.01].map(|tremble| level_at(distance, tremble * distance));
         let changes = trembling.windows(2).filter(|pair| pair[0] != pair[1]).count();
         assert!(changes <= 1, "{trembling:?} at {distance}");
@@ -331,6 +332,6 @@ fn an_adopted_item_is_what_it_was_again_when_it_is_near() {
         items.map(|item| details.level(HALL, item)),
         [Some(Some(Ball::FINEST)); 2]
     );
-    // One that did not hide before does not now.
+    // An item that was no occluder before is none now.
     assert_eq!(items.map(|item| geometry.item(item).is_occluder), [true, false]);
 }

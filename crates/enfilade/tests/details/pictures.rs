@@ -1,4 +1,4 @@
-//! A picture of the level that was chosen is that of the finest, but for a pixel along silhouettes.
+//! The picture of the chosen level matches that of the finest one, except for a pixel along silhouettes.
 
 use crate::world::{Ball, HALL, at, empty, settle};
 use enfilade::{
@@ -8,10 +8,10 @@ use enfilade::{
 };
 use std::sync::Arc;
 
-/// How many times finer than the screen the pictures are that are compared: a pixel is so many of theirs.
+/// Resolution of the compared pictures relative to the view, per axis.
 const FINER: u32 = 4;
 
-/// Which samples anything is painted on.
+/// Which samples are covered.
 struct Covered(Vec<Vec<bool>>);
 
 impl Canvas for Covered {
@@ -24,7 +24,7 @@ impl Canvas for Covered {
     }
 }
 
-/// What is covered of a picture that is finer than the view's.
+/// Renders coverage at a higher resolution than the view's.
 fn covers(scene: &Scene, view: &View) -> Vec<Vec<bool>> {
     let mut view = *view;
     view.size = view.size.map(|side| FINER * side);
@@ -34,7 +34,8 @@ fn covers(scene: &Scene, view: &View) -> Vec<Vec<bool>> {
     covered.0
 }
 
-/// How far a covered sample of one picture may be from any of the other, at most, in pixels of the view.
+/// Returns the maximum distance of a covered sample of one picture from the other's covered samples, in pixels of the
+/// view.
 fn farthest(from: &[Vec<bool>], to: &[Vec<bool>]) -> f64 {
     let (height, width) = (from.len() as i32, from[0].len() as i32);
     let mut farthest = 0.0_f64;
@@ -58,7 +59,7 @@ fn farthest(from: &[Vec<bool>], to: &[Vec<bool>]) -> f64 {
     farthest
 }
 
-/// Holds what is drawn after refining against the finest level, from many distances, and gives the levels that were met.
+/// Compares the refined picture with that of the finest level, at many distances. Returns the levels used.
 fn silhouettes_agree(scene: &Scene, source: &Arc<dyn DetailSource>, place: Transform) -> Vec<u32> {
     let mut finest = scene.clone();
     let mut edit = finest.edit();
@@ -80,7 +81,7 @@ fn silhouettes_agree(scene: &Scene, source: &Arc<dyn DetailSource>, place: Trans
         settle(&mut details, &mut scene, &mut viewer, &view);
         levels.push(details.level(HALL, item).flatten().expect("it is seen"));
         let [chosen, full] = [covers(&scene, &view), covers(&finest, &view)];
-        // Where a sample lies is known to half the diagonal of one, in either picture.
+        // The position of a silhouette is known only to half a sample diagonal, in either picture.
         let known = 2_f64.sqrt() / f64::from(FINER);
         for off in [farthest(&chosen, &full), farthest(&full, &chosen)] {
             assert!(
@@ -105,7 +106,7 @@ fn the_silhouette_of_a_ball_is_never_off_by_more_than_a_pixel() {
     assert!(levels.len() >= 3, "{levels:?}");
 }
 
-/// Nine patches that wave, of clay that is seen from both sides.
+/// Nine wavy patches of double-sided clay.
 fn waves() -> (Scene, Arc<dyn DetailSource>) {
     let mut scene = SceneBuilder::new();
     let clay = Material {

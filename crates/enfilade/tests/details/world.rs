@@ -1,4 +1,4 @@
-//! A hall to put details into, and balls to be details.
+//! A hall for items with levels, and balls as such items.
 
 use enfilade::{
     Aabb, DetailSource, Details, GeometryBuilder, Material, MaterialId, Mesh, Method, RefineStats, Scene,
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 pub(crate) const HALL: SectorId = SectorId(0);
 
-/// A ball of radius ½ around the origin, cut along its parallels and meridians; its finest level is what it is.
+/// A ball of radius ½ around the origin, tessellated along parallels and meridians; its finest level counts as exact.
 pub(crate) struct Ball {
     builds: AtomicU32,
 }
@@ -24,7 +24,7 @@ impl Ball {
         })
     }
 
-    /// Levels made so far.
+    /// Number of levels built so far.
     pub(crate) fn builds(&self) -> u32 {
         self.builds.load(Ordering::Relaxed)
     }
@@ -54,8 +54,8 @@ impl DetailSource for Ball {
         if level == Ball::FINEST {
             return 0.0;
         }
-        // No corner of a triangle is farther from its middle than a step along a meridian: both levels lie between the ball
-        // and one that is smaller by this.
+        // No vertex of a triangle is farther from the triangle's middle than a step along a meridian, so both levels
+        // are between the ball and one smaller by this.
         0.5 * (1.0 - (std::f32::consts::PI / Ball::parallels(level) as f32).cos())
     }
 
@@ -87,7 +87,7 @@ pub(crate) fn materials() -> [Material; 1] {
     [Material::opaque([0.5; 3])]
 }
 
-/// A square of side 2 around the origin, seen from +z.
+/// A square of side 2 around the origin, facing +z.
 pub(crate) fn square() -> Arc<Mesh> {
     let corners = [
         [-1.0, -1.0, 0.0],
@@ -98,7 +98,7 @@ pub(crate) fn square() -> Arc<Mesh> {
     Arc::new(Mesh::triangles(&corners, &[0, 1, 2, 0, 2, 3], MaterialId(0)).expect("a square"))
 }
 
-/// A wall across everything, seen from +z.
+/// A wall across the whole view, facing +z.
 pub(crate) fn wall_at(z: f32) -> Arc<Mesh> {
     let corners = [
         [-50.0, -50.0, z],
@@ -132,12 +132,12 @@ pub(crate) fn at(place: [f32; 3]) -> Transform {
     Transform::translation(place)
 }
 
-/// Along −z, from the origin.
+/// A view from the origin along −z.
 pub(crate) fn straight() -> View {
     View::new([0.0; 3], [0.0, 0.0, -5.0], [96, 72])
 }
 
-/// Looks and refines until nothing is built and nothing waits, then looks again.
+/// Looks and refines until nothing is built and no item waits, then looks again.
 pub(crate) fn settle(
     details: &mut Details,
     scene: &mut Scene,

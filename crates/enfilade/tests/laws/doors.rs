@@ -1,12 +1,12 @@
-//! What is seen through doors that are open, closed or plain holes.
+//! Visibility through open doors, closed doors and plain holes.
 
 use crate::subject::{SIZE, drawn, limits, names, subject, viewer};
 use enfilade::laws::Reference;
 use enfilade::{Contract, OpeningId};
 use enfilade_scenes::BuiltIn;
 
-/// What is seen of a scene from one of its cameras, by every method, must be this; by exact ones, nothing else of what
-/// is named.
+/// Checks the visible items of a scene from one of its cameras with every method; exact methods may return no other
+/// named item.
 fn sees(scene: &str, camera: &str, seen: &[&str], hidden: &[&str]) {
     let subject = subject(scene);
     for (method, scene) in &subject.seen {
@@ -18,7 +18,7 @@ fn sees(scene: &str, camera: &str, seen: &[&str], hidden: &[&str]) {
         for item in seen {
             assert!(is_seen(item), "{method} misses `{item}` {place}");
         }
-        // Others may say more than is seen.
+        // Conservative methods may return more items.
         for item in hidden.iter().filter(|_| method.contract() == Contract::Exact) {
             assert!(!is_seen(item), "{method} sees `{item}` {place}");
         }

@@ -5,11 +5,11 @@ use enfilade::laws::{Contestants, views_through};
 use enfilade::{PortalId, View};
 use enfilade_scenes::{SCENES, built_in, fuzz_scene};
 
-/// Small: what matters here is near the middle of the picture, or all over it.
+/// Small: the relevant pixels are in the middle of the picture, or everywhere.
 const SIZE: [u32; 2] = [32, 18];
 
-/// Every method, in every frame of walks through all open portals of a scene. Returns the number of items that the
-/// reference certainly sees.
+/// Tests every method in every frame of walks through all open portals of a scene. Returns the number of certainly
+/// visible items.
 #[track_caller]
 fn nothing_is_lost_on_the_way_through(name: &str) -> usize {
     let scene = built_in(name).expect("a built-in scene").scene;
@@ -45,7 +45,7 @@ fn no_frame_is_lost_on_the_way_through_the_doors_of_the_palace() {
     assert!(nothing_is_lost_on_the_way_through("enfilade") > 1000);
 }
 
-/// `look --check` of one view, by every method.
+/// Tests one view with every method, as `look --check` does.
 #[track_caller]
 fn sees(name: &str, eye: [f32; 3], toward: [f32; 3], items: usize) {
     let scene = built_in(name).expect("a built-in scene").scene;
@@ -57,8 +57,8 @@ fn sees(name: &str, eye: [f32; 3], toward: [f32; 3], items: usize) {
 #[test]
 fn a_doorway_nearer_than_the_near_plane_is_looked_through() {
     sees("two-rooms", [-0.002, 1.05, 0.02], [5.0, 1.05, 0.02], 8);
-    // At the height of the ball's middle the eye is in a plane of the BSP tree, and the ball's edges in that plane are
-    // seen through the middles of a row of pixels.
+    // At the height of the ball's centre the eye is in a plane of the BSP tree, and the ball's edges in that plane
+    // project exactly to a row of pixel centres.
     sees("two-rooms", [-0.002, 1.0, 0.0], [5.0, 1.0, 0.0], 8);
 }
 
@@ -76,7 +76,7 @@ fn an_eye_in_the_plane_of_a_mirror_sees_what_is_before_it_twice() {
 
 #[test]
 fn every_method_keeps_its_contract_in_random_scenes_that_are_hard_to_get_right() {
-    // The last fourteen broke a contract once, when 400 did not.
+    // The last fourteen once broke a contract when 400 others did not.
     let hard = [
         3566, 5626, 7690, 7893, 11_438, 25_510, 28_782, 35_971, 62_188, 1_008_130, 1_023_015, 2_001_580,
         2_007_586, 2_048_840,

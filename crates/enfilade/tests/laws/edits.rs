@@ -1,4 +1,4 @@
-//! Every law holds of scenes that are edited between looks, with viewers that remember what is no more.
+//! Every law holds for scenes that are edited between looks, with viewers that remember removed items.
 
 use crate::subject::{SIZE, Subject, drawn, limits, names, subject, subjects, viewer};
 use enfilade::laws::Reference;
@@ -9,7 +9,7 @@ use enfilade::{
 use enfilade_scenes::{Random, random_edits};
 use std::sync::{Arc, LazyLock};
 
-/// The same geometry, built of nothing: without what was removed.
+/// Returns the same geometry, built from scratch without the removed items.
 fn afresh(geometry: &Geometry) -> Geometry {
     let mut builder = GeometryBuilder::new(geometry.materials());
     builder.textures(geometry.textures());
@@ -29,16 +29,15 @@ fn afresh(geometry: &Geometry) -> Geometry {
     builder.build().expect("as sound as it was")
 }
 
-/// The methods that go by what is there at the moment, whatever it is. What was computed ahead holds for as long as walls
-/// stay: see `tests/baked_cells/`; and what must be convex, for as long as it is: see `tests/laws/convex/`.
+/// The methods without requirements, which suit any edited geometry. Baked data is valid only while walls stay (see
+/// `tests/baked_cells/`), and convex cells only while they are convex (see `tests/laws/convex/`).
 static FOLLOWING: LazyLock<Vec<Method>> = LazyLock::new(|| {
     let all = Method::ALL.into_iter();
     all.filter(|method| method.requires().is_none()).collect()
 });
 
-/// Edits a scene round after round, as each method sees it, and holds every look to the method's contract, and to that at
-/// the same scene built afresh. Gives the number of items that were
-/// edited, and of those that the reference sees for certain.
+/// Edits a scene round after round with each method. Tests every look against the method's contract and against the
+/// same scene built from scratch. Returns the number of edited items and of certainly visible ones.
 fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, count: usize) -> [usize; 2] {
     let mut scenes: Vec<(Method, Scene, Viewer)> = methods
         .iter()
@@ -112,7 +111,7 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
                 let mut viewer = crate::subject::viewer();
                 viewer.look(&fresh, &view);
                 assert_eq!(looked, names(&fresh, viewer.visible()), "{place}: built afresh");
-                // Of the same focal length: all samples of this screen are among those of the wide one.
+                // The same focal length: all samples of this screen are among those of the wide one.
                 let mut wide = view;
                 wide.size[0] *= 3;
                 viewer.look(scene, &wide);
@@ -129,7 +128,7 @@ fn every_law_holds_after_a_thousand_edits_between_looks() {
     let small = |subject: &&Subject| subject.name != "enfilade";
     for subject in subjects().iter().filter(small) {
         let [edits, looked_at] = laws_hold_under_edits(subject, &FOLLOWING, 3, 1000);
-        // A thousand edits touch about as many items, or most of those that there are.
+        // A thousand edits touch about as many items, or most of the items if there are fewer.
         let each = subject.built.scene.item_count().min(500) / 2;
         assert!(
             edits > 3 * FOLLOWING.len() * each,
@@ -163,8 +162,8 @@ fn the_palace_may_be_turned_upside_down() {
     assert!(looked_at > 100);
 }
 
-/// A wall with a gap in its top, from x = 0.3 to 0.7 and down to the height of 1; and behind it something that leans: a sheet
-/// whose box is as high and as deep as broad.
+/// A wall with a gap at its top, from x = 0.3 to 0.7 and down to height 1; behind it a leaning sheet whose box has
+/// equal sides.
 fn a_wall_and_a_thing() -> Scene {
     let material = Material {
         double_sided: true,
@@ -196,7 +195,7 @@ fn a_thing_that_was_turned_and_flattened_is_seen_where_it_looks_over_a_wall() {
     let scene = a_wall_and_a_thing();
     let view = View::new([0.4, 1.0, 4.0], [0.4, 1.0, 0.0], SIZE);
     for degrees in [10.0_f64, 40.0, 45.0, 60.0] {
-        // Turned backwards, and what is deep flattened away: its height and its depth both point up, or one of them down.
+        // Rotated backwards, then flattened along z: its height and its depth both point up, or one of them down.
         let turn = Transform::rotation([1.0, 0.0, 0.0], -degrees.to_radians());
         let flattened = Transform::scaling([1.0, 1.0, 0.0]) * turn;
         let tip = flattened.point([0.5, 1.0, 1.0])[1];

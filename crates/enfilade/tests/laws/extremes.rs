@@ -1,4 +1,4 @@
-//! The contracts hold at every size and everywhere that coordinates may be.
+//! The contracts hold at every scale and throughout the coordinate range.
 
 use crate::every_method_keeps_its_contract;
 use crate::subject::{LIMIT, Subject, limits, subject};
@@ -9,7 +9,7 @@ use enfilade::{
 };
 use enfilade_scenes::{BuiltIn, Camera};
 
-/// Doors, mirrors, portals that scale, faces that cross or share a plane, slivers, glass, openings in openings.
+/// Doors, mirrors, scaling portals, intersecting and coplanar faces, slivers, glass, openings in openings.
 const SCENES: [&str; 9] = [
     "two-rooms",
     "mirror",
@@ -24,7 +24,7 @@ const SCENES: [&str; 9] = [
 
 const SIZE: [u32; 2] = [64, 36];
 
-/// The mesh, scaled.
+/// Returns the mesh, scaled.
 fn scaled(mesh: &Mesh, scale: f32) -> Mesh {
     let positions: Vec<[f32; 3]> = (mesh.positions().iter())
         .map(|position| position.map(|value| value * scale))
@@ -48,7 +48,7 @@ fn scaled(mesh: &Mesh, scale: f32) -> Mesh {
     Mesh::new(&parts).expect("the faces stay flat and convex")
 }
 
-/// The scene scaled, then shifted: its meshes, items, openings, portals and cameras.
+/// Returns the scene scaled, then translated: its meshes, items, openings, portals and cameras.
 fn moved(built: &BuiltIn, scale: f32, shift: [f32; 3]) -> BuiltIn {
     let scene = &built.scene;
     let there_from_here = Transform::translation(shift) * Transform::scaling([scale; 3]);
@@ -91,7 +91,7 @@ fn moved(built: &BuiltIn, scale: f32, shift: [f32; 3]) -> BuiltIn {
     }
 }
 
-/// The farthest coordinate of a scene.
+/// Returns the largest absolute coordinate of a scene.
 fn reach(built: &BuiltIn) -> f32 {
     let whole = built.scene.sectors().fold(Aabb::EMPTY, |sum, id: SectorId| {
         sum.union(&built.scene.bounds(id))
@@ -104,7 +104,7 @@ fn holds_on(name: &'static str, scale: f32, shift: [f32; 3]) {
     every_method_keeps_its_contract(&Subject::new(name, built), SIZE);
 }
 
-/// A centimetre, the near distance, is most of a room there: the doorway is nearer, and what is behind it is not.
+/// The near distance, a centimetre, is most of a room there: the doorway is nearer, and the geometry behind it is not.
 #[test]
 fn doorways_nearer_than_the_near_plane_of_a_tiny_scene_are_looked_through() {
     let mut visible = 0;

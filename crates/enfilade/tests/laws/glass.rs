@@ -1,4 +1,5 @@
-//! What lies over what: every method paints glass in the order of the reference's rays, and sets tell how to blend it.
+//! Transparency: every method paints transparent layers in the order of the reference, and visible sets report how to
+//! blend.
 
 use crate::subject::{SIZE, Subject, limits, subjects, viewer};
 use enfilade::laws::{LayerPicture, Reference};
@@ -6,8 +7,8 @@ use enfilade::{Canvas, Contract, ItemId, Owner, Passage, PassageId, Span, Viewer
 use enfilade_scenes::{Group, SCENES};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Holds the glass that every method paints against the reference, from every camera. Gives how many samples were compared,
-/// those with two layers or more, and the most layers of any.
+/// Compares the transparent layers that every method paints with the reference, from every camera. Returns the number
+/// of compared samples, of those with two or more layers, and the maximum number of layers.
 fn glass_is_painted_in_order(subject: &Subject, size: [u32; 2]) -> [usize; 3] {
     let Subject { name, built, seen } = subject;
     let reference = Reference::new(&built.scene);
@@ -33,7 +34,7 @@ fn glass_is_painted_in_order(subject: &Subject, size: [u32; 2]) -> [usize; 3] {
     looked_at
 }
 
-/// The scenes that have glass to speak of.
+/// The scenes with a relevant amount of glass.
 fn with_glass() -> impl Iterator<Item = &'static Subject> {
     let names: Vec<&str> = (SCENES.iter())
         .filter(|named| named.is(Group::Glass) || named.name == "enfilade")
@@ -62,7 +63,7 @@ fn glass_is_painted_over_what_is_behind_it_and_under_what_is_before_it() {
     }
 }
 
-/// Which item's glass was painted right over which other's, anywhere.
+/// Returns pairs of items whose glass was painted directly over the other's, at any sample.
 struct Over {
     passage: PassageId,
     last: BTreeMap<(u16, u16), (PassageId, ItemId)>,
@@ -123,7 +124,7 @@ fn an_engine_that_blends_items_is_told_their_order() {
                     let geometry = scene.geometry(set.passage(passage).sector).expect("ours");
                     geometry.item(item).bounds
                 });
-                // Cut-outs are drawn with what is opaque.
+                // Alpha-tested items are drawn in the opaque pass.
                 let Some([below_at, above_at]) = place(below).zip(place(above)).map(<[usize; 2]>::from)
                 else {
                     continue;

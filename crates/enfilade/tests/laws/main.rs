@@ -1,4 +1,4 @@
-//! The laws: each is stated once, and holds for every method on every scene.
+//! The laws: each is stated once and holds for every method on every scene.
 
 mod convex;
 mod doors;
@@ -18,7 +18,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use subject::{SIZE, Subject, drawn, limits, names, subject, subjects, viewer};
 
-/// Holds every method to its contract on every camera; gives the number of items that the reference sees for certain.
+/// Tests every method against its contract from every camera. Returns the number of certainly visible items.
 fn every_method_keeps_its_contract(subject: &Subject, size: [u32; 2]) -> usize {
     let Subject { name, built, seen } = subject;
     let reference = Reference::new(&built.scene);
@@ -129,7 +129,8 @@ fn a_bigger_aperture_never_sees_less() {
     for subject in subjects() {
         let Subject { name, built, seen } = subject;
         for (method, scene) in seen {
-            // A wider screen has other occluders worth choosing: then only what is really seen is held to stay.
+            // A wider screen may lead to another selection of occluders; then only certainly visible items must stay in
+            // the set.
             let chooses = matches!(method.contract(), Contract::Conservative | Contract::Strict);
             let before = if chooses {
                 subject.seen_by(Method::ZBuffer)
@@ -199,7 +200,7 @@ fn what_a_tree_shows_by_faces_it_also_shows_by_boxes() {
     }
 }
 
-/// Counts how often each sample is painted with something opaque.
+/// Counts the opaque writes per sample.
 struct Paint {
     width: usize,
     times: Vec<u8>,
@@ -274,7 +275,7 @@ fn every_kind_of_trouble_has_a_scene() {
     }
 }
 
-/// The same scenes every time, unless `PROPTEST_CASES` asks for more and others.
+/// The same scenes every time, unless `PROPTEST_CASES` requests more and other ones.
 pub(crate) fn by_chance() -> ProptestConfig {
     let default = ProptestConfig {
         failure_persistence: None,

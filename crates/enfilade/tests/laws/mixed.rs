@@ -1,11 +1,11 @@
-//! Sectors seen by different methods in one scene: each passage keeps the contract that it states.
+//! Sectors with different methods in one scene: each passage keeps the contract that it states.
 
 use crate::subject::{SIZE, Subject, drawn, limits, subject, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{Contract, Method, PortalId, Scene, SectorId, Transform, VisibleSet};
 use std::collections::BTreeSet;
 
-/// Contracts that a random assignment draws its methods from: some laws hold only in scenes without weaker ones.
+/// Contracts from which random assignments draw their methods: some laws hold only in scenes without weaker ones.
 const POOLS: [&[Contract]; 3] = [
     &[Contract::Exact],
     &[Contract::Exact, Contract::Strict, Contract::Conservative],
@@ -17,7 +17,7 @@ const POOLS: [&[Contract]; 3] = [
     ],
 ];
 
-/// The scene with a method for each sector by chance, the same every time.
+/// Returns the scene with a random method per sector, reproducible by seed.
 fn mixed(scene: &Scene, contracts: &[Contract], seed: u64) -> Scene {
     let pool: Vec<Method> = Method::ALL
         .into_iter()
@@ -42,8 +42,8 @@ fn mixed(scene: &Scene, contracts: &[Contract], seed: u64) -> Scene {
     scene
 }
 
-/// The sectors of which a set may miss something: those that passages without a promise lead into, and those that one
-/// may see further on from there.
+/// Returns the sectors in which a set may miss items: those entered by passages without a guarantee, and those visible
+/// further on.
 fn excused(scene: &Scene, set: &VisibleSet) -> BTreeSet<SectorId> {
     let without = set
         .passages()
@@ -63,7 +63,8 @@ fn excused(scene: &Scene, set: &VisibleSet) -> BTreeSet<SectorId> {
     met.into_iter().map(|(sector, _)| sector).collect()
 }
 
-/// Does a portal lead back to where another came from? One cannot look back through the opening just passed.
+/// Returns `true` if a portal leads back to where another one came from. The opening just passed cannot be seen from
+/// behind.
 fn is_way_back(scene: &Scene, came: PortalId, back: PortalId) -> bool {
     let [came, back] = [came, back].map(|id| &scene.portals()[id.0 as usize]);
     let round = (back.there_from_here * came.there_from_here).columns();
@@ -72,14 +73,14 @@ fn is_way_back(scene: &Scene, came: PortalId, back: PortalId) -> bool {
     back.to == came.from && back.from == came.to && moved.into_iter().all(|(a, b)| (a - b).abs() < 1e-4)
 }
 
-/// What was put to the test.
+/// Counts of what was tested.
 #[derive(Default)]
 struct Tried {
-    /// Items that the reference sees for certain.
+    /// Certainly visible items.
     looked_at: usize,
-    /// Sets of two methods or more.
+    /// Visible sets with two or more methods.
     mixed: usize,
-    /// Sets of exact passages alone, of better than approximate ones alone, and others.
+    /// Sets with only exact passages, sets with only passages better than approximate, and others.
     by_contract: [usize; 3],
 }
 

@@ -1,4 +1,4 @@
-//! The contracts hold wherever in their pixels the samples stand.
+//! The contracts hold for any sample position within the pixel.
 
 use crate::subject::{SIZE, drawn, limits, subject, viewer};
 use enfilade::laws::Reference;

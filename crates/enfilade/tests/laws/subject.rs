@@ -1,4 +1,4 @@
-//! What the laws look at, and how.
+//! The scenes under test, and the viewer options.
 
 use enfilade::laws::OwnerPicture;
 use enfilade::{Limits, Method, Scene, View, Viewer, VisibleSet};
@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 pub(crate) const SIZE: [u32; 2] = [128, 72];
 pub(crate) const LIMIT: u64 = Method::DEFAULT_LIMIT;
 
-/// Crossings that all parties are held to: two mirrors face to face would go on for ever.
+/// Maximum number of crossings for all methods and the reference: two facing mirrors would recurse forever.
 pub(crate) fn limits() -> Limits {
     let mut limits = Limits::default();
     limits.max_crossings = 6;
@@ -28,11 +28,11 @@ fn seen_by(method: Method, scene: &Scene) -> Scene {
         .expect("the scenes of the laws are small")
 }
 
-/// What the laws look at.
+/// A scene under test.
 pub(crate) struct Subject {
     pub(crate) name: &'static str,
     pub(crate) built: BuiltIn,
-    /// The scene as each method sees it that suits it.
+    /// The scene with each method that suits it.
     pub(crate) seen: Vec<(Method, Scene)>,
 }
 
@@ -61,7 +61,7 @@ impl Subject {
     }
 }
 
-/// All built-in scenes. They are built once, for some take a second.
+/// All built-in scenes. Built once, as some take a second.
 pub(crate) fn subjects() -> &'static [Subject] {
     static SUBJECTS: LazyLock<Vec<Subject>> = LazyLock::new(|| {
         let build = |named: &Named| Subject::new(named.name, named.build());
@@ -82,7 +82,7 @@ pub(crate) fn drawn(viewer: &mut Viewer, scene: &Scene, view: &View) -> OwnerPic
     picture
 }
 
-/// The set as names, for comparing: SECTOR/ITEM.
+/// Returns the set as names, for comparison: SECTOR/ITEM.
 pub(crate) fn names(scene: &Scene, set: &VisibleSet) -> BTreeSet<String> {
     let name = |item: &enfilade::VisibleItem| {
         let sector = set.passage(item.passage).sector;

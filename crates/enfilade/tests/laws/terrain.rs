@@ -1,4 +1,4 @@
-//! Terrain: seen exactly from anywhere, and what is none, or is no more what it was, is refused.
+//! Terrain: exact visibility from any position; geometry that is no terrain, or no longer terrain, is rejected.
 
 use crate::convex::{keeps_its_contract, view};
 use enfilade::{
@@ -40,7 +40,7 @@ fn field(random: &mut Random) -> HeightField {
     HeightField::new(size, cell, heights).expect("a sound field")
 }
 
-/// A field, and boxes that stand on it, stick in it, or hover; some are of glass.
+/// A field and boxes on, in and above it; some are glass.
 fn geometry(random: &mut Random, field: &HeightField, place: Transform, openings: bool) -> Geometry {
     let ground = Material {
         double_sided: random.below(2) == 0,
@@ -53,7 +53,7 @@ fn geometry(random: &mut Random, field: &HeightField, place: Transform, openings
     let mut builder = GeometryBuilder::new([ground, Material::opaque([0.8, 0.2, 0.2]), glass]);
     let things = random.below(5);
     for number in 0..things {
-        // Some have lower numbers than the ground, some higher.
+        // Some have lower ids than the terrain, some higher.
         if number == things / 2 {
             builder
                 .terrain("ground", field.clone(), MaterialId(0), place)
@@ -85,8 +85,8 @@ fn geometry(random: &mut Random, field: &HeightField, place: Transform, openings
     builder.build().expect("sound things")
 }
 
-/// Looks from above, on and under the ground, level and straight up and down, upright and not; the last along plateaus at the
-/// eye's own height, as they may be.
+/// Views from above, on and under the ground, level and straight up and down, upright and rolled; the last ones along
+/// plateaus exactly at eye level.
 fn views(random: &mut Random, field: &HeightField, place: &Transform) -> Vec<View> {
     let mut views = Vec::new();
     for look in 0..9 {

@@ -1,4 +1,4 @@
-//! What a viewer takes beyond the scene does not grow with the passages of a look.
+//! A viewer's memory beyond the scene does not grow with the passages of a look.
 
 mod mirrors;
 
@@ -12,13 +12,14 @@ use mirrors::hundred_mirrors;
 
 const SIZE: [u32; 2] = [1920, 1080];
 
-/// At most, in bytes, at any moment.
+/// Limit in bytes, at any moment.
 const MOST: u64 = 64_000_000;
 
-/// Samples of glass on top of it, at 16 bytes each: those of one passage, however many are on the way.
+/// Additional memory for transparent samples, 16 bytes each: those of one passage at a time, however many follow each
+/// other.
 const GLASS: u64 = 16 * SIZE[0] as u64 * SIZE[1] as u64;
 
-/// A canvas that does nothing with what it gets.
+/// A canvas that ignores all spans.
 struct Nothing;
 
 impl Canvas for Nothing {
@@ -26,7 +27,7 @@ impl Canvas for Nothing {
     fn row(&mut self, _y: u16, _spans: &[Span]) {}
 }
 
-/// By every method, looking and drawing through a hundred passages takes no more than `most` bytes.
+/// Checks with every method that looking and drawing through a hundred passages takes at most `most` bytes.
 fn stays_small(scene: &Scene, view: &View, most: u64) {
     for method in Method::ALL
         .into_iter()
@@ -41,7 +42,7 @@ fn stays_small(scene: &Scene, view: &View, most: u64) {
             let mut limits = viewer.limits();
             limits.max_crossings = 120;
             viewer.set_limits(limits);
-            // What was seen last is remembered by the next look.
+            // The second look also holds what the first one remembered.
             for _ in 0..2 {
                 passages = viewer.look(&scene, view).passages().len();
                 viewer.draw(&scene, view, &mut Nothing);
@@ -68,7 +69,7 @@ fn a_hundred_mirrors_within_each_other_share_their_buffers() {
     stays_small(&mirrors.scene, &mirrors.cameras[0].view(SIZE), MOST);
 }
 
-/// Two mirrors face to face, and a pane between them that fills the picture.
+/// Two facing mirrors, and a pane between them that fills the picture.
 fn mirrors_behind_glass() -> Scene {
     let glass = Material {
         base_color: [0.6, 0.6, 0.6, 0.5],

@@ -1,10 +1,10 @@
-//! Rooms of many mirrors.
+//! Rooms with many mirrors.
 
 use enfilade::{
     ConvexPolygon, GeometryBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, Transform,
 };
 
-/// A wall of a hundred mirrors before the eye, and things that are seen in them.
+/// A wall of a hundred mirrors in front of the eye, and items visible in them.
 pub(crate) fn hundred_mirrors() -> Scene {
     let mut stone = Material::opaque([0.6; 3]);
     stone.double_sided = true;
@@ -28,7 +28,7 @@ pub(crate) fn hundred_mirrors() -> Scene {
     scene.build().expect("a hall of mirrors")
 }
 
-/// Ten times ten places (x, y), a metre apart across and half a metre above each other.
+/// Returns 10 × 10 positions (x, y), one metre apart in x and half a metre in y.
 fn grid() -> impl Iterator<Item = (f32, f32)> {
     (0..100_u8).map(|i| (f32::from(i % 10) - 4.5, 0.5 * f32::from(i / 10) - 2.5))
 }

@@ -1,10 +1,10 @@
-//! Whether two boxes see each other, held against lines by chance.
+//! Visibility between two boxes, compared with random lines.
 
 use crate::{about, geometries, length};
 use enfilade::{Aabb, Alpha, BoxVisibility, Geometry, Hit, OccluderSet, Ray};
 use enfilade_scenes::Random;
 
-/// Where a line is in a box, as parts of its length; `None` where it is not.
+/// Returns the parameter interval of a line inside a box; `None` if it misses.
 fn within(bounds: &Aabb, [from, to]: [[f32; 3]; 2]) -> Option<[f64; 2]> {
     let mut inside = [0.0_f64, 1.0_f64];
     for axis in 0..3 {
@@ -22,7 +22,7 @@ fn within(bounds: &Aabb, [from, to]: [[f32; 3]; 2]) -> Option<[f64; 2]> {
     (inside[0] <= inside[1]).then_some(inside)
 }
 
-/// Where opaque faces stop a line outside of both boxes, as parts of its length.
+/// Returns the parameters at which opaque faces block a line outside both boxes.
 fn stops(geometry: &Geometry, [from, to]: [&Aabb; 2], line: [[f32; 3]; 2], hits: &mut Vec<Hit>) -> Vec<f64> {
     let ray = Ray {
         origin: line[0],
@@ -59,7 +59,7 @@ fn boxes_that_are_visible_have_a_free_line_and_hidden_ones_none_in_many() {
         let occluders = OccluderSet::build(&geometry);
         let mut chance = Random::new(8);
         let whole = geometry.bounds();
-        // Far from the origin, f32 directions of test lines lose too much to tell faces that boxes touch.
+        // Far from the origin the f32 directions of test lines are too imprecise for faces that touch the boxes.
         let slack = if name == "far-away" { 1e-3 } else { 1e-5 };
         for question in 0..PAIRS {
             let mut one = || {

@@ -1,4 +1,4 @@
-//! A capsule that walks about: held against the distance to every face.
+//! A moving capsule, compared with its distance to every face.
 
 use crate::{CUBE_SIDES, affine, triangles};
 use enfilade::{
@@ -17,7 +17,7 @@ fn block() -> Mesh {
     Mesh::triangles(&unit.corners(), faces.as_flattened(), MaterialId(0)).expect("a cube")
 }
 
-/// Blocks, each by its least corner, its sides and a turn about y.
+/// Blocks, each given by its minimum corner, its sides and a rotation about y.
 fn blocks(blocks: &[([f32; 3], [f32; 3], f64)]) -> Geometry {
     let mut builder = GeometryBuilder::new([Material::opaque([0.5; 3])]);
     let mesh = builder.mesh(block());
@@ -28,8 +28,8 @@ fn blocks(blocks: &[([f32; 3], [f32; 3], f64)]) -> Geometry {
     builder.build().expect("sound")
 }
 
-/// A closed room, 10 × 4 × 10, with things in it: pillars, a ramp's worth of corners, a shelf that one must bend under, a
-/// wedge between two walls that is narrower and narrower.
+/// A closed room, 10 × 4 × 10, with obstacles: pillars, ramp-like corners, a shelf that forces one to crouch, and a
+/// narrowing wedge between two walls.
 fn room() -> Scene {
     let geometry = blocks(&[
         ([0.0; 3], [10.0, 4.0, 10.0], 0.0),
@@ -45,7 +45,7 @@ fn room() -> Scene {
     scene.build().expect("a room")
 }
 
-/// The faces of a geometry as they stand.
+/// Returns the faces of a geometry in sector space.
 fn faces(geometry: &Geometry) -> Vec<[DVec3; 3]> {
     let items = (0..geometry.items().len() as u32).map(enfilade::ItemId);
     items
@@ -58,7 +58,7 @@ fn faces(geometry: &Geometry) -> Vec<[DVec3; 3]> {
         .collect()
 }
 
-/// The distance from a point to a triangle, by going down: another way than the library's.
+/// Returns the distance from a point to a triangle by descent: not the library's algorithm.
 fn point_off(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let normal = (b - a).cross(c - a).normalize_or_zero();
     let inside = |at: DVec3| {
@@ -77,7 +77,7 @@ fn point_off(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     edge(a, b).min(edge(b, c)).min(edge(c, a))
 }
 
-/// The distance from a segment to a triangle: along the segment that to the triangle is convex.
+/// Returns the distance from a segment to a triangle by ternary search; it is convex along the segment.
 fn off([from, to]: [DVec3; 2], triangle: [DVec3; 3]) -> f64 {
     let at = |part: f64| point_off(from.lerp(to, part), triangle);
     let [mut low, mut high] = [0.0, 1.0];
@@ -95,7 +95,7 @@ fn axis(place: &Location, capsule: &Capsule) -> [DVec3; 2] {
     [middle - up * half, middle + up * half]
 }
 
-/// Walks about by chance; gives how often something was touched, and how far it came in all.
+/// Walks randomly. Returns the number of contacts and the total distance.
 fn walk(
     scene: &Scene,
     from: Location,
@@ -261,7 +261,7 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
             let slid = scene.slide(place, capsule, course);
             crossings += slid.crossed.len();
             course = slid.there_from_here.direction(course);
-            // As a ray from middle to middle goes: no wall is between.
+            // Like a ray from centre to centre: no wall is between them.
             let walked = scene.walk(
                 place,
                 [0, 1, 2].map(|a| slid.location.position[a] - place.position[a]),
@@ -302,19 +302,19 @@ fn what_is_no_step_or_no_capsule_goes_nowhere() {
     }
     let still = scene.slide(from, sound, [0.0; 3]);
     assert_eq!(still.location, from);
-    // Begun in a wall, it is pushed out.
+    // If it starts in a wall, it is pushed out.
     let inside = Location {
         position: [0.1, 1.5, 5.0],
         ..from
     };
     let pushed = scene.slide(inside, sound, [0.0; 3]).location.position;
     assert!((pushed[0] - 0.3).abs() < 1e-3, "{pushed:?}");
-    // Farther than it can go at once: it says so, or is stopped by a wall.
+    // A step longer than the maximum: it is reported, or a wall stops it.
     let far = scene.slide(from, sound, [3e30, 0.0, 0.0]);
     assert!(far.location.position[0] < 9.8);
 }
 
-/// Two rooms and a door between them at z = 0, from x = -1 to 1: the room on this side, with `here` in it, and the one beyond.
+/// Two rooms joined by a door at z = 0, x = -1 to 1: the room on this side, with `here` in it, and the one beyond.
 fn two_rooms(here: [f32; 3], there: [f32; 3]) -> Scene {
     let door = ConvexPolygon::rectangle([-1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.5, 0.0]).expect("a door");
     let room = |thing: [f32; 3], outline: ConvexPolygon| {
@@ -349,7 +349,7 @@ fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_i
         position: [0.0, 0.95, 1.0],
     };
     let capsule = Capsule::new(0.3, 1.8);
-    // What a room holds behind its own door is not where the door leads.
+    // An obstacle of this room behind its own door is not in the room beyond.
     for behind in [[-0.2, 0.0, -1.0], [-0.2, 0.0, -0.6]] {
         let slid = two_rooms(behind, AWAY).slide(from, capsule, [0.0, 0.0, -3.0]);
         assert_eq!((slid.location.sector, slid.crossed.len()), (SectorId(1), 1));
@@ -357,13 +357,13 @@ fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_i
             (slid.location.position[2] + 2.0).abs() < 1e-3 && slid.touched.is_empty(),
             "{slid:?}"
         );
-        // But what the other room has there is, before its middle is through and after.
+        // An obstacle in the other room counts, before and after the capsule's centre has passed the door.
         let slid = two_rooms(AWAY, behind).slide(from, capsule, [0.0, 0.0, -3.0]);
         let stopped = behind[2] + 0.5 + 0.3;
         assert!((slid.location.position[2] - stopped).abs() < 1e-3, "{slid:?}");
         assert_eq!(slid.location.sector.0, u32::from(stopped < 0.0));
     }
-    // The posts of the door are there from both sides.
+    // The door posts block from both sides.
     for (x, through) in [(0.6, true), (0.8, false)] {
         let scene = two_rooms(AWAY, AWAY);
         let position = [x, 0.95, 1.0];

@@ -1,4 +1,4 @@
-//! Items in boxes, spheres and frusta, and the nearest ones.
+//! Items in boxes, spheres and frusta, and the nearest items.
 
 use crate::{QUESTIONS, about, affine, geometries, length};
 use enfilade::{Aabb, Geometry, ItemId, NearestItem, View, Viewer};
@@ -9,7 +9,7 @@ fn all(geometry: &Geometry) -> impl Iterator<Item = ItemId> {
     (0..geometry.items().len() as u32).map(ItemId)
 }
 
-/// The items that a question finds, by number: none of them twice.
+/// Returns the ids of the items that a query finds, and checks that there are no duplicates.
 fn found(ask: impl FnOnce(&mut dyn FnMut(ItemId))) -> Vec<ItemId> {
     let mut items = Vec::new();
     ask(&mut |item| items.push(item));
@@ -18,7 +18,7 @@ fn found(ask: impl FnOnce(&mut dyn FnMut(ItemId))) -> Vec<ItemId> {
     items
 }
 
-/// How far a point is from a box; infinite from an empty one.
+/// Returns the distance of a point from a box; infinite for an empty box.
 fn distance(bounds: &Aabb, point: [f32; 3]) -> f64 {
     let off = |axis: usize| {
         let [min, max, at] = [bounds.min, bounds.max, point].map(|corner| f64::from(corner[axis]));
@@ -73,7 +73,7 @@ fn the_items_in_a_sphere_are_those_whose_boxes_are_within_its_radius() {
                 let off = distance(&geometry.item(item).bounds, center);
                 off < f64::INFINITY && off * off <= square
             };
-            // Where the square root decides, either is right.
+            // If the rounding of the square root decides, either result is correct.
             let close = |&item: &ItemId| {
                 (distance(&geometry.item(item).bounds, center) - f64::from(radius)).abs()
                     <= 1e-12 * f64::from(radius)
@@ -117,7 +117,8 @@ fn the_nearest_items_are_the_first_of_all_by_distance() {
     }
 }
 
-/// Is a box before all planes of a frustum, told from the view alone? `None` where that is too close to call.
+/// Returns `true` if a box is inside all planes of a frustum, computed from the view alone. `None` if it is too close
+/// to call.
 fn in_frustum(view: &View, corners: &[DVec3; 8]) -> Option<bool> {
     let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
     let ahead = (toward - eye).normalize();
@@ -150,7 +151,7 @@ fn in_frustum(view: &View, corners: &[DVec3; 8]) -> Option<bool> {
         .map(|corner| corner.distance(eye) + eye.length())
         .fold(0.0, f64::max);
     let least = highest.into_iter().fold(f64::INFINITY, f64::min);
-    // The tangent is rounded to f32 when a view is looked through.
+    // The view's tangent is rounded to f32.
     (least.abs() > 1e-6 * far).then_some(least > 0.0)
 }
 
@@ -160,7 +161,7 @@ fn the_items_in_a_frustum_are_those_not_wholly_behind_one_of_its_planes() {
     for (name, geometry) in geometries() {
         let mut chance = Random::new(4);
         let whole = geometry.bounds();
-        // Each item's box, and that of its mesh at its place.
+        // The item's box, and the box of its transformed mesh.
         let boxes: Vec<Option<[[DVec3; 8]; 2]>> = all(&geometry)
             .map(|item| {
                 let [own, held] = [geometry.item(item).bounds, geometry.mesh_of(item).bounds()];

@@ -1,4 +1,4 @@
-//! Questions other than looking, each held against going through everything, on random questions to several scenes.
+//! Spatial queries, each compared with brute force for random queries on several scenes.
 
 mod between;
 mod capsule;
@@ -15,10 +15,11 @@ use enfilade_scenes::{Random, built_in};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
 
-/// Questions of each kind asked of each scene.
+/// Number of queries of each kind per scene.
 const QUESTIONS: usize = 10_000;
 
-/// A palace, things by chance, thousands of things, large meshes, things scaled flat, and numbers large and small.
+/// A palace, random items, thousands of items, large meshes, items flattened by scaling, and very large and small
+/// coordinates.
 const SCENES: [&str; 7] = [
     "enfilade",
     "random",
@@ -29,7 +30,7 @@ const SCENES: [&str; 7] = [
     "tiny",
 ];
 
-/// Corners of the sides of a box, counter-clockwise from outside; bit 0 of a corner's number says which x it has, and so on.
+/// Corners of the sides of a box, counter-clockwise from outside; bit 0 of a corner's index selects its x, and so on.
 const CUBE_SIDES: [[u32; 4]; 6] = [
     [0, 4, 6, 2],
     [1, 3, 7, 5],
@@ -39,7 +40,7 @@ const CUBE_SIDES: [[u32; 4]; 6] = [
     [4, 5, 7, 6],
 ];
 
-/// The geometry with the most items of each scene, by name.
+/// Returns the geometry with the most items of each scene, by name.
 fn geometries() -> impl Iterator<Item = (&'static str, Arc<Geometry>)> {
     SCENES.into_iter().map(|name| {
         let scene = built_in(name).expect("it is built in").scene;
@@ -49,7 +50,7 @@ fn geometries() -> impl Iterator<Item = (&'static str, Arc<Geometry>)> {
     })
 }
 
-/// Blocks of several sizes, one in each square of streets: walls to be hidden by.
+/// Blocks of several sizes, one per street square: walls that occlude.
 fn city() -> Option<(&'static str, Arc<Geometry>)> {
     let unit = Aabb {
         min: [0.0; 3],
@@ -73,7 +74,7 @@ fn city() -> Option<(&'static str, Arc<Geometry>)> {
     Some(("city", Arc::new(builder.build().expect("sound"))))
 }
 
-/// What a test needs to know of an item's place, without the library's own arithmetic.
+/// Returns an item's transform in f64, without the library's arithmetic.
 fn affine(transform: &Transform) -> DAffine3 {
     let [x, y, z, at] = transform
         .columns()
@@ -84,7 +85,7 @@ fn affine(transform: &Transform) -> DAffine3 {
     }
 }
 
-/// The triangles of a mesh, each with its face.
+/// Returns the triangles of a mesh, each with its face.
 fn triangles(mesh: &Mesh) -> impl Iterator<Item = (u32, [DVec3; 3])> {
     (0..mesh.face_count()).flat_map(move |face| {
         let corners = mesh.face(face);

@@ -9,17 +9,17 @@ use enfilade_scenes::{Random, built_in, random_scene};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Portals in a row that are tried one by one.
+/// Portals in a row that are searched by brute force.
 const MAX_CROSSED: usize = 3;
 
-/// Parts that each side of an opening is cut into.
+/// Number of parts per side of an opening.
 const PARTS: u32 = 8;
 
 fn point(point: [f32; 3]) -> DVec3 {
     DVec3::from(point.map(f64::from))
 }
 
-/// Points all over an opening, its corners and edges included.
+/// Returns points all over an opening, corners and edges included.
 fn samples(outline: &ConvexPolygon) -> Vec<DVec3> {
     let corners: Vec<DVec3> = outline.corners().iter().map(|&corner| point(corner)).collect();
     let mut samples = Vec::new();
@@ -35,8 +35,8 @@ fn samples(outline: &ConvexPolygon) -> Vec<DVec3> {
     samples
 }
 
-/// The shortest ways to items over the samples of all openings, by all chains of a few portals: never shorter than the
-/// shortest, and hardly longer.
+/// Compares with the shortest paths to items over samples of all openings, by all chains of a few portals: a sampled
+/// path is never shorter than the shortest, and hardly longer.
 fn sampled(scene: &Scene, place: Location) -> BTreeMap<(SectorId, ItemId), f64> {
     let mut all = BTreeMap::new();
     for (chain, to) in chains(scene, place.sector, MAX_CROSSED) {
@@ -75,7 +75,7 @@ fn sampled(scene: &Scene, place: Location) -> BTreeMap<(SectorId, ItemId), f64> 
     all
 }
 
-/// Compares the items near a place with those that ways over samples lead to; returns how many are behind portals.
+/// Compares the items near a location with those that sampled paths reach. Returns how many are behind portals.
 fn agrees(name: &str, scene: &Scene, place: Location, radius: f32) -> usize {
     let near = scene.near(place, radius);
     assert!(
@@ -176,7 +176,7 @@ fn mirrors_and_teleports_do_not_multiply_the_ways_to_an_item() {
     }
 }
 
-/// A room with a stone in it and two openings, each of which leads back into the room, a little aside and larger.
+/// A room with a stone and two openings, each of which leads back into the room, slightly shifted and larger.
 fn loops(scale: f32) -> Scene {
     let mut room = GeometryBuilder::new([Material::opaque([0.5; 3])]);
     let stone = [[0.0, 0.0, -6.0], [0.5, 0.0, -6.0], [0.0, 0.5, -6.0]];

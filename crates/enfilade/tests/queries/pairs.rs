@@ -1,10 +1,10 @@
-//! Overlapping pairs of boxes that move, come and go.
+//! Overlapping pairs of boxes that move, appear and disappear.
 
 use enfilade::{Aabb, BoxError, Pairs};
 use enfilade_scenes::Random;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// All pairs, one against all others.
+/// Returns all pairs by brute force.
 fn every(boxes: &BTreeMap<u32, Aabb>) -> BTreeSet<[u32; 2]> {
     let later = |(&a, held): (&u32, &Aabb)| {
         let held = *held;
@@ -14,7 +14,7 @@ fn every(boxes: &BTreeMap<u32, Aabb>) -> BTreeSet<[u32; 2]> {
     boxes.iter().flat_map(later).collect()
 }
 
-/// Boxes that wander about on a grid of halves, so that many touch, within these sides.
+/// Boxes that move randomly on a grid of halves, so that many touch.
 fn wander(sides: [f32; 3], count: u32, seed: u64) -> [usize; 2] {
     let mut chance = Random::new(seed);
     let mut place = || {
@@ -35,7 +35,7 @@ fn wander(sides: [f32; 3], count: u32, seed: u64) -> [usize; 2] {
         } else {
             (count / 10).max(1)
         } {
-            // Numbers far apart: they are names, not places.
+            // Sparse ids: they are keys, not indices.
             let id = dice.below(count as usize) as u32 * 9_973;
             if dice.below(8) == 0 {
                 assert_eq!(pairs.remove(id), boxes.remove(&id).is_some());
@@ -118,7 +118,7 @@ fn what_is_no_box_is_refused_and_leaves_the_box_as_it_was() {
     assert_eq!([pairs.bounds(5), pairs.bounds(9)], [Some(unit), None]);
     assert!(pairs.update().ended.is_empty());
     assert!(pairs.remove(5) && !pairs.remove(5) && !pairs.remove(77));
-    // Away and back again before anyone asks: nothing has changed.
+    // Moved away and back before the next query: no change.
     pairs.set(5, unit).expect("sound");
     assert!(pairs.update().ended.is_empty());
     assert_eq!(pairs.all(), [[1, 5]]);

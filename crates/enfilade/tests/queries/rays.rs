@@ -5,14 +5,14 @@ use enfilade::{Geometry, Hit, ItemId, Ray};
 use enfilade_scenes::Random;
 use glam::{DAffine3, DVec3};
 
-/// A triangle in its item's space, and what it belongs to.
+/// A triangle in item space, and its item and face.
 struct Face {
     item: ItemId,
     face: u32,
     corners: [DVec3; 3],
 }
 
-/// Everything that rays can meet, and for each item the map into its space.
+/// All triangles, and for each item the transform into item space.
 struct All {
     faces: Vec<Face>,
     item_from_sector: Vec<Option<DAffine3>>,
@@ -37,7 +37,7 @@ impl All {
         }
     }
 
-    /// All that a ray meets: how far it is, how near an edge, and by what.
+    /// Returns all hits of a ray: distance, closeness to an edge, and face.
     fn hits(&self, ray: &Ray) -> Vec<(f64, f64, ItemId, u32)> {
         let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
         let mut local = (ItemId(u32::MAX), origin, direction);
@@ -57,7 +57,7 @@ impl All {
                 );
             }
             let (_, origin, direction) = local;
-            // By volumes: another sum than the library's.
+            // By signed volumes, unlike the library.
             let [a, b, c] = [a, b, c].map(|&corner| corner - origin);
             let parts = [(b, c), (c, a), (a, b)].map(|(p, q)| direction.dot(p.cross(q)));
             let whole: f64 = parts.iter().sum();
@@ -109,7 +109,7 @@ fn a_ray_meets_first_what_is_nearest_of_all_faces() {
                 .iter()
                 .sum::<f64>();
         let mut chance = Random::new(5);
-        // Everything is gone through for each: the larger the scene, the fewer.
+        // Each ray tests everything: the larger the scene, the fewer rays.
         let questions = QUESTIONS.min(40_000_000 / all.faces.len());
         for _ in 0..questions {
             let ray = ray(&mut chance, &geometry);

@@ -1,4 +1,4 @@
-//! Surveys stand where people do: in rooms and streets, never in walls.
+//! Survey cameras are in rooms and streets, never in walls.
 
 use crate::CUBE_SIDES;
 use enfilade::{
@@ -7,7 +7,7 @@ use enfilade::{
 };
 use enfilade_scenes::{NAMES, built_in};
 
-/// A box by its least and greatest corner; with `inward` its faces are seen from inside.
+/// A box given by its minimum and maximum corner; with `inward` its faces face inwards.
 struct Block {
     min: [f32; 3],
     max: [f32; 3],
@@ -30,7 +30,7 @@ fn room(min: [f32; 3], max: [f32; 3]) -> Block {
     }
 }
 
-/// A scene of boxes, each coordinate times `scale`, all with their winding turned if `inverted`, two-sided.
+/// A scene of boxes, scaled by `scale`, with reversed winding if `inverted`, double-sided.
 fn scene(blocks: &[Block], scale: f32, inverted: bool) -> Scene {
     let mut material = Material::opaque([1.0; 3]);
     material.double_sided = true;
@@ -61,7 +61,7 @@ fn scene(blocks: &[Block], scale: f32, inverted: bool) -> Scene {
     scene.build().expect("one sector")
 }
 
-/// Two rooms side by side; the wall between them is a cavity wider than the minimum clearance.
+/// Two adjacent rooms; the wall between them is a cavity wider than the minimum clearance.
 fn two_rooms() -> [Block; 2] {
     [
         room([0.0, 0.0, 0.0], [5.0, 2.8, 4.0]),
@@ -131,7 +131,8 @@ fn in_a_city_a_survey_stands_in_streets_and_a_little_on_roofs() {
     assert!((1..=4).contains(&on_roofs), "{on_roofs} on roofs");
 }
 
-/// A hall without a bottom on a ground that goes on below it. Three of its walls are wound inwards, as some are in models of cities.
+/// A hall without a floor on ground that continues below it. Three of its walls have inward winding, as in some city
+/// models.
 #[test]
 fn where_the_ground_goes_on_below_a_hall_a_survey_stays_outside() {
     let [min, max] = [[-30.0, 0.0, -20.0], [30.0, 9.0, 20.0_f32]];

@@ -1,7 +1,7 @@
 //! A house in a valley: the terrain of Jacksboro with the duplex standing in it, joined by its windows and outer doors.
 //!
-//! What is seen from outside (walls, floors, roof, windows, doors) stands outside and inside, each in its place; the
-//! furniture, ceilings and inner doors only inside, ground and foundations only outside.
+//! Items visible from outside (walls, floors, roof, windows, doors) are in both sectors; furniture, ceilings and inner
+//! doors only inside; ground and foundations only outside.
 
 use enfilade::{
     ConvexPolygon, GeometryBuilder, HeightField, Material, MaterialId, Method, Scene, SceneBuilder, SectorId,
@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub(crate) const OUTSIDE: SectorId = SectorId(0);
 pub(crate) const INSIDE: SectorId = SectorId(1);
 
-/// What only stands inside, and only outside, by the beginnings of names.
+/// Name prefixes of items that are only inside, and of those only outside.
 const ONLY_INSIDE: [&str; 4] = [
     "IfcFurnishingElement",
     "IfcCovering",

@@ -1,5 +1,5 @@
-//! What the benches on real scenes share: scenes with their views, times taken in turn, canvases, and a lens of their
-//! own to say where a box is.
+//! Shared by the benches on real scenes: scenes with their views, interleaved timing, canvases, and an independent
+//! projection of AABBs.
 #![allow(
     dead_code,
     clippy::print_stdout,
@@ -40,10 +40,10 @@ pub(crate) const ROOMS: [Known; 3] = [
     },
 ];
 
-/// What must be seen of a scene over the views of its survey.
+/// Expected visibility of a scene over the views of its survey.
 pub(crate) struct Known {
     pub(crate) file: &'static str,
-    /// Items, as every exact method sees them.
+    /// Number of items visible by every exact method.
     pub(crate) items: usize,
     /// Samples that an opaque face owns; they do not depend on the method.
     pub(crate) samples: u64,
@@ -83,13 +83,13 @@ pub(crate) fn open(folder: &Path, file: &str) -> Place {
 }
 
 impl Place {
-    /// What its one sector is made of.
+    /// Geometry of its only sector.
     pub(crate) fn geometry(&self) -> &Arc<Geometry> {
         let only = self.scene.sectors().next().expect("one sector");
         self.scene.geometry(only).expect("a sector of ours")
     }
 
-    /// The scene as a method sees it; `None` where that would be too large.
+    /// Returns the scene with a method; `None` if that would be too large.
     pub(crate) fn seen_by(&self, method: Method) -> Option<Scene> {
         self.scene.with_method(method, Method::DEFAULT_LIMIT).ok()
     }
@@ -136,7 +136,7 @@ pub(crate) fn median_of(values: impl IntoIterator<Item = f64>) -> f64 {
     median(&mut values.into_iter().collect::<Vec<f64>>())
 }
 
-/// A number that looks like chance, from an owner: its colour, or where its texture lies.
+/// Hashes an owner to a pseudo-random number: its color, or its texture offset.
 #[inline]
 pub(crate) fn dye(owner: Owner) -> u32 {
     let number = match owner {
@@ -146,7 +146,7 @@ pub(crate) fn dye(owner: Owner) -> u32 {
     number.wrapping_mul(0xC2B2_AE35) ^ number >> 15
 }
 
-/// Paints each face in a colour of its own: the least that a shader can do.
+/// Paints each face in a different color: the minimum work of a shader.
 pub(crate) struct Paint {
     image: Vec<u32>,
 }
@@ -219,9 +219,9 @@ pub(crate) fn drawn_once(viewer: &mut Viewer, scene: &Scene, view: &View, what: 
     (once.samples, items)
 }
 
-/// Where points fall on a view's screen, worked out apart from the engine.
+/// Projection of points to a view's screen, computed independently of the engine.
 pub(crate) struct Lens {
-    /// To (X, Y, W): the pixel is (X / W, Y / W), and W the distance along the line of sight.
+    /// To (X, Y, W): the pixel is (X / W, Y / W), and W the depth along the view direction.
     pub(crate) screen_from_sector: DAffine3,
     pub(crate) near: f64,
 }
@@ -260,7 +260,7 @@ impl Lens {
         self.screen_from_sector * sector_from_item
     }
 
-    /// May any of a box, given in another space, be in the picture? `true` when unsure.
+    /// Returns `true` if any part of an AABB, given in another space, may be in the frustum; `true` when unsure.
     pub(crate) fn may_show(&self, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
         if bounds.is_empty() {
             return false;

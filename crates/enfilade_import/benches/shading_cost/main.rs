@@ -1,12 +1,13 @@
-//! Does an s-buffer win where shading is dear? Draws over the 16 views of the survey at 1280x720, each shaded sample
-//! at the cost of one texture fetch and eight lights.
+//! Measures whether an s-buffer wins where shading is expensive: draws over the 16 survey views at 1280x720, with each
+//! shaded sample costing one texture fetch and eight lights.
 //!
-//! Drawn in turn, view by view: (a) `s-buffer`; (b) `z-buffer`, which keeps an owner at each sample and so shades once
-//! as well; (c) a classic z-buffer, Catmull 1974, which shades whenever a nearer face is written. The last is `classic.rs`:
-//! items in their order, clusters outside the picture left out, triangles clipped before the eye and filled row by row.
-//! It is timed as it is, and, as its filling is not the engine's, also as the look of (b) and the shading of its writes
-//! (c'). All three shade the same glass, and the visible samples of (c) must be those of (b) but for one in a thousand.
-//! Median of three rounds for each view; tables are by overdraw: samples that triangles cover, for each that is seen.
+//! Draws in turn, view by view: (a) `s-buffer`; (b) `z-buffer`, which keeps an owner per sample and so also shades
+//! once; (c) a classic z-buffer, Catmull 1974, which shades whenever a nearer face is written. The last is
+//! `classic.rs`: items in order, clusters outside the frustum culled, triangles clipped at the near plane and
+//! rasterized scanline by scanline. It is timed as it is, and, because its rasterizer is not the engine's, also as the
+//! look of (b) plus the shading of its own writes (c'). All three shade the same transparent surfaces, and the visible
+//! samples of (c) must equal those of (b) except for one in a thousand.
+//! Median of three rounds for each view; the tables are by overdraw: covered samples per visible one.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 mod classic;
@@ -19,7 +20,7 @@ use enfilade::{Canvas, ItemId, Method, Owner, Passage, PassageId, Span, Viewer};
 use std::hint::black_box;
 
 const ROUNDS: usize = 3;
-/// Where the claim begins: views with more overdraw than this.
+/// The claim applies to views with more overdraw than this.
 const MUCH: f64 = 3.0;
 
 /// A sample's cost: a texture of 256 × 256 texels, and eight point lights.
@@ -76,7 +77,7 @@ impl Canvas for Shader {
     }
 }
 
-/// What was counted at one view.
+/// Counts at one view.
 struct Counts {
     overdraw: f64,
     /// For each visible sample, samples written by the classic z-buffer.
@@ -216,7 +217,7 @@ fn time(place: &Place) -> [Vec<f64>; 4] {
     [a, b, c, split]
 }
 
-/// What the shader takes for one sample of spans, in nanoseconds.
+/// Shading time of one sample of spans, in nanoseconds.
 fn ns_per_sample() -> f64 {
     let mut shader = Shader::new();
     let owner = Owner::Face(ItemId(7), 11);

@@ -4,7 +4,7 @@
 //! the renderer gets one set and no transform.
 //! Source: glTF 2.0 Specification, section 3.7.2.1; KHR_texture_transform.
 
-use super::accessor::{Row, Wanted};
+use super::accessor::{AccessorUse, Row};
 use super::buffers::Buffers;
 use super::document::{Document, Primitive, TextureInfo, TextureTransform};
 use crate::BrokenRule;
@@ -84,7 +84,7 @@ impl AttributePlan {
         let texture = match coordinates {
             Some(coordinates) => {
                 let accessor = attributes.texture(coordinates.set);
-                let row = row(accessor, Wanted::TextureCoordinates, "texture coordinates")?;
+                let row = row(accessor, AccessorUse::TextureCoordinates, "texture coordinates")?;
                 if row.is_none() {
                     warnings.name(WarningKind::NoTextureCoordinates, || {
                         format!("{} has no TEXCOORD_{}", place(), coordinates.set)
@@ -95,9 +95,9 @@ impl AttributePlan {
             None => None,
         };
         Ok(AttributePlan {
-            normals: row(attributes.normal, Wanted::Normals, "normals")?,
+            normals: row(attributes.normal, AccessorUse::Normals, "normals")?,
             texture,
-            colors: row(attributes.color_0, Wanted::Colors, "colors")?,
+            colors: row(attributes.color_0, AccessorUse::Colors, "colors")?,
         })
     }
 
@@ -117,8 +117,8 @@ impl AttributePlan {
     }
 
     /// Reads the attributes of some of the vertices, in the given order.
-    pub(super) fn read(&self, positions: &[u32], buffers: &Buffers) -> Carried {
-        let mut carried = Carried::default();
+    pub(super) fn read(&self, positions: &[u32], buffers: &Buffers) -> VertexAttributes {
+        let mut carried = VertexAttributes::default();
         if let Some(row) = &self.normals {
             let elements = row.elements(buffers);
             carried.normals = sound(
@@ -170,7 +170,7 @@ fn sound<const N: usize>(
 
 /// Vertex attributes; each list is empty or has one element per vertex.
 #[derive(Debug, Default)]
-pub(super) struct Carried {
+pub(super) struct VertexAttributes {
     normals: Vec<[f32; 3]>,
     texture: Vec<[f32; 2]>,
     colors: Vec<[f32; 4]>,
@@ -178,7 +178,7 @@ pub(super) struct Carried {
     odd: [bool; 3],
 }
 
-impl Carried {
+impl VertexAttributes {
     pub(super) fn attributes(&self) -> Attributes<'_> {
         Attributes {
             normals: &self.normals,

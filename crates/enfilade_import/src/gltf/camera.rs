@@ -2,7 +2,7 @@
 
 use super::document::{Camera as Source, Document, Orthographic, Perspective, find};
 use super::names::Names;
-use super::nodes::Placed;
+use super::nodes::SceneNode;
 use super::plan::Plan;
 use crate::rooms::{room_around, room_nearest};
 use crate::warning::{WarningKind, Warnings};
@@ -153,7 +153,7 @@ fn orthographic(
 }
 
 /// Returns the room of a camera in the file. The moved position of an orthographic camera cannot determine it.
-fn home(plan: &Plan, placed: &Placed, rooms: &[Room]) -> Option<SectorId> {
+fn home(plan: &Plan, placed: &SceneNode, rooms: &[Room]) -> Option<SectorId> {
     let eye = placed.world.columns()[3];
     let [own, rest] = plan.homes(placed, rooms.len());
     own.or_else(|| room_around(rooms, eye))

@@ -20,7 +20,7 @@ pub(super) enum Hint {
     Room { method: Option<Method> },
     /// The node's mesh is an opening.
     Opening {
-        way: Way,
+        way: OpeningTarget,
         /// Marked only by its name, which authors who do not know the convention may also use.
         by_name: bool,
     },
@@ -32,7 +32,7 @@ pub(super) enum Hint {
 
 /// The target of an opening, as written by the author.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Way {
+pub(super) enum OpeningTarget {
     Portal {
         to: Option<String>,
         one_way: bool,
@@ -125,7 +125,7 @@ fn kind_by_name(name: &str) -> Option<Kind> {
 }
 
 /// Returns `true` if a name marks a room, a portal or a mirror.
-pub(crate) fn is_called_like_an_opening_or_a_room(name: &str) -> bool {
+pub(crate) fn marks_opening_or_room(name: &str) -> bool {
     kind_by_name(name).is_some_and(|kind| kind != Kind::Terrain)
 }
 
@@ -190,7 +190,7 @@ impl Notes {
                 method: self.method()?,
             },
             Kind::Portal => {
-                let way = Way::Portal {
+                let way = OpeningTarget::Portal {
                     to: self.text("to")?,
                     one_way: self.truth("one_way")?,
                     exit: self.text("exit")?,
@@ -198,7 +198,7 @@ impl Notes {
                 Hint::Opening { way, by_name }
             }
             Kind::Mirror => Hint::Opening {
-                way: Way::Mirror,
+                way: OpeningTarget::Mirror,
                 by_name,
             },
             Kind::Terrain => Hint::Terrain,

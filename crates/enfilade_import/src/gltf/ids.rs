@@ -3,7 +3,7 @@
 //! [`SourceNodes::id`](crate::SourceNodes::id) defines which values are ids.
 
 use super::document::Document;
-use super::nodes::Placed;
+use super::nodes::SceneNode;
 use crate::BrokenRule;
 use crate::budget::Budget;
 use serde::Deserializer;
@@ -25,7 +25,7 @@ const BYTES_PER_ID: u64 = 64;
 /// Reads the ids of nodes that have one, by node index.
 pub(super) fn read(
     document: &Document,
-    placed: &[Placed],
+    placed: &[SceneNode],
     budget: &mut Budget,
 ) -> Result<BTreeMap<u32, String>, BrokenRule> {
     let mut ids = BTreeMap::new();

@@ -4,7 +4,7 @@
 //! Cost: O(instances).
 
 use super::BYTES_PER_NODE;
-use super::accessor::{Row, Wanted};
+use super::accessor::{AccessorUse, Row};
 use super::buffers::Buffers;
 use super::document::Document;
 use super::plan::Plan;
@@ -53,9 +53,9 @@ impl InstancePlan {
                     .map(|accessor| Row::new(document, accessor, wanted, name))
                     .transpose()
             };
-            let places = row(attributes.translation, Wanted::Places)?;
-            let turns = row(attributes.rotation, Wanted::Turns)?;
-            let scales = row(attributes.scale, Wanted::Scales)?;
+            let places = row(attributes.translation, AccessorUse::Translations)?;
+            let turns = row(attributes.rotation, AccessorUse::Rotations)?;
+            let scales = row(attributes.scale, AccessorUse::Scales)?;
             let named = [
                 ("translations (TRANSLATION)", &places),
                 ("rotations (ROTATION)", &turns),

@@ -128,10 +128,10 @@ fn material(number: usize, source: &Source) -> Result<Material, BrokenRule> {
 fn is_detail(extras: Option<&RawValue>) -> bool {
     #[derive(Deserialize)]
     struct Extras {
-        enfilade: Ours,
+        enfilade: EnfiladeExtras,
     }
     #[derive(Deserialize)]
-    struct Ours {
+    struct EnfiladeExtras {
         detail: Mark,
     }
     /// Exporters write 1 for `true`.

@@ -4,8 +4,8 @@
 //! copied or searched a thousand times, and invalid positions that no triangle uses are harmless.
 //! Cost: O(triangles), or O(triangles · log triangles) if the positions of a part are scattered; memory O(triangles).
 
-use super::accessor::{Row, Wanted};
-use super::attributes::{AttributePlan, Carried};
+use super::accessor::{AccessorUse, Row};
+use super::attributes::{AttributePlan, VertexAttributes};
 use super::buffers::Buffers;
 use super::document::{Document, Primitive, find};
 use super::materials::{Surface, default_material};
@@ -26,7 +26,7 @@ pub(super) struct MeshPlan {
 }
 
 /// A mesh and the warnings from its bytes.
-pub(super) struct Built {
+pub(super) struct BuiltMesh {
     pub(super) mesh: Mesh,
     /// Kind and primitive of each warning, in order.
     pub(super) oddities: Vec<(WarningKind, String)>,
@@ -49,21 +49,20 @@ const BYTES_KEPT: u64 = 52;
 const BYTES_AT_WORK: u64 = 132;
 /// Maximum number of triangles of meshes that are built at the same time, unless a single mesh has more. So memory use
 /// does not grow with the number of threads.
-const CROWD: u64 = 1_000_000;
+const BATCH_TRIANGLES: u64 = 1_000_000;
 
 /// Splits the meshes into batches that are built in parallel.
-pub(super) fn crowds(plans: &[MeshPlan]) -> impl Iterator<Item = &[MeshPlan]> {
+pub(super) fn batches(plans: &[MeshPlan]) -> impl Iterator<Item = &[MeshPlan]> {
     let mut rest = plans;
     std::iter::from_fn(move || {
         let mut triangles = 0;
-        let crowded = rest.iter().position(|plan| {
+        let full = rest.iter().position(|plan| {
             triangles += plan.triangles;
-            triangles > CROWD
+            triangles > BATCH_TRIANGLES
         });
-        let (crowd, later) =
-            rest.split_at(crowded.map_or(rest.len(), |first_too_many| first_too_many.max(1)));
+        let (batch, later) = rest.split_at(full.map_or(rest.len(), |first_too_many| first_too_many.max(1)));
         rest = later;
-        (!crowd.is_empty()).then_some(crowd)
+        (!batch.is_empty()).then_some(batch)
     })
 }
 
@@ -73,8 +72,8 @@ pub(super) fn bytes_to_build(plans: &[MeshPlan]) -> u64 {
         plan.triangles
             .saturating_mul(BYTES_AT_WORK + 3 * plan.carried_bytes)
     };
-    let together = |crowd: &[MeshPlan]| crowd.iter().map(bytes).fold(0, u64::saturating_add);
-    crowds(plans).map(together).max().unwrap_or(0)
+    let together = |batch: &[MeshPlan]| batch.iter().map(bytes).fold(0, u64::saturating_add);
+    batches(plans).map(together).max().unwrap_or(0)
 }
 
 impl MeshPlan {
@@ -143,7 +142,7 @@ impl MeshPlan {
     }
 
     /// Reads the triangles and builds the mesh.
-    pub(super) fn build(&self, buffers: &Buffers) -> Result<Built, BrokenRule> {
+    pub(super) fn build(&self, buffers: &Buffers) -> Result<BuiltMesh, BrokenRule> {
         let read: Vec<Triangles> = self
             .parts
             .iter()
@@ -170,7 +169,7 @@ impl MeshPlan {
             kinds.into_iter().map(move |kind| (kind, place.clone()))
         };
         let oddities = read.iter().zip(&self.parts).flat_map(odd).collect();
-        Ok(Built { mesh, oddities })
+        Ok(BuiltMesh { mesh, oddities })
     }
 }
 
@@ -203,9 +202,9 @@ impl PartPlan {
             warnings.name(WarningKind::NoPositions, place);
             return Ok(None);
         };
-        let positions = Row::new(document, positions, Wanted::Positions, place)?;
+        let positions = Row::new(document, positions, AccessorUse::Positions, place)?;
         let indices = match primitive.indices {
-            Some(indices) => Some(Row::new(document, indices, Wanted::Indices, place)?),
+            Some(indices) => Some(Row::new(document, indices, AccessorUse::Indices, place)?),
             None => None,
         };
         if primitive.extensions.draco.is_some() && positions.is_zeros() {
@@ -306,7 +305,7 @@ fn place(mesh: u32, primitive: usize) -> String {
 struct Triangles {
     positions: Vec<[f32; 3]>,
     corners: Vec<u32>,
-    carried: Carried,
+    carried: VertexAttributes,
 }
 
 /// Returns the positions that `corners` reference, each once, and renumbers the corners to match.
@@ -351,20 +350,20 @@ mod tests {
             triangles,
             carried_bytes: 0,
         };
-        for (triangles, crowd_sizes) in [
+        for (triangles, batch_sizes) in [
             (&[][..], vec![]),
             (&[1, 2, 3], vec![3]),
-            (&[CROWD, 1], vec![1, 1]),
-            (&[CROWD - 1, 1, 0, 1], vec![3, 1]),
-            (&[1, 5 * CROWD, 1, 1], vec![1, 1, 2]),
+            (&[BATCH_TRIANGLES, 1], vec![1, 1]),
+            (&[BATCH_TRIANGLES - 1, 1, 0, 1], vec![3, 1]),
+            (&[1, 5 * BATCH_TRIANGLES, 1, 1], vec![1, 1, 2]),
         ] {
             let plans: Vec<MeshPlan> = triangles.iter().map(|&triangles| plan(triangles)).collect();
-            let sizes: Vec<usize> = crowds(&plans).map(<[MeshPlan]>::len).collect();
-            assert_eq!(sizes, crowd_sizes, "{triangles:?}");
+            let sizes: Vec<usize> = batches(&plans).map(<[MeshPlan]>::len).collect();
+            assert_eq!(sizes, batch_sizes, "{triangles:?}");
         }
         assert_eq!(
-            bytes_to_build(&[plan(3), plan(5 * CROWD), plan(9)]),
-            5 * CROWD * BYTES_AT_WORK
+            bytes_to_build(&[plan(3), plan(5 * BATCH_TRIANGLES), plan(9)]),
+            5 * BATCH_TRIANGLES * BYTES_AT_WORK
         );
     }
 }

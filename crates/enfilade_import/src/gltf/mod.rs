@@ -32,7 +32,7 @@ mod textures;
 mod topology;
 
 pub(crate) use container::{beginning, begins_like_gltf};
-pub(crate) use hints::is_called_like_an_opening_or_a_room;
+pub(crate) use hints::marks_opening_or_room;
 pub(crate) use pin::with_methods;
 
 use crate::budget::Budget;
@@ -48,7 +48,7 @@ use instances::{InstancePlan, Instances};
 use materials::Surface;
 use mesh::MeshPlan;
 use names::Names;
-use nodes::Placed;
+use nodes::SceneNode;
 use plan::Plan;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -129,7 +129,7 @@ fn import_with(
     let built = build(&plans, &buffers, &mut warnings)?;
     let materials: Vec<Material> = surfaces.into_iter().map(|surface| surface.material).collect();
     let meshes = Meshes { used, built };
-    let things = Things {
+    let assets = Assets {
         terrains: terrains.read(&document, &meshes, faults, &mut warnings),
         meshes,
         materials: materials.into(),
@@ -139,7 +139,7 @@ fn import_with(
     };
     let names = Names::of(&document, |node| node.mesh.is_some());
     let (rooms, portals) = plan
-        .rooms(name, &things, &names, faults, &mut warnings)
+        .rooms(name, &assets, &names, faults, &mut warnings)
         .map_err(|why| name_the_node(why, &document, plan.shown(), &names))?;
     let cameras = camera::read(&document, &plan, &rooms, &mut warnings)?;
     let lights = lights::read(&document, &plan, &rooms, &mut warnings)?;
@@ -175,8 +175,8 @@ fn build(
     warnings: &mut Warnings,
 ) -> Result<Vec<Arc<Mesh>>, BrokenRule> {
     let mut meshes = Vec::with_capacity(plans.len());
-    for crowd in mesh::crowds(plans) {
-        let built: Vec<_> = crowd.par_iter().map(|plan| plan.build(buffers)).collect();
+    for batch in mesh::batches(plans) {
+        let built: Vec<_> = batch.par_iter().map(|plan| plan.build(buffers)).collect();
         // In order, so that of several broken meshes the first is named, whichever thread finishes first.
         for built in built {
             let built = built?;
@@ -190,7 +190,7 @@ fn build(
 }
 
 /// Everything that rooms are built from.
-struct Things {
+struct Assets {
     meshes: Meshes,
     materials: Arc<[Material]>,
     textures: Arc<[Arc<Texture>]>,
@@ -218,9 +218,9 @@ impl Meshes {
 const BYTES_PER_NODE: u64 = 400;
 
 /// Returns the indices of the meshes that the nodes use, increasing and unique.
-fn used_meshes(document: &Document, placed: &[Placed]) -> Result<Vec<u32>, BrokenRule> {
+fn used_meshes(document: &Document, placed: &[SceneNode]) -> Result<Vec<u32>, BrokenRule> {
     let mut used = Vec::new();
-    for Placed { node, .. } in placed {
+    for SceneNode { node, .. } in placed {
         if let Some(mesh) = document.nodes[*node as usize].mesh {
             document::find(&document.meshes, mesh, "mesh", || document.node_name(*node))?;
             used.push(mesh);
@@ -250,13 +250,14 @@ fn warn_of_surfaces(surfaces: &[Surface], used: &BTreeSet<u32>, warnings: &mut W
 }
 
 /// Replaces the item in a geometry error by its node.
-fn name_the_node(why: BrokenRule, document: &Document, placed: &[Placed], names: &Names) -> BrokenRule {
+fn name_the_node(why: BrokenRule, document: &Document, placed: &[SceneNode], names: &Names) -> BrokenRule {
     let (name, rule): (_, fn(String) -> BrokenRule) = match &why {
         BrokenRule::Geometry(GeometryError::NotFinite(name)) => (name, BrokenRule::NodeNotFinite),
         BrokenRule::Geometry(GeometryError::TooFar(name)) => (name, BrokenRule::NodeTooFar),
         _ => return why,
     };
-    let is_meant = |placed: &&Placed| names.name(placed.node, &document.nodes[placed.node as usize]) == *name;
+    let is_meant =
+        |placed: &&SceneNode| names.name(placed.node, &document.nodes[placed.node as usize]) == *name;
     match placed.iter().find(is_meant) {
         Some(placed) => rule(document.node_name(placed.node)),
         None => why,

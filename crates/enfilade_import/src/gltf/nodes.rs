@@ -11,7 +11,7 @@ use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 /// A node of the scene and its world transform.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
+pub(super) struct SceneNode {
     pub(super) node: u32,
     pub(super) world: Transform,
     /// The nearest room node at or above it.
@@ -25,7 +25,7 @@ pub(super) fn place(
     is_room: impl Fn(u32) -> bool,
     wanted: impl Fn(u32) -> bool,
     warnings: &mut Warnings,
-) -> Result<Vec<Placed>, BrokenRule> {
+) -> Result<Vec<SceneNode>, BrokenRule> {
     let parents = parents(document)?;
     if let Some(node) = on_a_cycle(&parents) {
         return Err(BrokenRule::NodeCycle(name_the_cycle(document, &parents, node)));
@@ -52,7 +52,7 @@ pub(super) fn place(
             if !world.is_finite() {
                 return Err(BrokenRule::NodeNotFinite(document.node_name(number)));
             }
-            placed.push(Placed {
+            placed.push(SceneNode {
                 node: number,
                 world,
                 room,

@@ -1,12 +1,12 @@
 //! Turns nodes and hints into rooms: assigns each node to a room, and decides whether it is an item or an opening.
 
-use super::Things;
+use super::Assets;
 use super::document::{Document, short};
-use super::hints::{self, Hint, Way};
+use super::hints::{self, Hint, OpeningTarget};
 use super::names::Names;
-use super::nodes::{self, Placed};
+use super::nodes::{self, SceneNode};
 use crate::faults::{Faults, Subject};
-use crate::rooms::{self, Frame, Marked, Shell, Teleport};
+use crate::rooms::{self, Frame, MarkedMesh, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, Room, SourceNodes};
 use enfilade::{GeometryBuilder, MeshId, Method, Portal, SectorId};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// The nodes of the scene and their roles.
 pub(super) struct Plan<'d> {
     document: &'d Document<'d>,
-    placed: Vec<Placed>,
+    placed: Vec<SceneNode>,
     hints: BTreeMap<u32, Hint>,
     /// Indices of the room nodes, increasing; empty if none is marked or the file is read as flat.
     rooms: Vec<u32>,
@@ -77,7 +77,7 @@ impl<'d> Plan<'d> {
     }
 
     /// Returns the nodes that are visible or that are exits of portals, by node index.
-    pub(super) fn shown(&self) -> &[Placed] {
+    pub(super) fn shown(&self) -> &[SceneNode] {
         &self.placed
     }
 
@@ -136,19 +136,19 @@ impl<'d> Plan<'d> {
     pub(super) fn rooms(
         &self,
         name: &str,
-        things: &Things,
+        assets: &Assets,
         names: &Names<'d>,
         faults: &mut Faults,
         warnings: &mut Warnings,
     ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
-        let (items, stray): (Vec<&Placed>, Vec<&Placed>) = self
+        let (items, stray): (Vec<&SceneNode>, Vec<&SceneNode>) = self
             .placed
             .iter()
             .filter(|placed| self.is_item(placed))
             .partition(|placed| self.room(placed).is_some());
         let mut shells: Vec<Shell> = Vec::new();
         if !self.flat {
-            shells.extend(self.rooms.iter().map(|&room| self.shell(room, things)));
+            shells.extend(self.rooms.iter().map(|&room| self.shell(room, assets)));
         }
         let marked_rooms = shells.len();
         let has_rest = marked_rooms == 0 || !stray.is_empty();
@@ -156,12 +156,12 @@ impl<'d> Plan<'d> {
             shells.push(Shell {
                 name: name.to_owned(),
                 spoken: "the space outside every room".to_owned(),
-                builder: things.builder(),
+                builder: assets.builder(),
                 method: self.method_of_rest,
                 nodes: SourceNodes::default(),
             });
         }
-        let mut held: Vec<Vec<&Placed>> = vec![Vec::new(); shells.len()];
+        let mut held: Vec<Vec<&SceneNode>> = vec![Vec::new(); shells.len()];
         for placed in &items {
             held[self.room(placed).unwrap_or(marked_rooms)].push(placed);
         }
@@ -172,12 +172,12 @@ impl<'d> Plan<'d> {
             if held.is_empty() && number < marked_rooms {
                 warnings.name(WarningKind::EmptyRooms, || shell.spoken.clone());
             }
-            self.fill(shell, &held, things, names)?;
+            self.fill(shell, &held, assets, names)?;
         }
         let marked = if self.flat {
             Vec::new()
         } else {
-            self.marked(things, names, faults, warnings)
+            self.marked(assets, names, faults, warnings)
         };
         let (rooms, portals) = rooms::join(shells, marked, faults, warnings)?;
         let is_seen = portals.iter().any(|portal| portal.to.0 as usize == marked_rooms);
@@ -190,32 +190,32 @@ impl<'d> Plan<'d> {
     }
 
     /// Returns the index of a node's room.
-    fn room(&self, placed: &Placed) -> Option<usize> {
+    fn room(&self, placed: &SceneNode) -> Option<usize> {
         let room = placed.room.filter(|_| !self.flat)?;
         self.rooms.binary_search(&room).ok()
     }
 
     /// Returns the room above a node, and the room for nodes outside every room; `rooms` is the number of rooms that
     /// [`Plan::rooms`] built.
-    pub(super) fn homes(&self, placed: &Placed, rooms: usize) -> [Option<SectorId>; 2] {
+    pub(super) fn homes(&self, placed: &SceneNode, rooms: usize) -> [Option<SectorId>; 2] {
         let marked = if self.flat { 0 } else { self.rooms.len() };
         let rest = (rooms > marked).then_some(marked);
         [self.room(placed), rest].map(|room| room.map(|room| SectorId(room as u32)))
     }
 
     /// Returns `true` if the node's mesh is drawn: a portal's is not, a mirror's only if everything is one room.
-    pub(super) fn is_item(&self, placed: &Placed) -> bool {
+    pub(super) fn is_item(&self, placed: &SceneNode) -> bool {
         let has_mesh = self.document.nodes[placed.node as usize].mesh.is_some();
         has_mesh
             && match self.hints.get(&placed.node) {
-                Some(Hint::Opening { way, .. }) => self.flat && *way == Way::Mirror,
+                Some(Hint::Opening { way, .. }) => self.flat && *way == OpeningTarget::Mirror,
                 Some(Hint::Hole) => false,
                 _ => true,
             }
     }
 
     /// Creates an empty room for a room node.
-    fn shell(&self, room: u32, things: &Things) -> Shell {
+    fn shell(&self, room: u32, assets: &Assets) -> Shell {
         let name = &*self.document.nodes[room as usize].name;
         let method = match self.hints.get(&room) {
             Some(Hint::Room { method }) => *method,
@@ -228,7 +228,7 @@ impl<'d> Plan<'d> {
                 name.to_owned()
             },
             spoken: self.document.node_name(room),
-            builder: things.builder(),
+            builder: assets.builder(),
             method,
             nodes: SourceNodes::default(),
         }
@@ -238,26 +238,26 @@ impl<'d> Plan<'d> {
     fn fill(
         &self,
         shell: &mut Shell,
-        held: &[&Placed],
-        things: &Things,
+        held: &[&SceneNode],
+        assets: &Assets,
         names: &Names<'d>,
     ) -> Result<(), BrokenRule> {
         let Shell { builder, nodes, .. } = shell;
-        let node = |placed: &Placed| &self.document.nodes[placed.node as usize];
-        let terrain = |placed: &Placed| things.terrains.of(placed.node);
+        let node = |placed: &SceneNode| &self.document.nodes[placed.node as usize];
+        let terrain = |placed: &SceneNode| assets.terrains.of(placed.node);
         let copies = held.iter().filter(|placed| terrain(placed).is_none());
         let own: BTreeSet<u32> = copies.filter_map(|placed| node(placed).mesh).collect();
         let own: BTreeMap<u32, MeshId> = own
             .into_iter()
-            .map(|mesh| (mesh, builder.mesh(Arc::clone(things.meshes.get(mesh)))))
+            .map(|mesh| (mesh, builder.mesh(Arc::clone(assets.meshes.get(mesh)))))
             .collect();
         for placed in held {
-            let id = things.ids.get(&placed.node).map(String::as_str);
+            let id = assets.ids.get(&placed.node).map(String::as_str);
             let node = node(placed);
             if let (Some(field), Some(mesh)) = (terrain(placed), node.mesh) {
                 let name = names.name(placed.node, node);
                 let name = names.terrain(&name, placed.node);
-                let material = things.meshes.get(mesh).clusters()[0].material;
+                let material = assets.meshes.get(mesh).clusters()[0].material;
                 let blocks = builder
                     .terrain(&name, Arc::clone(field), material, placed.world)
                     .map_err(BrokenRule::Geometry)?;
@@ -268,7 +268,7 @@ impl<'d> Plan<'d> {
                 continue;
             };
             let name = names.name(placed.node, node);
-            match things.instances.of(placed.node) {
+            match assets.instances.of(placed.node) {
                 None => {
                     let item = builder.item(&name, *mesh, placed.world);
                     nodes.add(item, placed.node, id);
@@ -288,17 +288,17 @@ impl<'d> Plan<'d> {
     /// Returns every valid opening with its target; reports the others.
     fn marked(
         &self,
-        things: &Things,
+        assets: &Assets,
         names: &Names<'d>,
         faults: &mut Faults,
         warnings: &mut Warnings,
-    ) -> Vec<Marked> {
+    ) -> Vec<MarkedMesh> {
         let mut all = Vec::new();
         for placed in &self.placed {
             let Some(Hint::Opening { way, .. }) = self.hints.get(&placed.node) else {
                 continue;
             };
-            match self.marked_at(placed, way, things, names) {
+            match self.marked_at(placed, way, assets, names) {
                 Ok(marked) => all.push(marked),
                 Err(why) => faults.report(Subject::Portal, why, warnings),
             }
@@ -308,19 +308,19 @@ impl<'d> Plan<'d> {
 
     fn marked_at(
         &self,
-        placed: &Placed,
-        way: &Way,
-        things: &Things,
+        placed: &SceneNode,
+        way: &OpeningTarget,
+        assets: &Assets,
         names: &Names<'d>,
-    ) -> Result<Marked, AuthoringError> {
+    ) -> Result<MarkedMesh, AuthoringError> {
         let node = &self.document.nodes[placed.node as usize];
         let spoken = self.document.node_name(placed.node);
         let Some(mesh) = node.mesh else {
             return Err(AuthoringError::NoMesh { node: spoken });
         };
-        Ok(Marked {
+        Ok(MarkedMesh {
             name: names.name(placed.node, node).into_owned(),
-            mesh: Arc::clone(things.meshes.get(mesh)),
+            mesh: Arc::clone(assets.meshes.get(mesh)),
             world: placed.world,
             owner: self.room(placed),
             way: self.way(placed, way, &spoken)?,
@@ -329,27 +329,32 @@ impl<'d> Plan<'d> {
     }
 
     /// Resolves the target of an opening.
-    fn way(&self, placed: &Placed, way: &Way, spoken: &str) -> Result<rooms::Way, AuthoringError> {
-        let Way::Portal { to, one_way, exit } = way else {
-            return Ok(rooms::Way::Mirror);
+    fn way(
+        &self,
+        placed: &SceneNode,
+        way: &OpeningTarget,
+        spoken: &str,
+    ) -> Result<rooms::OpeningTarget, AuthoringError> {
+        let OpeningTarget::Portal { to, one_way, exit } = way else {
+            return Ok(rooms::OpeningTarget::Mirror);
         };
         let to = match to {
             Some(to) => Some(self.room_called(to, spoken)?),
             None => None,
         };
         let Some(exit) = exit else {
-            return Ok(rooms::Way::Door {
+            return Ok(rooms::OpeningTarget::Door {
                 to,
                 one_way: *one_way,
             });
         };
         let out = self.node_called(exit, spoken)?;
-        let frame = |placed: &Placed| {
+        let frame = |placed: &SceneNode| {
             Frame::of(&placed.world).ok_or_else(|| AuthoringError::NoFrame {
                 node: self.document.node_name(placed.node),
             })
         };
-        Ok(rooms::Way::Teleport(Box::new(Teleport {
+        Ok(rooms::OpeningTarget::Teleport(Box::new(Teleport {
             from: frame(placed)?,
             exit: frame(out)?,
             exit_name: short(exit),
@@ -374,7 +379,7 @@ impl<'d> Plan<'d> {
         })
     }
 
-    fn node_called(&self, name: &str, spoken: &str) -> Result<&Placed, AuthoringError> {
+    fn node_called(&self, name: &str, spoken: &str) -> Result<&SceneNode, AuthoringError> {
         let called = self.exits.get(name).copied().unwrap_or_default();
         let [first, second] = called.map(|place| place.map(|place| &self.placed[place]));
         let (node, exit) = (|| spoken.to_owned(), || short(name));
@@ -394,7 +399,7 @@ impl<'d> Plan<'d> {
     }
 }
 
-impl Things {
+impl Assets {
     /// Creates the builder of a room, with the shared materials and textures.
     fn builder(&self) -> GeometryBuilder {
         let mut builder = GeometryBuilder::new(Arc::clone(&self.materials));
@@ -406,7 +411,7 @@ impl Things {
 fn exit(hint: &Hint) -> Option<&str> {
     match hint {
         Hint::Opening {
-            way: Way::Portal { exit, .. },
+            way: OpeningTarget::Portal { exit, .. },
             ..
         } => exit.as_deref(),
         _ => None,

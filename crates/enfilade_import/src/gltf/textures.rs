@@ -4,7 +4,7 @@
 //! buffers are loaded; images are decoded afterwards, in parallel. An image that cannot be read becomes grey.
 //! Source: glTF 2.0 Specification, section 3.8.
 
-use super::accessor::Stretch;
+use super::accessor::StridedRange;
 use super::address::fetch_all;
 use super::buffers::{Buffers, Source};
 use super::document::{self, Document, Image, Sampler, find, list, short};
@@ -43,7 +43,7 @@ struct ImagePlan<'d> {
 
 /// Location of an encoded image.
 enum Bytes<'d> {
-    View(Stretch, u64),
+    View(StridedRange, u64),
     Address(Cow<'d, str>),
     Nowhere(&'static str),
 }
@@ -221,7 +221,7 @@ impl<'d> ImagePlan<'d> {
         };
         let bytes = match image.buffer_view {
             Some(view) => {
-                let (stretch, length) = Stretch::whole_view(document, view, || place.clone())?;
+                let (stretch, length) = StridedRange::whole_view(document, view, || place.clone())?;
                 Bytes::View(stretch, length)
             }
             None if image.uri.is_empty() => Bytes::Nowhere("it has neither a uri nor a bufferView"),

@@ -33,9 +33,9 @@ pub(super) fn within(of: &Mesh, to: &Mesh, distance: f64) -> bool {
 fn piece(corners: [DVec3; 3], to: &Mesh, distance: f64, depth: u32, left: &AtomicU64) -> bool {
     let [a, b, c] = corners;
     match holding(corners, to, distance) {
-        Nearest::One => return true,
-        Nearest::None => return false,
-        Nearest::Several => {}
+        Proximity::One => return true,
+        Proximity::None => return false,
+        Proximity::Several => {}
     }
     if depth == 0 || left.fetch_sub(1, Ordering::Relaxed) as i64 <= 0 {
         return false;
@@ -46,8 +46,8 @@ fn piece(corners: [DVec3; 3], to: &Mesh, distance: f64, depth: u32, left: &Atomi
         .all(|corners| piece(corners, to, distance, depth - 1, left))
 }
 
-/// How much of a piece is within the distance of the other mesh.
-enum Nearest {
+/// Part of a piece that is within the distance of the other mesh.
+enum Proximity {
     /// The whole piece is within the distance of one triangle.
     One,
     /// Its centroid is; the rest of the piece may be, but only of several triangles together.
@@ -57,13 +57,13 @@ enum Nearest {
 }
 
 /// Classifies a piece by the triangles of `to` near its centroid.
-fn holding(corners: [DVec3; 3], to: &Mesh, distance: f64) -> Nearest {
+fn holding(corners: [DVec3; 3], to: &Mesh, distance: f64) -> Proximity {
     let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
     let square = distance * distance;
     let at = |index: u32| DVec3::from(to.positions()[index as usize].map(f64::from));
-    let mut nearest = Nearest::None;
+    let mut nearest = Proximity::None;
     to.walk(middle.into(), |step| {
-        if matches!(nearest, Nearest::One) {
+        if matches!(nearest, Proximity::One) {
             return false;
         }
         match step {
@@ -79,10 +79,10 @@ fn holding(corners: [DVec3; 3], to: &Mesh, distance: f64) -> Nearest {
                             }
                             let mut all = corners.iter();
                             if all.all(|&corner| square_distance(corner, triangle) <= square) {
-                                nearest = Nearest::One;
+                                nearest = Proximity::One;
                                 return false;
                             }
-                            nearest = Nearest::Several;
+                            nearest = Proximity::Several;
                         }
                     }
                 }

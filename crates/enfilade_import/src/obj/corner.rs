@@ -15,7 +15,7 @@ pub(super) struct Corner {
 
 /// Numbers of elements before a line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SoFar {
+pub(super) struct ElementCounts {
     pub(super) positions: usize,
     pub(super) texture: usize,
     pub(super) normals: usize,
@@ -23,7 +23,7 @@ pub(super) struct SoFar {
 
 impl Corner {
     /// Parses a corner in a file with `all` elements.
-    pub(super) fn parse(word: &[u8], so_far: SoFar, all: &Counts) -> Result<Corner, BadCorner> {
+    pub(super) fn parse(word: &[u8], so_far: ElementCounts, all: &Counts) -> Result<Corner, BadCorner> {
         let mut parts = word.split(|&byte| byte == b'/');
         let mut next = |kind, before, count| match parts.next() {
             None | Some(b"") => Ok(None),
@@ -56,7 +56,7 @@ pub(super) enum BadCorner {
     Number {
         kind: &'static str,
         number: i64,
-        why: Absurd,
+        why: BadIndex,
     },
 }
 
@@ -68,15 +68,15 @@ impl BadCorner {
             return ObjError::BadCorner { line, found };
         };
         match why {
-            Absurd::Zero => ObjError::NumberZero { line, found, kind },
-            Absurd::TooLarge { count } => ObjError::NoSuch {
+            BadIndex::Zero => ObjError::NumberZero { line, found, kind },
+            BadIndex::TooLarge { count } => ObjError::NoSuch {
                 line,
                 found,
                 kind,
                 number,
                 count,
             },
-            Absurd::TooFarBack { before } => ObjError::BeforeTheFirst {
+            BadIndex::TooFarBack { before } => ObjError::BeforeTheFirst {
                 line,
                 found,
                 kind,
@@ -107,7 +107,7 @@ fn whole(word: &[u8]) -> Option<i64> {
 
 /// Why an index is out of range.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Absurd {
+pub(super) enum BadIndex {
     Zero,
     TooLarge { count: usize },
     TooFarBack { before: usize },
@@ -115,7 +115,7 @@ pub(super) enum Absurd {
 
 /// Resolves an index: 1 is the first element, and −1 the last of the `before` elements above the line. The file has
 /// `count` elements; later ones may be referenced too.
-fn resolve(number: i64, before: usize, count: usize) -> Result<NonZeroU32, Absurd> {
+fn resolve(number: i64, before: usize, count: usize) -> Result<NonZeroU32, BadIndex> {
     let place = if number < 0 {
         before as i64 + number + 1
     } else {
@@ -124,9 +124,9 @@ fn resolve(number: i64, before: usize, count: usize) -> Result<NonZeroU32, Absur
     let named = u32::try_from(place).ok().and_then(NonZeroU32::new);
     match named.filter(|named| named.get() as usize <= count) {
         Some(named) => Ok(named),
-        None if number == 0 => Err(Absurd::Zero),
-        None if number < 0 => Err(Absurd::TooFarBack { before }),
-        None => Err(Absurd::TooLarge { count }),
+        None if number == 0 => Err(BadIndex::Zero),
+        None if number < 0 => Err(BadIndex::TooFarBack { before }),
+        None => Err(BadIndex::TooLarge { count }),
     }
 }
 
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     fn parse(word: &str) -> Result<Corner, BadCorner> {
-        let so_far = SoFar {
+        let so_far = ElementCounts {
             positions: 5,
             texture: 2,
             normals: 1,
@@ -177,17 +177,21 @@ mod tests {
         }
         let largest = i64::MAX;
         for (word, named, is) in [
-            ("0", 0, Absurd::Zero),
-            ("-0", 0, Absurd::Zero),
-            ("8", 8, Absurd::TooLarge { count: 7 }),
-            ("-6", -6, Absurd::TooFarBack { before: 5 }),
-            ("99999999999", 99_999_999_999, Absurd::TooLarge { count: 7 }),
-            ("4294967297", 4_294_967_297, Absurd::TooLarge { count: 7 }),
-            ("99999999999999999999999", largest, Absurd::TooLarge { count: 7 }),
+            ("0", 0, BadIndex::Zero),
+            ("-0", 0, BadIndex::Zero),
+            ("8", 8, BadIndex::TooLarge { count: 7 }),
+            ("-6", -6, BadIndex::TooFarBack { before: 5 }),
+            ("99999999999", 99_999_999_999, BadIndex::TooLarge { count: 7 }),
+            ("4294967297", 4_294_967_297, BadIndex::TooLarge { count: 7 }),
+            (
+                "99999999999999999999999",
+                largest,
+                BadIndex::TooLarge { count: 7 },
+            ),
             (
                 "-99999999999999999999999",
                 -largest,
-                Absurd::TooFarBack { before: 5 },
+                BadIndex::TooFarBack { before: 5 },
             ),
         ] {
             let expected = BadCorner::Number {
@@ -200,7 +204,7 @@ mod tests {
         let normal = BadCorner::Number {
             kind: "normal",
             number: -2,
-            why: Absurd::TooFarBack { before: 1 },
+            why: BadIndex::TooFarBack { before: 1 },
         };
         assert_eq!(parse("1//-2"), Err(normal));
     }

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 
 /// A path below the folder of the OBJ file, which it cannot leave.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) struct Inside(PathBuf);
+pub(super) struct InnerPath(PathBuf);
 
-impl Inside {
+impl InnerPath {
     /// Resolves `name`, written in the file `here`. An absolute path, or one that leaves the folder, is replaced by the
     /// file of that name next to `here`, where shared files usually are.
-    pub(super) fn of(name: &str, here: &Inside) -> Inside {
+    pub(super) fn of(name: &str, here: &InnerPath) -> InnerPath {
         let beside = here.0.parent().unwrap_or(Path::new(""));
         let name = name.replace('\\', "/");
         let is_elsewhere = name.starts_with('/') || name.get(1..2) == Some(":");
         let followed = (!is_elsewhere).then(|| follow(beside, &name)).flatten();
-        Inside(followed.unwrap_or_else(|| beside.join(last_part(&name))))
+        InnerPath(followed.unwrap_or_else(|| beside.join(last_part(&name))))
     }
 
     /// Returns the bytes of the file, or the reason why it cannot be read.
@@ -77,7 +77,7 @@ mod tests {
 
     #[test]
     fn no_path_leads_out_of_the_folder() {
-        let here = Inside::of("materials/a.mtl", &Inside::default());
+        let here = InnerPath::of("materials/a.mtl", &InnerPath::default());
         for (name, means) in [
             ("wood.png", "materials/wood.png"),
             ("./tex\\my wood.png", "materials/tex/my wood.png"),
@@ -90,8 +90,8 @@ mod tests {
             ("../..", "materials/(no name)"),
             ("tex/../../x/../y/wood.png", "y/wood.png"),
         ] {
-            assert_eq!(Inside::of(name, &here).spoken(), means, "{name}");
+            assert_eq!(InnerPath::of(name, &here).spoken(), means, "{name}");
         }
-        assert_eq!(Inside::of("../a.mtl", &Inside::default()).spoken(), "a.mtl");
+        assert_eq!(InnerPath::of("../a.mtl", &InnerPath::default()).spoken(), "a.mtl");
     }
 }

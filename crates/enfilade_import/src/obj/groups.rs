@@ -1,6 +1,6 @@
 //! Groups the faces into items: a line `o` or `g` begins one.
 
-use super::parse::{Faces, Mark, What};
+use super::parse::{Faces, Mark, Statement};
 use crate::BrokenRule;
 use crate::budget::Budget;
 use std::collections::{HashMap, HashSet};
@@ -87,16 +87,16 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn mark(&mut self, what: &'a What) {
+    fn mark(&mut self, what: &'a Statement) {
         match what {
             // Some programs repeat the group name with every material.
-            What::Group(name) => {
+            Statement::Group(name) => {
                 self.begun &= *name == self.name;
                 self.name = name;
             }
-            What::Material(name) => self.material = Some(name),
-            What::Smooth(number) => self.smooth = *number,
-            What::Libraries(files) => {
+            Statement::Material(name) => self.material = Some(name),
+            Statement::Smooth(number) => self.smooth = *number,
+            Statement::Libraries(files) => {
                 if self.seen.insert(files) {
                     self.found.libraries.push(files.to_string());
                 }

@@ -4,7 +4,7 @@
 //! multiply the image, except where they are black, because a completely black image is never intended. Alpha maps give
 //! alpha test, because they are used for leaves and fences; `d` and `Tr` give alpha blend.
 
-use super::files::Inside;
+use super::files::InnerPath;
 use super::groups::Groups;
 use super::mtl::{self, Entry, Map};
 use crate::budget::Budget;
@@ -94,7 +94,7 @@ impl Materials {
 }
 
 /// All materials of all files, by name, each with its file.
-struct Library(HashMap<String, (Entry, Inside)>);
+struct Library(HashMap<String, (Entry, InnerPath)>);
 
 impl Library {
     fn load(
@@ -106,9 +106,9 @@ impl Library {
     ) -> Library {
         let mut library = HashMap::new();
         let mut read = HashSet::new();
-        let top = Inside::default();
+        let top = InnerPath::default();
         for file in statements.iter().flat_map(|names| files(names, folder)) {
-            let here = Inside::of(file, &top);
+            let here = InnerPath::of(file, &top);
             if !read.insert(here.clone()) {
                 continue;
             }
@@ -123,7 +123,10 @@ impl Library {
                 Ok(bytes) => {
                     for entry in mtl::parse(&bytes, &here.spoken(), warnings) {
                         let maps = [&entry.diffuse_map, &entry.emission_map, &entry.coverage_map];
-                        let images = maps.into_iter().flatten().map(|map| Inside::of(&map.file, &here));
+                        let images = maps
+                            .into_iter()
+                            .flatten()
+                            .map(|map| InnerPath::of(&map.file, &here));
                         named.extend(images.filter_map(|image| image.path(folder)));
                         // If several materials share a name, the first wins.
                         library
@@ -141,7 +144,7 @@ impl Library {
 /// Returns the files of an `mtllib` line: a single name that may contain spaces, or several.
 fn files<'s>(names: &'s str, folder: Option<&Path>) -> Vec<&'s str> {
     let names = names.trim_matches('"');
-    if Inside::of(names, &Inside::default()).exists(folder) {
+    if InnerPath::of(names, &InnerPath::default()).exists(folder) {
         return vec![names];
     }
     // Split after every `.mtl` that is followed by a space.
@@ -161,7 +164,7 @@ struct Reader<'r> {
     with_images: bool,
     found: Materials,
     /// Images already read, by file and whether they are clamped.
-    known: HashMap<(Inside, bool), TextureId>,
+    known: HashMap<(InnerPath, bool), TextureId>,
     budget: &'r mut Budget,
     warnings: &'r mut Warnings,
 }
@@ -175,7 +178,7 @@ impl Reader<'_> {
         self.found.placings.push(placing);
     }
 
-    fn add(&mut self, entry: &Entry, here: &Inside) {
+    fn add(&mut self, entry: &Entry, here: &InnerPath) {
         let coverage = self.coverage(entry);
         let base = entry.diffuse.unwrap_or([1.0; 3]);
         let maps = [&entry.diffuse_map, &entry.emission_map].map(Option::as_ref);
@@ -218,8 +221,8 @@ impl Reader<'_> {
     }
 
     /// Returns the alpha mode. It must not depend on whether images are read, because it decides whether faces occlude.
-    fn alpha(&mut self, entry: &Entry, coverage: f32, here: &Inside) -> Alpha {
-        let image = |map: &Map| Inside::of(&map.file, here);
+    fn alpha(&mut self, entry: &Entry, coverage: f32, here: &InnerPath) -> Alpha {
+        let image = |map: &Map| InnerPath::of(&map.file, here);
         if let Some(map) = &entry.coverage_map
             && entry.diffuse_map.as_ref().map(image) != Some(image(map))
         {
@@ -235,8 +238,8 @@ impl Reader<'_> {
     }
 
     /// Loads an image, or returns its id if it is already loaded.
-    fn texture(&mut self, map: &Map, here: &Inside) -> TextureId {
-        let file = Inside::of(&map.file, here);
+    fn texture(&mut self, map: &Map, here: &InnerPath) -> TextureId {
+        let file = InnerPath::of(&map.file, here);
         let next = TextureId(self.found.textures.len() as u32);
         let id = *self.known.entry((file.clone(), map.clamp)).or_insert(next);
         if id == next {

@@ -38,7 +38,7 @@ impl AddAssign for Size {
 }
 
 /// A mesh, and the self-intersecting faces as chunk and face indices.
-pub(super) struct Built {
+pub(super) struct BuiltMesh {
     pub(super) mesh: Mesh,
     pub(super) rough: Vec<(usize, usize)>,
 }
@@ -77,7 +77,7 @@ impl Source<'_> {
     }
 
     /// Builds the mesh of a group.
-    pub(super) fn build(&self, group: &Group) -> Result<Built, BrokenRule> {
+    pub(super) fn build(&self, group: &Group) -> Result<BuiltMesh, BrokenRule> {
         let plain = self.placings.len() - 1;
         let mut runs: Vec<(usize, &Run)> = group
             .runs
@@ -106,7 +106,7 @@ impl Source<'_> {
             place: format!("group {:?}", group.name),
             why,
         })?;
-        Ok(Built { mesh, rough })
+        Ok(BuiltMesh { mesh, rough })
     }
 
     /// Triangulates the faces of a run.

@@ -29,7 +29,7 @@ use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, gltf};
 use enfilade::{GeometryBuilder, Transform};
 use groups::{Group, Groups};
 use materials::Materials;
-use mesh::{Built, Size, Source};
+use mesh::{BuiltMesh, Size, Source};
 use parse::Tables;
 use rayon::prelude::*;
 use std::path::Path;
@@ -49,8 +49,8 @@ pub(crate) fn begins_like_obj(bytes: &[u8]) -> bool {
     const ENOUGH: usize = 1 << 16;
     let begin = with_line_ends(without_mark(&bytes[..bytes.len().min(ENOUGH)]));
     let mut lines = Lines::of(&begin, 0);
-    let told = lines.find(|line| !matches!(line.keyword(), b"o" | b"g" | b"s" | b"usemtl"));
-    told.is_some_and(|line| match line.keyword() {
+    let first = lines.find(|line| !matches!(line.keyword(), b"o" | b"g" | b"s" | b"usemtl"));
+    first.is_some_and(|line| match line.keyword() {
         b"mtllib" => !line.rest().is_empty(),
         b"v" | b"vt" | b"vn" => line.words().count() >= 2 && line.words().all(|word| number(word).is_some()),
         _ => false,
@@ -106,20 +106,20 @@ fn read(
 
     let mut geometry = GeometryBuilder::new(materials.materials);
     geometry.textures(materials.textures);
-    let crowds = crowds(&found.groups, &source);
+    let batches = batches(&found.groups, &source);
     let carried = bytes_carried(&tables, found.any_smooth());
     let mut kept = 0;
     let mut at_work = 0;
-    for (_, size) in &crowds {
+    for (_, size) in &batches {
         kept += size.triangles * BYTES_KEPT + size.corners * (12 + carried);
         at_work = at_work.max(size.triangles * BYTES_AT_WORK + size.corners * (40 + carried));
     }
     budget.take(kept + at_work, || "the triangles".to_owned())?;
-    for (crowd, _) in crowds {
-        let built: Vec<_> = crowd.par_iter().map(|group| source.build(group)).collect();
+    for (batch, _) in batches {
+        let built: Vec<_> = batch.par_iter().map(|group| source.build(group)).collect();
         // In order, so that of several broken groups the first is named, whichever thread finishes first.
-        for (group, built) in crowd.iter().zip(built) {
-            let Built { mesh, rough } = built?;
+        for (group, built) in batch.iter().zip(built) {
+            let BuiltMesh { mesh, rough } = built?;
             for (piece, face) in rough {
                 warnings.name(WarningKind::RoughPolygons, || {
                     format!("line {}", source.line(piece, face))
@@ -127,7 +127,7 @@ fn read(
             }
             let mesh = geometry.mesh(mesh);
             geometry.item(&group.name, mesh, Transform::IDENTITY);
-            if !options.flat && gltf::is_called_like_an_opening_or_a_room(&group.name) {
+            if !options.flat && gltf::marks_opening_or_room(&group.name) {
                 warnings.name(WarningKind::NoRoomsInObj, || group.name.clone());
             }
         }
@@ -174,23 +174,23 @@ fn bytes_carried(tables: &Tables, any_smooth: bool) -> u64 {
 
 /// Maximum number of triangles of groups that are built at the same time, unless a single group has more. So memory use
 /// does not grow with the number of threads.
-const CROWD: u64 = 1_000_000;
+const BATCH_TRIANGLES: u64 = 1_000_000;
 
 /// Splits the groups into batches that are built in parallel; returns the size of each.
-fn crowds<'g>(groups: &'g [Group], source: &Source) -> Vec<(&'g [Group], Size)> {
-    let mut crowds = Vec::new();
+fn batches<'g>(groups: &'g [Group], source: &Source) -> Vec<(&'g [Group], Size)> {
+    let mut batches = Vec::new();
     let mut start = 0;
-    let mut crowd = Size::default();
+    let mut batch = Size::default();
     for (end, group) in groups.iter().enumerate() {
         let size = source.size(group);
-        if crowd.triangles > 0 && crowd.triangles + size.triangles > CROWD {
-            crowds.push((&groups[start..end], crowd));
-            (start, crowd) = (end, Size::default());
+        if batch.triangles > 0 && batch.triangles + size.triangles > BATCH_TRIANGLES {
+            batches.push((&groups[start..end], batch));
+            (start, batch) = (end, Size::default());
         }
-        crowd += size;
+        batch += size;
     }
     if start < groups.len() {
-        crowds.push((&groups[start..], crowd));
+        batches.push((&groups[start..], batch));
     }
-    crowds
+    batches
 }

@@ -5,7 +5,7 @@
 //! Cost: O(bytes).
 
 use super::ObjError;
-use super::corner::{Corner, SoFar};
+use super::corner::{Corner, ElementCounts};
 use super::survey::{Counts, Piece};
 use super::text::{Line, Lines, number, quoted};
 use crate::warning::{WarningKind, Warnings};
@@ -43,11 +43,11 @@ pub(super) struct Faces<'a> {
 pub(super) struct Mark<'a> {
     /// Number of faces of the chunk before it.
     pub(super) face: usize,
-    pub(super) what: What<'a>,
+    pub(super) what: Statement<'a>,
 }
 
 #[derive(Debug)]
-pub(super) enum What<'a> {
+pub(super) enum Statement<'a> {
     /// `o` or `g`: begins an object or a group.
     Group(Cow<'a, str>),
     /// `usemtl`: the material of the faces.
@@ -58,12 +58,12 @@ pub(super) enum What<'a> {
     Libraries(Cow<'a, str>),
 }
 
-impl What<'_> {
+impl Statement<'_> {
     /// Returns the argument of the statement, or an empty string.
     pub(super) fn name(&self) -> &str {
         match self {
-            What::Group(name) | What::Material(name) | What::Libraries(name) => name,
-            What::Smooth(_) => "",
+            Statement::Group(name) | Statement::Material(name) | Statement::Libraries(name) => name,
+            Statement::Smooth(_) => "",
         }
     }
 }
@@ -188,13 +188,13 @@ impl<'a, 't> Reader<'a, 't> {
                 b"f" => self.face(&line)?,
                 b"p" => self.warn(WarningKind::Points, line.number),
                 b"l" => self.warn(WarningKind::Lines, line.number),
-                b"o" | b"g" => self.mark(line, What::Group),
-                b"usemtl" => self.mark(line, What::Material),
-                b"mtllib" => self.mark(line, What::Libraries),
+                b"o" | b"g" => self.mark(line, Statement::Group),
+                b"usemtl" => self.mark(line, Statement::Material),
+                b"mtllib" => self.mark(line, Statement::Libraries),
                 b"s" => {
                     // `off` and 0 are equivalent.
                     let number = line.rest().parse().unwrap_or(0);
-                    let smooth = What::Smooth(NonZeroU32::new(number));
+                    let smooth = Statement::Smooth(NonZeroU32::new(number));
                     self.mark(line, |_| smooth);
                 }
                 unread => self.unread(unread),
@@ -215,7 +215,7 @@ impl<'a, 't> Reader<'a, 't> {
         }
     }
 
-    fn mark(&mut self, line: Line<'a>, what: impl FnOnce(Cow<'a, str>) -> What<'a>) {
+    fn mark(&mut self, line: Line<'a>, what: impl FnOnce(Cow<'a, str>) -> Statement<'a>) {
         let keyword = line.keyword().len();
         let name = match line.text {
             Cow::Borrowed(text) => String::from_utf8_lossy(text[keyword..].trim_ascii()),
@@ -257,7 +257,7 @@ impl<'a, 't> Reader<'a, 't> {
 
     fn face(&mut self, line: &Line) -> Result<(), ObjError> {
         let first = self.faces.corners.len();
-        let so_far = SoFar {
+        let so_far = ElementCounts {
             positions: self.before.positions + self.positions_read,
             texture: self.before.texture + self.texture_read,
             normals: self.before.normals + self.normals_read,

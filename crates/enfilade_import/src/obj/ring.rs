@@ -34,7 +34,7 @@ pub(super) struct Ring {
     waiting: VecDeque<(Place, u32)>,
     /// For each corner, the head of the list in `held_up` of the corners that it blocks.
     holds_up: Vec<Option<u32>>,
-    held_up: Vec<HeldUp>,
+    held_up: Vec<BlockedCorner>,
     /// Unused entries of `held_up`, which bound its length by the number of corners.
     free: Vec<u32>,
     grid: Grid,
@@ -53,7 +53,7 @@ enum Turn {
 
 /// A corner that is not an ear as long as another one blocks it.
 #[derive(Clone, Copy, Debug)]
-struct HeldUp {
+struct BlockedCorner {
     corner: Place,
     changes: u32,
     next: Option<u32>,
@@ -270,7 +270,7 @@ impl Ring {
     /// Makes a corner wait until the corner that blocks it is clipped or becomes convex.
     fn wait(&mut self, corner: Place, other: Place) {
         let place = self.free.pop().unwrap_or(self.held_up.len() as u32);
-        let held = HeldUp {
+        let held = BlockedCorner {
             corner,
             changes: self.changes[corner as usize],
             next: self.holds_up[other as usize].replace(place),

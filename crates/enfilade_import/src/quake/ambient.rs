@@ -35,7 +35,7 @@ impl Default for AmbientSounds {
     }
 }
 
-/// What [`with_ambient_sounds`] wrote.
+/// Numbers of leafs with each ambient sound, as written by [`with_ambient_sounds`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct AmbientLeafs {
@@ -88,8 +88,10 @@ pub fn with_ambient_sounds(
         by_names: images.iter().any(|image| !image.name.is_empty()),
         ..AmbientLeafs::default()
     };
-    let places: Vec<usize> = map.places(map.format.leafs, map.format.leaf_bytes)?.collect();
-    for (place, cluster) in places.into_iter().zip(&clusters) {
+    let record_offsets: Vec<usize> = map
+        .record_offsets(map.format.leafs, map.format.leaf_bytes)?
+        .collect();
+    for (place, cluster) in record_offsets.into_iter().zip(&clusters) {
         let Some(cluster) = cluster else { continue };
         let heard = heard[*cluster as usize];
         let end = place + map.format.leaf_bytes;
@@ -115,7 +117,7 @@ const LEAF_FACES: usize = 11;
 /// Returns the union of the classes of a leaf's faces.
 fn class_of_leaf(map: &Map, tree: &Tree, leaf: usize, classes: &[u8]) -> Result<u8, BspError> {
     let is_short = map.format.is_short;
-    let numbers = map.things(LEAF_FACES, if is_short { 2 } else { 4 })?;
+    let numbers = map.records(LEAF_FACES, if is_short { 2 } else { 4 })?;
     let [first, count] = tree.leafs[leaf].faces.map(|number| number as usize);
     let count_of_all = numbers.len();
     if first + count > count_of_all {

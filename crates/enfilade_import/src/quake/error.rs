@@ -10,7 +10,7 @@ pub enum PrtError {
     /// The file is not a `.prt`.
     #[error("is not a .prt file: it {begins}, but a .prt begins with PRT1 or PRT2; compile the map again")]
     NotPrt {
-        /// How the file begins: "begins with `…`", or "is empty".
+        /// First bytes of the file: "begins with `…`", or "is empty".
         begins: String,
     },
     /// The file is truncated.

@@ -4,7 +4,7 @@ use super::outline::outline;
 use super::overlap::overlaps;
 use super::sides::{self, LEAST, Rooms, Side, sides};
 use super::sky::open_above;
-use super::{Marked, Shell, Teleport, Way};
+use super::{MarkedMesh, OpeningTarget, Shell, Teleport};
 use crate::faults::{Faults, Subject};
 use crate::warning::Warnings;
 use crate::{AuthoringError, BrokenRule, Room};
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// An opening of a room and its target.
-struct Lead {
+struct PlannedPortal {
     /// Index of the marked mesh.
     marked: usize,
     from: usize,
@@ -27,13 +27,13 @@ struct Lead {
 /// Builds the rooms with their openings, and the portals between them. Reports and skips invalid marked meshes.
 pub(crate) fn join(
     shells: Vec<Shell>,
-    mut marked: Vec<Marked>,
+    mut marked: Vec<MarkedMesh>,
     faults: &mut Faults,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
     // Most files are one room without openings, which needs no analysis.
     if shells.len() == 1 && marked.is_empty() {
-        return finish(shells, &marked, Found::default());
+        return finish(shells, &marked, Analysis::default());
     }
     let bare: Vec<Geometry> = shells
         .iter()
@@ -67,8 +67,8 @@ pub(crate) fn join(
 
 /// Result of analysing the marked meshes.
 #[derive(Default)]
-struct Found {
-    leads: Vec<Lead>,
+struct Analysis {
+    leads: Vec<PlannedPortal>,
     /// Whether each room has no ceiling.
     open_above: Vec<bool>,
     /// The invalid marked meshes, in order, with the reason.
@@ -76,7 +76,7 @@ struct Found {
 }
 
 /// Analyses all marked meshes.
-fn find(rooms: &[Geometry], spoken: &[&str], marked: &[Marked]) -> Found {
+fn find(rooms: &[Geometry], spoken: &[&str], marked: &[MarkedMesh]) -> Analysis {
     let outlines: Vec<Result<ConvexPolygon, AuthoringError>> = marked
         .par_iter()
         .map(|marked| outline(&marked.mesh, &marked.world, &marked.spoken))
@@ -87,7 +87,7 @@ fn find(rooms: &[Geometry], spoken: &[&str], marked: &[Marked]) -> Found {
         all: rooms,
         open_above: &open_above,
     };
-    let found: Vec<Result<Vec<Lead>, AuthoringError>> = outlines
+    let found: Vec<Result<Vec<PlannedPortal>, AuthoringError>> = outlines
         .into_par_iter()
         .enumerate()
         .map(|(number, outline)| leads(rooms, spoken, number, &marked[number], outline?))
@@ -108,7 +108,7 @@ fn find(rooms: &[Geometry], spoken: &[&str], marked: &[Marked]) -> Found {
         bad.push((second, why));
     }
     bad.sort_by_key(|&(number, _)| number);
-    Found {
+    Analysis {
         leads,
         open_above,
         bad,
@@ -118,8 +118,8 @@ fn find(rooms: &[Geometry], spoken: &[&str], marked: &[Marked]) -> Found {
 /// Adds the openings to their rooms and builds the rooms.
 fn finish(
     mut shells: Vec<Shell>,
-    marked: &[Marked],
-    found: Found,
+    marked: &[MarkedMesh],
+    found: Analysis,
 ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
     let mut portals = Vec::with_capacity(found.leads.len());
     for lead in found.leads {
@@ -153,16 +153,16 @@ fn leads(
     rooms: Rooms,
     spoken: &[&str],
     number: usize,
-    marked: &Marked,
+    marked: &MarkedMesh,
     outline: ConvexPolygon,
-) -> Result<Vec<Lead>, AuthoringError> {
-    let around = Around {
+) -> Result<Vec<PlannedPortal>, AuthoringError> {
+    let around = OpeningContext {
         rooms,
         spoken,
         marked,
         sides: sides(rooms, &outline),
     };
-    let lead = |from, outline, to, there_from_here| Lead {
+    let lead = |from, outline, to, there_from_here| PlannedPortal {
         marked: number,
         from,
         outline,
@@ -170,7 +170,7 @@ fn leads(
         there_from_here,
     };
     match &marked.way {
-        Way::Door { to, one_way } => {
+        OpeningTarget::Door { to, one_way } => {
             let (from, to, turned) = around.two_rooms(*to, *one_way)?;
             let (ahead, back) = if turned {
                 (outline.flipped(), outline)
@@ -183,7 +183,7 @@ fn leads(
             }
             Ok(leads)
         }
-        Way::Teleport(teleport) => {
+        OpeningTarget::Teleport(teleport) => {
             let Teleport {
                 from,
                 exit,
@@ -208,7 +208,7 @@ fn leads(
             let outline = if turned { outline.flipped() } else { outline };
             Ok(vec![lead(room, outline, to, from.there_from_here(exit))])
         }
-        Way::Mirror => {
+        OpeningTarget::Mirror => {
             let (room, turned) = around.mirrored(&outline)?;
             let outline = if turned { outline.flipped() } else { outline };
             let reflection = Transform::reflection(outline.corners()[0], outline.normal());
@@ -218,15 +218,15 @@ fn leads(
 }
 
 /// A marked mesh and the rooms on its two sides.
-struct Around<'a> {
+struct OpeningContext<'a> {
     rooms: Rooms<'a>,
     spoken: &'a [&'a str],
-    marked: &'a Marked,
+    marked: &'a MarkedMesh,
     /// In front of it, behind it.
     sides: [Side; 2],
 }
 
-impl Around<'_> {
+impl OpeningContext<'_> {
     /// Returns the room that a door leads out of, the room that it leads into, and whether the first is behind the
     /// front.
     fn two_rooms(&self, to: Option<usize>, one_way: bool) -> Result<(usize, usize, bool), AuthoringError> {
@@ -349,10 +349,10 @@ fn free_rays(room: &Geometry, outline: &ConvexPolygon, side: f64) -> usize {
 
 /// Finds marked meshes whose openings duplicate earlier ones: they face the same way in one room and mostly cover each
 /// other. Returns the earlier one, the later one (once), and the room.
-fn same_places(leads: &[Lead]) -> Vec<(usize, usize, usize)> {
-    let mut by_room: Vec<&Lead> = leads.iter().collect();
+fn same_places(leads: &[PlannedPortal]) -> Vec<(usize, usize, usize)> {
+    let mut by_room: Vec<&PlannedPortal> = leads.iter().collect();
     by_room.sort_by(|a, b| {
-        let low = |lead: &Lead| lead.outline.bounds().min[0];
+        let low = |lead: &PlannedPortal| lead.outline.bounds().min[0];
         a.from.cmp(&b.from).then(low(a).total_cmp(&low(b)))
     });
     let mut found = BTreeMap::new();

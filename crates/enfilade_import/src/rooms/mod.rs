@@ -31,7 +31,7 @@ pub(crate) struct Shell {
 }
 
 /// A transformed mesh that the author marked as an opening.
-pub(crate) struct Marked {
+pub(crate) struct MarkedMesh {
     pub(crate) name: String,
     /// Name of the opening in messages.
     pub(crate) spoken: String,
@@ -39,11 +39,11 @@ pub(crate) struct Marked {
     pub(crate) world: Transform,
     /// The room that contains its node.
     pub(crate) owner: Option<usize>,
-    pub(crate) way: Way,
+    pub(crate) way: OpeningTarget,
 }
 
 /// The target of an opening. Rooms are indices.
-pub(crate) enum Way {
+pub(crate) enum OpeningTarget {
     /// To the room on the other side; `to` if the author names it.
     Door {
         to: Option<usize>,

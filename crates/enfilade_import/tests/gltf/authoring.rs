@@ -1,4 +1,4 @@
-//! What authors do wrong with rooms and portals: every message names the node and the remedy.
+//! Tests authoring errors in rooms and portals: every message names the node and the remedy.
 
 use crate::file::{File, refusal, refuses, warnings};
 use crate::rooms::{door, house, two_rooms, ways};
@@ -75,7 +75,7 @@ fn a_teleport_that_has_no_direction() {
     let mut flat = teleport("name", json!("Door-portal"));
     flat.json["nodes"][5]["scale"] = json!([0, 0, 0]);
     refuses(&flat, &["node 5 \"Out\"", "scale of 0"]);
-    // A square that lies along z: the positions of the box's floor.
+    // A square parallel to z: the positions of the box's floor.
     let mut edgewise = teleport("name", json!("Door-portal"));
     let floor = edgewise.primitive(
         &[

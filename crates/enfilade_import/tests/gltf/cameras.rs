@@ -1,4 +1,4 @@
-//! Orthographic cameras: seen with a lens from far away, nothing is where parallel lines of sight would not have it.
+//! Tests orthographic cameras: the distant perspective approximation moves nothing by more than half a pixel.
 
 use crate::file::{File, reads, warnings};
 use enfilade::{Method, SectorId, View, Viewer};
@@ -27,7 +27,7 @@ fn only(import: &Import) -> &Camera {
     camera
 }
 
-/// Where a camera sees a point, in pixels from the middle of a screen 1280 wide and 720 high, and how far ahead.
+/// Returns the position of a point in pixels from the centre of a 1280×720 viewport, and its depth.
 fn seen(camera: &Camera, point: [f64; 3]) -> [f64; 3] {
     let [eye, toward, up] = [camera.eye, camera.toward, camera.up].map(|v| v.map(f64::from));
     let minus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] - b[i]);

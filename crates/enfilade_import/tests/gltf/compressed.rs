@@ -94,7 +94,7 @@ fn elements_of_all_sizes_are_decoded() {
     }
 }
 
-/// Encodes elements of four numbers, each of so many bytes that an element has `stride`.
+/// Encodes elements of four numbers; an element has `stride` bytes.
 fn shorts_or_bytes<const N: usize>(elements: [[i32; 4]; N], stride: usize) -> Vec<u8> {
     let numbers = elements.into_iter().flatten();
     let bytes: Vec<u8> = numbers

@@ -1,4 +1,4 @@
-//! Files as they lie on a disk: binary, text, with buffers beside them or inside them, whole or cut.
+//! Tests containers: binary and text, with separate and embedded buffers, whole and truncated.
 
 use crate::file::{File, glb, refusal, triangles};
 use base64::Engine;

@@ -1,4 +1,4 @@
-//! A small glTF writer, and the questions that tests ask about what was read.
+//! A small glTF writer, and helpers for what was read.
 
 use enfilade::ItemId;
 use enfilade_import::{Import, ReadOptions, read_bytes};
@@ -71,7 +71,7 @@ impl File {
         )
     }
 
-    /// Adds an accessor of floats, so many in each element, and says its number.
+    /// Adds an accessor of floats and returns its index.
     pub(crate) fn floats(&mut self, values: &[f32], each: usize) -> usize {
         let bytes = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let shape = ["SCALAR", "VEC2", "VEC3", "VEC4"][each - 1];
@@ -168,7 +168,7 @@ pub(crate) fn textured_leaf() -> File {
     file
 }
 
-/// What the corners of the first mesh at (0, 0, 0), (1, 0, 0) and (0, 1, 0) carry, in that order.
+/// Returns the attributes of the vertices of the first mesh at (0, 0, 0), (1, 0, 0) and (0, 1, 0), in that order.
 pub(crate) fn carried<const N: usize>(
     import: &Import,
     list: impl Fn(&enfilade::Mesh) -> &[[f32; N]],
@@ -221,7 +221,7 @@ pub(crate) fn refuses(file: &File, words: &[&str]) {
     }
 }
 
-/// What a file holds, which must be sound.
+/// Reads a valid file.
 #[track_caller]
 pub(crate) fn reads(file: &File) -> Import {
     read_bytes(&file.glb(), None, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))

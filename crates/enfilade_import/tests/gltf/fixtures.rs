@@ -117,7 +117,7 @@ fn instances_lights_and_cameras_are_those_that_their_maker_put_there() {
 
 #[test]
 fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
-    /// What a warning or an error has in it; nothing where all is read.
+    /// Expected text of the warning or error; empty if there is none.
     const KNOWN: [(&str, &str); 35] = [
         (
             "all_nan_texcoords.glb",

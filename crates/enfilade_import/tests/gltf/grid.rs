@@ -11,7 +11,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// So many columns and rows at places of their own, and diagonals from north-east to south-west.
+    /// Columns and rows with irregular steps, and diagonals from north-east to south-west.
     pub(crate) fn at(size: [u16; 2], x: impl Fn(u16) -> f32, z: impl Fn(u16) -> f32) -> Grid {
         let places = (0..size[1]).flat_map(|row| (0..size[0]).map(move |column| (column, row)));
         let height = |column: u16, row: u16| f32::from((column * 7 + row * 5) % 11) * 0.3;
@@ -35,7 +35,7 @@ impl Grid {
         self
     }
 
-    /// The same, each triangle with corners of its own.
+    /// The same, without shared vertices.
     pub(crate) fn split(&self) -> Grid {
         let own = self
             .corners

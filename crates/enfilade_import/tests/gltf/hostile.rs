@@ -345,7 +345,7 @@ fn names_that_fight_each_other_are_settled_fast() {
     assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
 }
 
-/// What is changed, and how.
+/// The changes, by name.
 type Change<'a> = (&'a str, &'a dyn Fn(&mut Value));
 
 #[test]

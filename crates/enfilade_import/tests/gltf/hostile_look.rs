@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Long enough for a busy machine, and far too short for anything that grows with the square.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// What is changed, and what is said then.
+/// Changes of a material, with the expected messages.
 type Case<'a> = (&'a str, &'a dyn Fn(&mut Value), &'a str);
 
 #[test]
@@ -75,7 +75,7 @@ fn numbers_that_name_no_texture_sampler_or_image_are_refused() {
             said.contains(expected),
             "{what}: it says\n  {said}\nand not\n  {expected}"
         );
-        // Who draws nothing need not care.
+        // Without textures, samplers are not checked.
         let options = ReadOptions {
             textures: false,
             ..ReadOptions::default()

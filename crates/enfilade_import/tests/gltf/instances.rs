@@ -20,11 +20,11 @@ fn each_instance_is_an_item_with_a_place_a_turn_and_a_size_of_its_own() {
     let mut places = 0;
     let file = instanced(json!({ "TRANSLATION": 2, "ROTATION": 3, "SCALE": 4 }), |file| {
         places = file.floats(&[5.0, 0.0, 0.0, 0.0, 7.0, 0.0], 3);
-        // None, and half a turn about z, of bytes that stand for parts of one.
+        // No rotation, and a half turn about z, as normalized bytes.
         let turns = file.accessor(5120, "VEC4", 2, vec![0, 0, 0, 127, 0, 0, 127, 0]);
         file.json["accessors"][turns]["normalized"] = json!(true);
         file.floats(&[1.0, 1.0, 1.0, 2.0, 3.0, 1.0], 3);
-        // All of them stand in the space of their node.
+        // All transforms are relative to their node.
         file.json["nodes"][0]["translation"] = json!([0, 0, 100]);
     });
     let import = reads(&file);

@@ -140,7 +140,7 @@ fn a_light_that_is_not_there_is_refused() {
     file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": "many" } });
     let said = refusal(&file.glb()).expect("an error");
     assert!(said.contains("its JSON cannot be read: extensions: "), "{said}");
-    // Where no node carries a light, nobody looks for any.
+    // Without a node that has a light, the list of lights is not read.
     file.json["nodes"][1]["extensions"] = json!(null);
     assert_eq!(refusal(&file.glb()), None);
 }

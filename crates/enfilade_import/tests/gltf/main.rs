@@ -1,4 +1,4 @@
-//! What the glTF reader reads, what it warns of and what it refuses. Every file is made here, in code.
+//! Tests the glTF reader: results, warnings and errors. Every file is generated in code.
 
 mod authoring;
 mod broken;

@@ -1,4 +1,4 @@
-//! Where nodes stand, what they are called, and the cameras among them.
+//! Tests node transforms, item names and cameras.
 
 use crate::file::{File, reads, triangles, warnings};
 use enfilade::ItemId;
@@ -91,7 +91,7 @@ fn a_mirrored_node_keeps_its_faces_and_says_that_it_mirrors() {
         .map(|item| item.transform().mirrors())
         .collect();
     assert_eq!(mirrors, [false, true]);
-    // The corners keep the order they have in the mesh: front and back are told there.
+    // Corners keep their order, which defines front and back.
     assert_eq!(
         triangles(&import),
         ["Left 0,0,0 1,0,0 0,1,0", "Right -1,0,0 0,1,0 0,0,0"]

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use tempfile::TempDir;
 
 const LIMIT: u64 = 1 << 24;
-/// Where text files have their bytes.
+/// Returns the offsets of the text files' bytes.
 const BUFFER: &str = "buffer.bin";
 
 fn written(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {

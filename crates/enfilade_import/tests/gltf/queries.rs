@@ -1,4 +1,4 @@
-//! Questions to real scenes, each held against going through everything.
+//! Compares queries on real scenes with brute force.
 
 use enfilade::{Aabb, Geometry, Hit, ItemId, Method, Ray, survey};
 use enfilade_import::{ReadOptions, read};
@@ -79,7 +79,7 @@ fn triangles(geometry: &Geometry) -> Vec<(ItemId, [DVec3; 3])> {
     triangles
 }
 
-/// Where a ray meets triangles well within their edges, and the nearest where it may.
+/// Returns the nearest definite hit of a ray, well within a triangle's edges, and the nearest possible one.
 fn first(triangles: &[(ItemId, [DVec3; 3])], ray: &Ray) -> [f64; 2] {
     let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
     let mut nearest = [f64::INFINITY; 2];

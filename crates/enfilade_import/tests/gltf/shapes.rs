@@ -195,7 +195,7 @@ fn materials_say_what_hides_and_from_which_side() {
             color(json!([2.0, -1.0, 0.5, 1.0])),
             material([1.0, 0.0, 0.5, 1.0], Alpha::Opaque, false),
         ),
-        // What light goes through must not hide, even if its author calls it opaque.
+        // A transmissive material must not occlude, even if its alpha mode is OPAQUE.
         (
             json!({ "extensions": glass }),
             material([1.0, 1.0, 1.0, 1.0 - 0.9 * 0.9], Alpha::Blend, false),

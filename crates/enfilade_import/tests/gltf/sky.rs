@@ -59,7 +59,7 @@ fn mesh(file: &mut File, quads: &[Quad]) -> usize {
     file.mesh(json!([primitive]))
 }
 
-/// Adds a portal that lies level: Blender's plane, turned from its z up to y up.
+/// Adds a horizontal portal: Blender's plane, rotated from z up to y up.
 fn hatch(file: &mut File, name: &str, at: [f64; 3], size: f64) -> usize {
     let turn = 0.5_f64.sqrt();
     file.node(json!({
@@ -187,7 +187,8 @@ fn room_at(scene: &Scene, eye: [f32; 3]) -> &str {
     scene.sector_name(scene.locate(eye, toward).expect("there are rooms"))
 }
 
-/// Every method sees through every portal, and from these eyes toward a point, what the reference sees.
+/// Through every portal, and from these eyes toward a point, every method computes the same visibility as the
+/// reference.
 #[track_caller]
 fn nothing_is_missed(scene: &Scene, views: &[([f32; 3], [f32; 3])]) {
     let mut contestants = Contestants::new(scene, Limits::default(), Method::DEFAULT_LIMIT);
@@ -250,7 +251,7 @@ fn the_open_top_of_a_courtyard_leads_into_the_garden_around_it() {
         ways(&import),
         both_ways("Top-portal", "Garden-room", "Court-room")
     );
-    // What is above the portal is the garden's.
+    // The space above the portal belongs to the garden.
     assert_eq!(open_above(&import), ["Garden-room"]);
     let scene = scene(&import);
     assert_eq!(room_at(&scene, [0.0, 1.0, 0.0]), "Court-room");
@@ -264,7 +265,7 @@ fn the_open_top_of_a_courtyard_leads_into_the_garden_around_it() {
             ([2.0, 1.0, 2.0], [-3.0, 3.0, -3.0]),
         ],
     );
-    // Without a portal the court has no top of its own.
+    // Without a portal the court has no ceiling.
     let import = reads(&courtyard(0.0));
     assert_eq!(open_above(&import), ["Court-room", "Garden-room"]);
     assert_eq!(room_at(&self::scene(&import), [0.0, 5.0, 0.0]), "Court-room");
@@ -373,7 +374,7 @@ fn an_opening_to_a_sky_that_is_nobodys_says_what_is_missing() {
     let ground = plate([20.0, 50.0], [-9.0, 9.0], 0.0, true);
     room(&mut file, "Garden", &[ground]);
     refuses(&file, &words);
-    // What the author says holds all the same.
+    // The author's `to` still takes precedence.
     let portal = file.json["nodes"].as_array().expect("a list").iter();
     let portal = portal.clone().position(|node| node["name"] == "Skylight-portal");
     file.json["nodes"][portal.expect("it is there")]["extras"] =

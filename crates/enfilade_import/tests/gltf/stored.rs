@@ -128,7 +128,7 @@ fn indices_and_what_corners_carry_may_stand_elsewhere_too() {
     assert_eq!(carried(&import, |mesh| mesh.colors()), [[0.0; 4], [0.0; 4], gold]);
 }
 
-/// What is changed in a sparse leaf, and what is said then.
+/// Changes of a sparse leaf, with the expected messages.
 type Case<'a> = (&'a str, &'a dyn Fn(&mut Value), &'a str);
 
 #[test]

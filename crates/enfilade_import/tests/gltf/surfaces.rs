@@ -1,4 +1,4 @@
-//! How faces look, but for images: normals, colors at corners, light that they send out, glass.
+//! Tests materials without images: normals, vertex colors, emission, transparency.
 
 use crate::file::{File, carried, material, reads, textured_leaf, warnings};
 use enfilade::{Alpha, TextureId};
@@ -12,7 +12,7 @@ fn normals_come_as_they_are_stored() {
     file.carry("NORMAL", normals);
     assert_eq!(carried(&reads(&file), |mesh| mesh.normals()), expected);
 
-    // Of bytes and shorts that stand for parts of one.
+    // As normalized bytes and shorts.
     let bytes = [[0, 0, 127, 99], [127, 0, 0, 99], [0, 0x81, 0, 99]].concat();
     let shorts = [[0, 0, 32767, 99], [32767, 0, 0, 99], [0, 0x8001, 0, 99_u16]].concat();
     let shorts = shorts.iter().flat_map(|part| part.to_le_bytes()).collect();

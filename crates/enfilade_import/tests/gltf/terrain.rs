@@ -45,7 +45,7 @@ fn triangles(import: &Import) -> Vec<Vec<Vec<u32>>> {
     all
 }
 
-/// Is it the same as without the hint, and can the method be used?
+/// Checks that the geometry equals that without the hint, and that the method can be used.
 #[track_caller]
 fn is_the_same_as_terrain(file: &File) {
     let import = reads(file);
@@ -297,7 +297,7 @@ fn terrain_stands_in_its_room_beside_other_things() {
     file.mesh(json!([primitive]));
     let import = reads(&file);
     assert_eq!(names(&import), ["ground 0 0", "hill-terrain.001 0 0", "hut"]);
-    // What extras say goes before the name.
+    // `extras` take precedence over the name.
     assert_eq!(
         (import.rooms.len(), import.rooms[2].geometry.name(ItemId(0))),
         (3, "yard-terrain")

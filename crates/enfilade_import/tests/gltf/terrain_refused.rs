@@ -283,7 +283,7 @@ fn terrain_with_a_number_or_a_few_bytes_wrong_is_read_or_refused() {
     }));
 }
 
-/// A file of as many corners, three to a triangle, at places that are told by their numbers.
+/// Returns a file of unconnected triangles with `corners` vertices; `place` returns the position of each.
 fn scattered(corners: u32, place: impl Fn(u32) -> [f32; 3]) -> Vec<u8> {
     let mut file = File::empty();
     let positions: Vec<[f32; 3]> = (0..corners).map(place).collect();
@@ -327,7 +327,7 @@ fn a_million_corners_that_are_no_grid_are_refused_fast() {
 #[test]
 fn what_a_terrain_takes_is_asked_for_before_anything_is_read() {
     let mut file = wrong(|_| ());
-    // Each node has a field and blocks of its own.
+    // Each node has a separate height field and separate blocks.
     for _ in 0..2000 {
         file.node(json!({ "name": "hill-terrain", "mesh": 0 }));
     }

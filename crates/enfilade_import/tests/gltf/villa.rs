@@ -36,7 +36,7 @@ fn a_villa_has_the_rooms_and_portals_that_its_maker_gave_it() {
     let import = read(&folder.join("blender_villa.glb"), &ReadOptions::default())
         .unwrap_or_else(|error| panic!("{error}"));
 
-    // Two originals of plants lie about at the origin, in no room.
+    // Two original plants are at the origin, outside every room.
     let rooms: BTreeSet<&str> = list(&truth["rooms"])
         .iter()
         .map(|room| text(&room["name"]))

@@ -18,7 +18,7 @@ fn before(scene: &Scene, portal: PortalId, away: f32) -> View {
     view
 }
 
-/// Is a passage through the portal seen? All that is, is held against the reference.
+/// Returns `true` if a passage through the portal is visible. Every visible one is compared with the reference.
 fn is_seen_through(scene: &Scene, reference: &Reference, view: &View, portal: PortalId) -> bool {
     let limits = Limits::default();
     let truth = reference.see(scene, view, &limits);

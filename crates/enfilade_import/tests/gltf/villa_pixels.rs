@@ -47,7 +47,7 @@ impl Canvas for Pixels<'_> {
 }
 
 impl Pixels<'_> {
-    /// Does what is seen through own a pixel all the same? `None` in a hole.
+    /// Whether a transparent surface also owns a pixel; `None` in a hole.
     fn is_there(&self, (item, face): (ItemId, u32), at: [u16; 2]) -> Option<bool> {
         let mesh = self.geometry.mesh_of(item);
         let material = self.geometry.material(&mesh.clusters()[mesh.cluster_of(face)]);
@@ -65,7 +65,7 @@ impl Pixels<'_> {
         }
     }
 
-    /// Where in its texture the middle of a pixel is.
+    /// Returns the texture coordinates at the centre of a pixel.
     fn place(&self, (item, face): (ItemId, u32), at: [u16; 2]) -> [f64; 2] {
         let passage = self.passage.as_ref().expect("it was entered");
         let [eye, way] = passage
@@ -102,7 +102,7 @@ fn coverage(texture: &Texture, place: [f64; 2]) -> f32 {
     (row(y.floor()) * (1.0 - part_y) + row(y.floor() + 1.0) * part_y) as f32
 }
 
-/// How many pixels each node owns, at least and at most, by its name as its author gave it.
+/// Minimum and maximum number of pixels that each node owns, by node name.
 fn owned(scene: &Scene, view: &View) -> BTreeMap<String, [i64; 2]> {
     let geometry = scene.geometry(SectorId(0)).expect("one room");
     let mut pixels = Pixels {

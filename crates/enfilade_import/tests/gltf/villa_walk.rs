@@ -9,12 +9,12 @@ use std::path::Path;
 /// From each start.
 const STEPS: usize = 1_500;
 
-/// A new course after so many steps.
+/// Number of steps between changes of course.
 const STEPS_OF_A_COURSE: usize = 25;
 
 const DIRECTIONS: u8 = 16;
 
-/// Where it begins: the room, and a place in it.
+/// Start of the walk: room and position.
 const STARTS: [(&str, [f32; 3]); 6] = [
     ("Living-room", [5.0, 1.1, -2.3]),
     ("Corridor-room", [7.0, 1.1, -3.0]),
@@ -55,7 +55,8 @@ fn apart(a: [f32; 3], b: [f32; 3]) -> f64 {
     squares.iter().sum::<f64>().sqrt()
 }
 
-/// How near the nearest face is that level rays from the axis of a person meet, from its feet, middle and head; and the ray.
+/// Returns the minimum distance of level rays from the axis of a person, at the height of feet, waist and head, and the
+/// ray.
 fn nearest_wall(scene: &Scene, place: Location, person: &Capsule) -> (f64, String) {
     let half = 0.5 * person.height - person.radius;
     let mut nearest = (f64::INFINITY, String::new());
@@ -89,7 +90,7 @@ fn any_course(scene: &Scene, place: &Location, chance: &mut Random) -> [f32; 3] 
     [speed * angle.cos(), -0.05, speed * angle.sin()]
 }
 
-/// Is a place in the box of its room, or that far from it?
+/// Returns `true` if a position is in the AABB of its room, enlarged by a margin.
 fn is_in_its_room(scene: &Scene, place: &Location, slack: f32) -> bool {
     let Aabb { min, max } = scene.sector(place.sector).bounds();
     (0..3).all(|axis| (min[axis] - slack..=max[axis] + slack).contains(&place.position[axis]))

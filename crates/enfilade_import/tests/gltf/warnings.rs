@@ -1,4 +1,4 @@
-//! What is left out, and said to be.
+//! Tests the warnings.
 
 use crate::file::{File, reads, warnings};
 use serde_json::json;

@@ -1,4 +1,4 @@
-//! Every fixture as every method draws it, held against a picture that was looked at.
+//! Compares every fixture, drawn by every method, with a reviewed golden picture.
 //!
 //! A change that is meant to change pictures writes new ones, to be looked at again:
 //! `GOLDEN=write cargo test -p enfilade_import --test golden`.
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 const SIZE: [u32; 2] = [240, 135];
-/// What libraries of mathematics may differ by, in steps of a byte.
+/// Tolerance for different math libraries, in steps of 1/255.
 const NEAR: u8 = 2;
 
 fn folder() -> PathBuf {
@@ -63,7 +63,7 @@ fn drawn(scene: &Scene, view: &View) -> RgbImage {
         .image
 }
 
-/// What is wrong with a fixture's pictures.
+/// Returns the differences of a fixture's pictures.
 fn faults(file: &Path) -> Vec<String> {
     let name = file.file_name().expect("a name").to_string_lossy().into_owned();
     let import = match read(file, &ReadOptions::default()) {

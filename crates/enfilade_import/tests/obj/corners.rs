@@ -1,4 +1,4 @@
-//! What corners are: numbers, normals, texture coordinates, colors.
+//! Tests corners: indices, normals, texture coordinates, colors.
 
 use crate::file::{Corner, corner, places, reads, reads_among, triangles, warnings};
 
@@ -106,7 +106,7 @@ fn texture_coordinates_count_upwards_in_the_file_and_downwards_here() {
     assert_eq!(corner(&import, [0.0, 0.0, 0.0]).texture, Some([0.25, 0.25]));
     assert_eq!(corner(&import, [1.0, 0.0, 0.0]).texture, Some([2.0, 2.0]));
     assert_eq!(corner(&import, [0.0, 1.0, 0.0]).texture, Some([0.5, 1.0]));
-    // Where no image is, nothing needs them.
+    // Without an image, texture coordinates are not needed.
     let plain = reads(&format!("{LEAF}vt 0 0\nf 1/1 2/1 3/1"));
     assert_eq!(corner(&plain, [0.0; 3]).texture, None);
 }

@@ -1,10 +1,10 @@
-//! Files in a folder, and the questions that tests ask about what was read.
+//! Files in a folder, and helpers for what was read.
 
 use enfilade::{ItemId, Material};
 use enfilade_import::{Import, ImportError, ReadOptions, read, read_bytes};
 use std::path::Path;
 
-/// What a text holds, which must be sound.
+/// Reads a valid text.
 #[track_caller]
 pub(crate) fn reads(text: &str) -> Import {
     read_bytes(text.as_bytes(), None, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
@@ -17,7 +17,7 @@ pub(crate) fn refusal(bytes: &[u8]) -> Option<String> {
         .map(|error| error.to_string())
 }
 
-/// Reads the first of some files that lie in one folder.
+/// Reads the first of several files in one folder.
 pub(crate) fn read_among(files: &[(&str, &[u8])], options: &ReadOptions) -> Result<Import, ImportError> {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, bytes) in files {
@@ -28,7 +28,7 @@ pub(crate) fn read_among(files: &[(&str, &[u8])], options: &ReadOptions) -> Resu
     read(&folder.path().join(Path::new(files[0].0)), options)
 }
 
-/// What the first of some files holds, which must be sound.
+/// Reads the first of several files; it must be valid.
 #[track_caller]
 pub(crate) fn reads_among(files: &[(&str, &[u8])]) -> Import {
     read_among(files, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
@@ -103,7 +103,7 @@ pub(crate) fn places(import: &Import, item: u32) -> Vec<String> {
     lines
 }
 
-/// What the first item is made of, which is one thing.
+/// Returns the material of the first item, which has only one.
 #[track_caller]
 pub(crate) fn material(import: &Import) -> Material {
     let triangles = triangles(import, 0);

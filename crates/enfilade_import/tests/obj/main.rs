@@ -1,4 +1,4 @@
-//! What the OBJ reader reads, what it warns of and what it refuses. Every file is made here, in code.
+//! Tests the OBJ reader: results, warnings and errors. Every file is generated in code.
 
 mod broken;
 mod corners;

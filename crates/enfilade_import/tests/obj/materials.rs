@@ -1,4 +1,4 @@
-//! What faces are made of.
+//! Tests materials.
 
 use crate::file::{material, read_among, reads, reads_among, triangles, warnings};
 use enfilade::{Alpha, Material};

@@ -70,7 +70,7 @@ fn simple(number: &mut impl FnMut(usize) -> usize, count: usize, size: usize) ->
     None
 }
 
-/// Is a point between those of the grid inside?
+/// Returns `true` if a point between grid points is inside.
 fn inside(corners: &[Point], [x, y]: [f64; 2]) -> bool {
     let around = corners.iter().zip(corners.iter().cycle().skip(1));
     let crossed = around.filter(|(a, b)| {

@@ -1,6 +1,6 @@
 //! Maps of rooms that are boxes, carved out of what is solid, and compiled as simply as can be.
 
-/// What a map is written as.
+/// Output of the little map compiler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
     Bsp29,
@@ -12,7 +12,7 @@ pub(crate) enum Format {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Room(pub(crate) [i32; 3], pub(crate) [i32; 3], pub(crate) i32);
 
-/// A tree as it stands in a file: planes, nodes as a plane and two children, leafs as what they are and their row.
+/// A tree as in a file: planes; nodes as a plane and two children; leafs as contents and PVS row.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Raw {
     pub(crate) planes: Vec<[f32; 4]>,

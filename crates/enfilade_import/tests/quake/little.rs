@@ -42,7 +42,7 @@ pub(crate) const ENTITIES: &str = r#"{
 /// Half of the height and of the width of a room; it is twice as long.
 const HALF: f32 = 32.0;
 
-/// How thick the wall is between the rooms; its middle is where the map is parted.
+/// Thickness of the wall between the rooms; the splitting plane is in its middle.
 const WALL: f32 = 8.0;
 
 /// A face: which texture, and four corners, clockwise seen from its front, which looks along `normal`.
@@ -113,7 +113,7 @@ impl Little {
     pub(crate) fn new(format: Format) -> Little {
         let mut quads = room(-HALF, [0, 0, 2]);
         quads.extend(room(HALF + WALL, [0, 1, 0]));
-        // What nobody sees, in the second room; then the door.
+        // Undrawn faces in the second room; then the door.
         quads.push(quad(3, [HALF, 0.0, 0.0], 0, 1.0, [16.0; 3]));
         quads.push(quad(0, [0.0; 3], 0, -1.0, [8.0; 3]));
         let mut little = Little {
@@ -132,7 +132,7 @@ impl Little {
         let is_short = self.format == Format::Bsp29;
         let lumps = &mut self.lumps;
         let both = |numbers: &[i32]| if is_short { shorts(numbers) } else { words(numbers) };
-        // The first plane parts the rooms, each face has one of its own.
+        // The first plane separates the rooms; each face has a separate plane.
         let plane =
             |normal: [f32; 3], offset: f32| [floats(&normal), floats(&[offset]), words(&[0])].concat();
         lumps[1] = plane([1.0, 0.0, 0.0], WALL / 2.0);
@@ -183,7 +183,7 @@ impl Little {
             lumps[10].extend([self::around(is_short, around), both(&[first, count]), words(&[0])].concat());
         }
         lumps[11] = both(&(0..13).collect::<Vec<_>>());
-        // Each sees itself.
+        // Each is visible from itself.
         lumps[4] = vec![0b01, 0b10];
         for [leafs, first, count] in [[2, 0, 13], [0, 13, 1]] {
             lumps[14].extend(floats(&[-64.0, -32.0, -32.0, 64.0, 32.0, 32.0, 0.0, 0.0, 0.0]));

@@ -5,7 +5,7 @@ use crate::rows::{lump, word};
 /// BSP2 or IBSP46.
 pub(crate) struct Located<'a> {
     map: &'a [u8],
-    /// Where lumps begin, and the bytes of a thing in them.
+    /// Lump offsets, and record sizes in bytes.
     planes: [usize; 2],
     nodes: [usize; 2],
     root: usize,

@@ -1,4 +1,4 @@
-//! What is written into maps, read again as engines read it.
+//! Tests that lumps written into maps are read back as engines read them.
 
 use crate::maps::{maps, pairs_of, read};
 use crate::reads;

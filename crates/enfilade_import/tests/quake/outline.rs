@@ -1,4 +1,4 @@
-//! Convex polygons held against each other.
+//! Helpers that compare convex polygons.
 
 type Point = [f64; 3];
 
@@ -48,13 +48,13 @@ fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> + '_ {
     })
 }
 
-/// How far a point in the plane of a polygon is out of it, in units; 0 inside.
+/// Returns how far a point in the plane of a polygon is outside it, in units; 0 inside.
 pub(crate) fn out_of(point: Point, corners: &[Point]) -> f64 {
     let outs = edges(corners).map(|(from, inward)| -dot(inward, minus(point, from)));
     outs.fold(0.0, f64::max)
 }
 
-/// What two polygons in one plane have in common.
+/// Returns the intersection of two coplanar polygons.
 pub(crate) fn common_area(a: &[Point], b: &[Point]) -> f64 {
     let mut left = a.to_vec();
     for (from, inward) in edges(b) {

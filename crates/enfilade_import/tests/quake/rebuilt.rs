@@ -69,7 +69,7 @@ fn a_portal_points_from_its_first_cluster_into_its_second() {
         for Portal { corners, cells } in rebuilt(&map.bytes(format)).file.cells.portals() {
             let [a, b, c] = [0, 1, 2].map(|at| corners[at]);
             let along_x = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
-            // The doorway is the one in the middle; the rooms lie before and behind it.
+            // The doorway is the one in the middle; the rooms are in front of it and behind it.
             let x = corners[0][0];
             let doorway_is_second = (along_x > 0.0) == (x < 0.0);
             let [first, second] = cells.map(|cell| touches(&map, format, cell));
@@ -78,7 +78,7 @@ fn a_portal_points_from_its_first_cluster_into_its_second() {
     }
 }
 
-/// How many portals a cluster has.
+/// Returns the number of portals of each cluster.
 fn touches(map: &Raw, format: Format, cluster: u32) -> usize {
     let file = rebuilt(&map.bytes(format)).file;
     let portals = file.cells.portals().iter();
@@ -146,7 +146,7 @@ fn leafs_that_share_a_row_are_a_cluster_again_where_they_stand_side_by_side() {
         [leafs[0], leafs[1], leafs[2]]
     };
     assert_eq!(middle.0, 128.0);
-    // What is visible, as if a compiler had had two clusters; each sees itself only.
+    // A PVS as of a compiler with two clusters; from each, only itself is visible.
     for (clusters, parts) in [([0, 0, 1, 1], 2), ([0, 1, 1, 0], 4), ([0, 1, 2, 2], 3)] {
         let of_leaf = ordered(&plain, clusters);
         let count = 1 + *of_leaf.iter().max().expect("some");
@@ -331,7 +331,7 @@ fn odd_planes_make_no_odd_portals() {
             let pairs =
                 VisiblePairs::compute(&rebuilt.file.cells, &PairsOptions::default()).expect("little memory");
             assert_eq!(rebuilt.file.cells.count(), 6);
-            // Of each room some part sees some part of the other.
+            // Some part of each room is visible from some part of the other.
             let sees = [1, 4]
                 .iter()
                 .any(|&a| [3, 6].iter().any(|&b| pairs.sees(a - 1, b - 1)))

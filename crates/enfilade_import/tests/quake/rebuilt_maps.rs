@@ -1,4 +1,4 @@
-//! Portals that are rebuilt out of real maps, held against those that their compilers left.
+//! Compares the portals rebuilt from real maps with those of the map compilers.
 //!
 //! Maps of Quake do not say which leafs are one cluster until what is visible is written into them, so that is done first,
 //! as if each cluster saw itself alone.
@@ -17,7 +17,7 @@ use std::path::Path;
 /// Farther apart than this, in units, two portals are not the same: half of what compilers take for nothing.
 const SAME: f64 = 0.1;
 
-/// How the portals of a map compare with those that its compiler left.
+/// How the rebuilt portals of a map compare with the compiler's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Compared {
     /// One and the same, to a tenth of a unit.
@@ -76,7 +76,7 @@ fn with_clusters(map: &[u8], given: &PortalFile) -> Vec<u8> {
     with_visibility(map, given, &pairs).expect("written")
 }
 
-/// What the compiler left, the map with its clusters in it, and what is rebuilt.
+/// Returns the compiler's portals, the map with its clusters in it, and the rebuilt portals.
 fn both(folder: &Path, name: &str) -> (PortalFile, Vec<u8>, RebuiltPortals) {
     let given = read(folder, &format!("{name}.prt"));
     let mut map = map_of(folder, name);
@@ -203,7 +203,7 @@ fn compare(given: &PortalFile, map: &[u8], rebuilt: &RebuiltPortals) -> Compared
     compared
 }
 
-/// The law of a rebuilt map: wherever one sees from one cluster into another, there is a portal.
+/// The law of a rebuilt map: wherever light passes from one cluster into another, there is a portal.
 #[test]
 fn wherever_two_clusters_touch_there_is_a_portal() {
     let Some(folder) = maps() else { return };
@@ -245,8 +245,8 @@ fn holds_every_hole(name: &str, given: &PortalFile, map: &[u8], rebuilt: &Rebuil
     assert!(asked > 10_000, "{name}: {asked} points");
 }
 
-/// Pairs that differ hang on slits of less than a thousandth of a unit: so much larger portals are made than the compiler's,
-/// and so much its own corners are off. No line shows a pair that is less.
+/// The pairs that differ depend on slits of less than a thousandth of a unit: the rebuilt portals are larger by that
+/// much, and the compiler's corners are off by that much. No line of sight proves a missing pair.
 #[test]
 fn what_is_visible_through_rebuilt_portals_is_what_is_through_the_compilers() {
     let Some(folder) = maps() else { return };

@@ -30,7 +30,7 @@ fn seen(scene: &Scene, eye: [f32; 3], toward: [f32; 3]) -> Vec<String> {
     names
 }
 
-/// How the parts of the world of a format are called.
+/// Returns the item names of the world in a format.
 fn rooms_of(format: Format) -> [&'static str; 2] {
     match format {
         Format::Ibsp46 => ["cluster 0", "cluster 1"],

@@ -1,4 +1,4 @@
-//! What is visible in a map, read as engines read it, by code that knows nothing of the writer's.
+//! An independent reader of PVS rows, written from the engines' sources.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ pub(crate) fn lump(map: &[u8], number: usize) -> Range<usize> {
     start..start + length
 }
 
-/// What is seen from a leaf of a map of Quake: leafs, counted as in the map.
+/// Returns the leafs visible from a leaf of a Quake map, numbered as in the map.
 pub(crate) fn seen_in_quake(map: &[u8], leaf: usize) -> Vec<usize> {
     let leaf_bytes = if map.starts_with(b"BSP2") { 44 } else { 28 };
     let leafs = word(map, lump(map, 14).start + 52);

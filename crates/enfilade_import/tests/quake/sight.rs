@@ -11,7 +11,7 @@ use glam::DVec3;
 use std::path::Path;
 
 const SIZE: [u32; 2] = [320, 200];
-/// How far compilers move corners: a line that goes no farther through what is solid may not have met it.
+/// Distance by which compilers move vertices: a line that passes through less solid than this may not have hit it.
 const SNAPPED: f64 = 0.1;
 /// Places in open space to look from, besides those where players start.
 const PLACES: usize = 24;
@@ -43,8 +43,8 @@ fn drawn(viewer: &mut Viewer, scene: &Scene, view: &View) -> Samples {
 }
 
 impl Samples {
-    /// How far the line of sight of a sample goes through what is solid, up to the face that owns it. Walls that engines do not
-    /// draw, and cracks between others, stop no line, but those who computed what is visible took them for walls.
+    /// Length of solid space along the line of sight of a sample, up to the face that owns it. Undrawn walls, and
+    /// cracks between others, do not stop a line, but the PVS compiler treats them as walls.
     fn in_solid(&self, at: usize, geometry: &Geometry) -> f64 {
         let (Some(passage), Some((item, face))) = (&self.1, self.0[at]) else {
             return 0.0;
@@ -105,7 +105,7 @@ fn views(import: &Import, scene: &Scene, places: usize) -> Vec<View> {
     cameras.chain(places).collect()
 }
 
-/// What a map comes to, through its cells and without.
+/// Counts for a map, with its baked cells and without.
 #[derive(Debug)]
 struct Compared {
     views: usize,

@@ -1,10 +1,10 @@
-//! Surfaces of Bézier patches, tessellated as finely as they are wanted, without cracks between neighbours.
+//! Adaptive, crack-free tessellation of Bézier patches.
 //!
-//! A level is a tolerance; how many steps a patch takes along u and v follows from it (`steps`), and an edge takes as many
-//! as the patch along it that takes most (`weave`).
+//! Each level has a tolerance. It determines the number of steps along u and v in each patch (`steps`); an edge takes
+//! the larger step count of its two patches (`weave`).
 //! Source: Filip, Magedson, Markot. Surface algorithms using bounds on derivatives. CAGD 1986.
-//! Cost: O(triangles made); a surface keeps its control points only.
-//! A level without error is made of what is flat as it stands: no other hides.
+//! Cost: O(triangles made); a surface stores only its control points.
+//! Only levels of flat, evenly parametrized patches are exact, so only these are occluders.
 
 mod steps;
 mod weave;
@@ -20,11 +20,11 @@ use steps::{Bend, MAX_STEPS};
 use thiserror::Error as ThisError;
 use weave::weave;
 
-/// Sixteen control points of a bicubic patch, row after row: a row runs along u, rows follow each other along v. Its front is
-/// the side from which u turns to v counter-clockwise.
+/// The sixteen control points of a bicubic patch, row by row: u runs along a row, v from row to row. Its front is the
+/// side from which the turn from u to v is counter-clockwise.
 pub type BezierPatch = [[f32; 3]; 16];
 
-/// A surface of bicubic Bézier patches: a [`DetailSource`] whose levels halve the error each.
+/// A surface of bicubic Bézier patches: a [`DetailSource`] in which each level has half the error of the one before.
 ///
 /// Patches that share an edge must have the same four control points there; then there is no crack between them.
 #[derive(Clone, Debug)]
@@ -32,34 +32,34 @@ pub struct BezierSurface {
     patches: Vec<BezierPatch>,
     material: MaterialId,
     bounds: Aabb,
-    /// How far the corners of each level may be off, in f64 and before they are rounded.
+    /// Maximum geometric error of each level, in f64 and before rounding.
     tolerances: Vec<f64>,
-    /// How far the finest steps may be off, and how much rounding adds.
+    /// Error at the maximum step count, and additional rounding error.
     left: [f64; 2],
 }
 
-/// Why patches do not make a surface.
+/// Why patches cannot form a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ThisError)]
 #[non_exhaustive]
 pub enum BezierError {
-    /// There is none.
+    /// The list of patches is empty.
     #[error("a surface needs at least one patch")]
     NoPatches,
     /// A control point is NaN or infinite.
     #[error("control point {point} of patch {patch} is not finite")]
     NotFinite {
-        /// Which patch, counted from 0.
+        /// Index of the patch.
         patch: usize,
-        /// Which point of it, counted from 0.
+        /// Index of the control point in the patch.
         point: usize,
     },
 }
 
-/// Levels of a surface, at most.
+/// Maximum number of levels.
 const MAX_LEVELS: i32 = 14;
 
 impl BezierSurface {
-    /// Checks the patches.
+    /// Creates a surface from its patches.
     ///
     /// # Errors
     /// One [`BezierError`] for the first broken rule.
@@ -73,18 +73,18 @@ impl BezierSurface {
                 return Err(BezierError::NotFinite { patch, point });
             }
         }
-        // −0 becomes 0: edges are known by the bits of their points.
+        // −0 becomes 0, as shared edges are found by the bits of their points.
         let patches: Vec<BezierPatch> = patches
             .iter()
             .map(|points| points.map(|p| p.map(|value| value + 0.0)))
             .collect();
         let bends = || patches.iter().map(Bend::of);
-        // A patch lies within its control points' hull.
+        // A patch is within the convex hull of its control points.
         let bounds = Aabb::of(patches.iter().flatten().copied());
         let size = DVec3::from(bounds.max.map(f64::from)).distance(DVec3::from(bounds.min.map(f64::from)));
         let finest = bends().map(|bend| bend.error([MAX_STEPS; 2])).fold(0.0, f64::max);
         let farthest = patches.iter().flatten().flatten().map(|value| value.abs());
-        // Half of a last bit on each axis; corners of what does not bend are control points, and not rounded.
+        // Half an ulp on each axis. Without curvature all vertices are control points, which need no rounding.
         let rounding = match bends().all(|bend| bend.is_none()) {
             true => 0.0,
             false => 1.01 * 3_f64.sqrt() * 0.5_f64.powi(24) * f64::from(farthest.fold(0.0, f32::max)),
@@ -92,7 +92,7 @@ impl BezierSurface {
         let mut tolerances: Vec<f64> = (0..MAX_LEVELS)
             .map(|level| 0.125 * size * 0.5_f64.powi(level))
             .collect();
-        // Finer than the finest steps are, or than rounding leaves them, would be no better.
+        // Drops levels finer than the maximum step count or f32 rounding can deliver.
         let enough = tolerances
             .iter()
             .position(|&tolerance| rounding == 0.0 || tolerance <= finest.max(rounding));

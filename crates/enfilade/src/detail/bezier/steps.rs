@@ -1,18 +1,20 @@
-//! How many steps a patch takes, for its triangles to be no farther from it than a tolerance.
+//! Chooses the number of steps per patch so that its triangles stay within a tolerance.
 //!
-//! A triangle whose corners lie on the patch is off by a sum over pairs of corners of λᵢ λⱼ |second derivative| / 2 at most,
-//! in which Σ λᵢ λⱼ ≤ 1/3. The second derivatives are no longer than the longest second difference of control points.
-//! Source: Filip, Magedson, Markot 1986, whose factor is 1/8 for triangles of one shape; 1/6 is right for any within a cell.
+//! The error of a triangle with corners on the patch is at most a sum over pairs of corners of λᵢ λⱼ |second
+//! derivative| / 2, where Σ λᵢ λⱼ ≤ 1/3. Second derivatives are bounded by the longest second difference of control
+//! points.
+//! Source: Filip, Magedson, Markot 1986, whose factor is 1/8 for triangles of one shape; 1/6 is valid for any triangle
+//!     within a cell.
 //! Cost: O(steps) to choose them.
-//! A true bound in both directions: each point of the patch has one of a triangle as near, and the other way round.
+//! A two-sided bound (Hausdorff distance): from the patch to the triangles and from the triangles to the patch.
 
 use super::BezierPatch;
 use glam::DVec3;
 
-/// Steps along a patch, at most: what rounding leaves of finer ones is no smoother.
+/// Maximum number of steps along a patch; more would be below f32 precision.
 pub(super) const MAX_STEPS: u32 = 512;
 
-/// How long the second derivatives of a patch are, at most: twice along u, along both, twice along v.
+/// Upper bounds of a patch's second derivatives: ∂²/∂u², ∂²/∂u∂v, ∂²/∂v².
 pub(super) struct Bend {
     uu: f64,
     uv: f64,
@@ -36,18 +38,19 @@ impl Bend {
         }
     }
 
-    /// Is the patch a flat parallelogram that is run through evenly?
+    /// Returns `true` if the patch is a flat, evenly parametrized parallelogram.
     pub(super) fn is_none(&self) -> bool {
         self.uu.max(self.uv).max(self.vv) == 0.0
     }
 
-    /// How far triangles within cells of so many steps may be off.
+    /// Returns the maximum error of triangles within cells of the given step counts along u and v.
     pub(super) fn error(&self, steps: [u32; 2]) -> f64 {
         let [u, v] = steps.map(|steps| 1.0 / f64::from(steps));
         (self.uu * u * u + 2.0 * self.uv * u * v + self.vv * v * v) / 6.0
     }
 
-    /// The fewest cells that are within a tolerance: steps along u and v. Those at the limit where none are.
+    /// Returns the step counts along u and v with the fewest cells within a tolerance; the maximum counts if none
+    /// suffices.
     pub(super) fn steps(&self, tolerance: f64) -> [u32; 2] {
         let mut best = [MAX_STEPS; 2];
         for nu in 1..=MAX_STEPS {
@@ -67,11 +70,11 @@ impl Bend {
         if left < 0.0 {
             return None;
         }
-        // The root of vv h² + 2 uv u h = left, in the form that does not cancel.
+        // The root of vv h² + 2 uv u h = left, in the form without cancellation.
         let half = self.uv * u;
         let below = half + (half * half + self.vv * left).sqrt();
         let least = if below == 0.0 { 1.0 } else { (below / left).ceil() };
-        // Rounding may have lost the last bit of it.
+        // Rounding may have made it one too small.
         let nv = least.clamp(1.0, f64::from(MAX_STEPS)) as u32;
         [nv, nv + 1]
             .into_iter()

@@ -1,11 +1,11 @@
-//! Surfaces that close, that bend unevenly, that have points for edges; and how far their meshes are off.
+//! Tessellation of closed surfaces, uneven curvature and degenerate edges; error bounds of their meshes.
 
 use super::*;
 use std::collections::HashMap;
 
 const CLAY: MaterialId = MaterialId(0);
 
-/// Numbers by chance from 0 to 1, the same every time.
+/// Returns reproducible random numbers, 0 to 1.
 struct Chance(u64);
 
 impl Chance {
@@ -18,9 +18,9 @@ impl Chance {
     }
 }
 
-/// The patch of two curves: one around the y axis by four quarters, and one that says radius and height.
+/// Returns a patch of revolution around the y axis: one of four quarters, and a profile of radius and height.
 fn turned(profile: [[f32; 2]; 4], quarter: usize) -> BezierPatch {
-    // The usual quarter of a circle.
+    // The usual cubic approximation of a quarter circle.
     const K: f32 = 0.552_284_8;
     let circle = [[1.0, 0.0], [1.0, K], [K, 1.0], [0.0, 1.0]];
     let mut patch = [[0.0; 3]; 16];
@@ -29,14 +29,14 @@ fn turned(profile: [[f32; 2]; 4], quarter: usize) -> BezierPatch {
             for _ in 0..quarter {
                 [x, z] = [-z, x];
             }
-            // Counter-clockwise from outside, as seen from above.
+            // Counter-clockwise from outside, seen from above.
             patch[4 * v + u] = [radius * x, height, -radius * z];
         }
     }
     patch
 }
 
-/// A lamp: a bulb that hardly bends on a foot that bends much; both end in points on the axis.
+/// A lamp: a bulb of low curvature on a foot of high curvature; both end in degenerate edges on the axis.
 fn lamp() -> Vec<BezierPatch> {
     let profiles = [
         [[0.0, 0.0], [0.2, 0.0], [0.2, 0.02], [0.05, 0.05]],
@@ -49,7 +49,7 @@ fn lamp() -> Vec<BezierPatch> {
     all.collect()
 }
 
-/// A ring of 4 × 4 patches, thick on one side.
+/// A torus of 4 × 4 patches, thick on one side.
 fn ring() -> Vec<BezierPatch> {
     const K: f32 = 0.552_284_8;
     let circle = [[1.0, 0.0], [1.0, K], [K, 1.0], [0.0, 1.0]];
@@ -62,7 +62,7 @@ fn ring() -> Vec<BezierPatch> {
             }
             [5.0 + x, y * thick]
         });
-        // The thick part ends where the next begins.
+        // The thick part ends where the next patch begins.
         let profile = match part {
             0 => [profile[0], profile[1], [5.0 + K, 1.0], [5.0, 1.0]],
             _ => profile,
@@ -79,7 +79,7 @@ fn corner_bits(mesh: &Mesh) -> Vec<[[u32; 3]; 3]> {
         .collect()
 }
 
-/// Edges that do not have as many triangles on one side as on the other.
+/// Counts edges that do not have equally many triangles on both sides.
 fn open_edges(mesh: &Mesh) -> usize {
     let mut sides: HashMap<_, i32> = HashMap::new();
     for [a, b, c] in corner_bits(mesh) {
@@ -110,7 +110,7 @@ fn closed_surfaces_have_no_cracks_at_any_level() {
 
 #[test]
 fn neighbours_that_bend_differently_share_the_finer_edge() {
-    // Flat but for one patch in the middle of nine, which is bent within; along its edges all are straight.
+    // Nine patches, flat except the middle one, which is curved inside; all their edges are straight.
     let mut patches = Vec::new();
     for place in 0..9 {
         let mut patch = [[0.0; 3]; 16];
@@ -140,7 +140,7 @@ fn neighbours_that_bend_differently_share_the_finer_edge() {
         }
     }
     assert!(sides.values().all(|&count| count == 0));
-    // The middle has many, those in the corners two each.
+    // The middle patch has many triangles, the corner patches two each.
     assert!(mesh.face_count() > 1000);
     let in_a_corner = |triangle: &[[u32; 3]; 3]| {
         triangle
@@ -183,7 +183,7 @@ fn no_point_of_a_surface_is_farther_from_its_mesh_than_the_error_says() {
     let mut chance = Chance(5);
     let mut tight = 0.0_f64;
     for round in 0..12 {
-        // Two patches that share an edge; the second bends more.
+        // Two patches that share an edge; the second has more curvature.
         let mut first = [[0.0; 3]; 16];
         for (number, point) in first.iter_mut().enumerate() {
             let around = [(number % 4) as f32, (number / 4) as f32, 0.0];
@@ -221,7 +221,7 @@ fn no_point_of_a_surface_is_farther_from_its_mesh_than_the_error_says() {
             tight = tight.max(worst / error);
         }
     }
-    // A bound that nothing comes near would have far too many triangles made.
+    // A bound far above the real error would waste triangles.
     assert!(tight > 0.2, "at most {tight} of what is allowed");
 }
 
@@ -235,7 +235,7 @@ fn what_is_flat_is_exact_at_its_only_level() {
     assert_eq!((surface.levels(), surface.error(0)), (1, 0.0));
     let mesh = surface.build(0).expect("two faces");
     assert_eq!(mesh.face_count(), 2);
-    // Its front is where u turns to v counter-clockwise: up.
+    // The front is where the turn from u to v is counter-clockwise: up.
     for [a, b, c] in corner_bits(&mesh)
         .into_iter()
         .map(|t| t.map(|p| p.map(f32::from_bits)))
@@ -255,7 +255,7 @@ fn triangles_face_the_front_of_their_patches() {
             let [a, b, c] = [a, b, c].map(|p| DVec3::from(p.map(|bits| f64::from(f32::from_bits(bits)))));
             (b - a).cross(c - a).dot(a - DVec3::from(inside))
         };
-        // The bulb's front is outside; of the ring's inner half, it is toward the axis.
+        // The front of the bulb faces outwards; that of the torus's inner half faces the axis.
         let sign = if inside[1] > 0.0 { 1.0 } else { -1.0 };
         assert!(corner_bits(&mesh).into_iter().all(|t| sign * outward(t) > 0.0));
     }
@@ -270,7 +270,7 @@ fn what_is_no_surface_is_refused_and_what_is_a_point_has_no_faces() {
     patch[7][1] = f32::NAN;
     let refused = BezierSurface::new(&[[[0.0; 3]; 16], patch], CLAY).unwrap_err();
     assert_eq!(refused.to_string(), "control point 7 of patch 1 is not finite");
-    // Numbers at the end of f32 lead to no panic: their mesh reaches beyond the greatest coordinate.
+    // Values near the limit of f32 must not panic; the mesh exceeds the maximum coordinate.
     for (number, point) in patch.iter_mut().enumerate() {
         *point = [f32::MAX, -f32::MAX, 0.0].map(|value| value * (0.5 * (number % 3) as f32));
     }

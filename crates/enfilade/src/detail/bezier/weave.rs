@@ -1,66 +1,71 @@
-//! Patches as one mesh: a grid within each, points along their edges, and a ring of triangles between the two.
+//! Builds one mesh from all patches: a grid in each patch, vertices along its edges, and a ring of triangles between
+//! the two.
 //!
-//! An edge has its own points, as many as the patch along it that wants most, and the same for both patches; the grid ends
-//! one step before it. Each triangle of the ring spans no more than one step of its patch, so that the bound of `steps`
+//! Both patches of an edge share its vertices; their number follows from the patch that needs more. The grid ends one
+//! step before the edge. Each triangle of the ring spans at most one step of its patch, so the error bound of `steps`
 //! holds for it too.
-//! Source: the rings are those of tessellators in hardware; Moreton, Watertight tessellation using forward differencing, 2001.
+//! Source: the rings are those of hardware tessellators; Moreton, Watertight tessellation using forward differencing,
+//!     2001.
 //! Cost: O(triangles).
-//! No cracks: neighbours name the very same points of an edge, by index.
+//! No cracks: neighbours share the vertices of an edge by index.
 
 use super::BezierPatch;
 use super::steps::Bend;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Positions, and three corners for each triangle.
-pub(super) type Woven = (Vec<[f32; 3]>, Vec<u32>);
+/// Positions, and three indices per triangle.
+pub(super) type TriangleList = (Vec<[f32; 3]>, Vec<u32>);
 
-/// An edge by the bits of its control points, in the direction in which they come first.
-type EdgeName = [[u32; 3]; 4];
+/// An edge, identified by the bits of its control points, in the direction that sorts first.
+type EdgeKey = [[u32; 3]; 4];
 
-/// The points of an edge without its ends: where they begin, and how many steps it takes.
+/// The inner vertices of an edge: index of the first, and number of steps.
 #[derive(Default)]
 struct Edge {
     first: u32,
     steps: u32,
 }
 
-/// Triangles of a level, at most: more is taken for a mistake in the size of the patches.
+/// Maximum number of triangles of a level; more indicates a mistake in the size of the patches.
 const MAX_TRIANGLES: u64 = 1 << 27;
 
-/// Triangles no farther from the patches than `tolerance`, before rounding, or as near as the most steps bring them.
-pub(super) fn weave(patches: &[BezierPatch], tolerance: f64) -> Result<Woven, String> {
+/// Tessellates the patches within `tolerance`, before rounding, or as closely as the maximum step count allows.
+pub(super) fn weave(patches: &[BezierPatch], tolerance: f64) -> Result<TriangleList, String> {
     let wanted: Vec<[u32; 2]> = patches
         .iter()
         .map(|patch| Bend::of(patch).steps(tolerance))
         .collect();
     let cells: u64 = wanted.iter().map(|&[u, v]| u64::from(u) * u64::from(v)).sum();
     if 2 * cells > MAX_TRIANGLES {
-        return Err(format!("it would have {} triangles", 2 * cells));
+        return Err(format!(
+            "it would have {} triangles, more than {MAX_TRIANGLES}",
+            2 * cells
+        ));
     }
-    let mut loom = Loom::default();
+    let mut mesh = PatchMesh::default();
     for (patch, &[u, v]) in patches.iter().zip(&wanted) {
         for (edge, steps) in edges(patch).into_iter().zip([u, v, u, v]) {
-            let known = loom.edges.entry(name(&edge).0).or_default();
+            let known = mesh.edges.entry(edge_key(&edge).0).or_default();
             known.steps = known.steps.max(steps);
         }
     }
     for (patch, &steps) in patches.iter().zip(&wanted) {
-        loom.add(patch, steps);
+        mesh.add(patch, steps);
     }
-    Ok((loom.positions, loom.corners))
+    Ok((mesh.positions, mesh.corners))
 }
 
 #[derive(Default)]
-struct Loom {
-    edges: HashMap<EdgeName, Edge>,
-    /// Ends of edges by their bits.
+struct PatchMesh {
+    edges: HashMap<EdgeKey, Edge>,
+    /// Vertices at the ends of edges, by their bits.
     ends: HashMap<[u32; 3], u32>,
     positions: Vec<[f32; 3]>,
     corners: Vec<u32>,
 }
 
-impl Loom {
+impl PatchMesh {
     fn add(&mut self, patch: &BezierPatch, [nu, nv]: [u32; 2]) {
         let sides = edges(patch).map(|edge| self.edge(&edge));
         if sides.iter().all(|side| side.len() == 2) {
@@ -69,7 +74,7 @@ impl Loom {
             self.triangle([a, c, d]);
             return;
         }
-        // A ring needs a point to go around.
+        // The ring needs at least one grid vertex inside.
         let (nu, nv) = (nu.max(2), nv.max(2));
         let first = self.positions.len() as u32;
         for v in 1..nv {
@@ -92,12 +97,12 @@ impl Loom {
         self.ring(left, (1..nv).rev().map(|v| inner(1, v)));
     }
 
-    /// The points of an edge, ends included, as it runs here.
+    /// Returns the vertices of an edge, ends included, in this patch's direction.
     fn edge(&mut self, edge: &[[f32; 3]; 4]) -> Vec<u32> {
-        let (name, reversed) = name(edge);
+        let (name, reversed) = edge_key(edge);
         let Edge { mut first, steps } = self.edges[&name];
         if steps > 1 && first == 0 {
-            // The ends come first of all, so that no edge begins at 0.
+            // The ends are added first, so index 0 is never an inner vertex and can mean "not made yet".
             let _ = [edge[0], edge[3]].map(|end| self.end(end));
             first = self.positions.len() as u32;
             let within = (1..steps).map(|k| if reversed { steps - k } else { k });
@@ -124,7 +129,7 @@ impl Loom {
         known
     }
 
-    /// Joins an edge, on the left of which the patch lies, to the row of the grid along it.
+    /// Fills the strip between an edge and the grid row along it. The patch is to the left of the edge.
     fn ring(&mut self, edge: &[u32], grid: impl ExactSizeIterator<Item = u32>) {
         let (steps, cells) = (edge.len() - 1, grid.len() + 1);
         let mut from = 0;
@@ -133,8 +138,8 @@ impl Loom {
             if let Some(last) = last {
                 self.triangle([edge[from], point, last]);
             }
-            // On to the point of the edge that is nearest to the middle between this and the next: no farther from either
-            // than they are from each other.
+            // Advance to the edge vertex closest to the midpoint between this grid vertex and the next: its distance
+            // from either is at most their distance from each other.
             let middle = (2 * i + 3) * steps;
             let to = if i + 2 == cells {
                 steps
@@ -148,7 +153,7 @@ impl Loom {
         }
     }
 
-    /// Where an edge is a point, triangles have no area; their neighbours do without them.
+    /// Adds a triangle unless it is degenerate, as along an edge that is a point; its neighbours close the gap.
     fn triangle(&mut self, corners: [u32; 3]) {
         let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
         if a != b && b != c && c != a {
@@ -157,14 +162,14 @@ impl Loom {
     }
 }
 
-/// The four edges, counter-clockwise from the front.
+/// Returns the four edges, counter-clockwise from the front.
 fn edges(patch: &BezierPatch) -> [[[f32; 3]; 4]; 4] {
     [[0, 1, 2, 3], [3, 7, 11, 15], [15, 14, 13, 12], [12, 8, 4, 0]]
         .map(|numbers| numbers.map(|number: usize| patch[number]))
 }
 
-/// The name of an edge, and whether it runs against that.
-fn name(edge: &[[f32; 3]; 4]) -> (EdgeName, bool) {
+/// Returns the key of an edge, and whether the edge runs in the opposite direction.
+fn edge_key(edge: &[[f32; 3]; 4]) -> (EdgeKey, bool) {
     let forward = edge.map(|point| point.map(f32::to_bits));
     let mut backward = forward;
     backward.reverse();
@@ -180,7 +185,7 @@ fn on_curve(edge: &[[f32; 3]; 4], k: u32, steps: u32) -> [f32; 3] {
     let points = edge.map(|point| DVec3::from(point.map(f64::from)));
     let weights = weights(k, steps);
     let [a, b, c, d] = [0, 1, 2, 3].map(|i| points[i] * weights[i]);
-    // The same bits from either end: an edge that comes back on itself has no crack either.
+    // The same bits from either end: a closed edge that meets itself has no crack either.
     ((a + d) + (b + c)).as_vec3().into()
 }
 

@@ -82,6 +82,8 @@ pub struct CellTree {
 /// assert!(!cells.sees(east, west));
 /// # Ok::<(), enfilade::BakedCellsError>(())
 /// ```
+#[doc(alias = "PVS")]
+#[doc(alias = "potentially visible set")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct BakedCells {
     tree: CellTree,

@@ -1,34 +1,34 @@
-//! Heights that are read as they are needed, out of bytes that may lie in a mapped file.
+//! Sources of heights for large terrain: read on demand, for example from a memory-mapped file.
 
 use crate::terrain::HeightFieldError;
 
-/// Heights at the places of a grid, which some file or generator has and no list.
+/// Heights of a grid, read on demand from a file or a generator.
 ///
-/// They must stay what they are: what was found out of them when a terrain was made of them is what looks skip by.
+/// They must not change: culling relies on the minimum and maximum heights computed when the terrain was created.
 pub trait Heights: Send + Sync {
-    /// Samples from west to east and from north to south.
+    /// Returns the number of samples from west to east and from north to south.
     fn size(&self) -> [u32; 2];
 
-    /// Reads the heights of one row, the northern being 0, from a column on eastward, as many as `heights` takes. All of them
-    /// are there. NaN stands for a hole.
+    /// Reads `heights.len()` heights of row `row` (0 is the northernmost), eastward from `column`. All of them exist.
+    /// NaN marks a hole.
     fn read(&self, column: u32, row: u32, heights: &mut [f32]);
 }
 
-/// How a height is stored.
+/// Binary format of a height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeightFormat {
-    /// 16 bits without sign, the lower byte first.
+    /// Unsigned 16 bits, little-endian.
     U16Le,
-    /// 16 bits without sign, the higher byte first.
+    /// Unsigned 16 bits, big-endian.
     U16Be,
-    /// 32 bits of IEEE 754, the lowest byte first.
+    /// IEEE 754 32 bits, little-endian.
     F32Le,
-    /// 32 bits of IEEE 754, the highest byte first.
+    /// IEEE 754 32 bits, big-endian.
     F32Be,
 }
 
 impl HeightFormat {
-    /// Bytes of a height.
+    /// Returns the number of bytes per height.
     pub fn bytes(self) -> u64 {
         match self {
             HeightFormat::U16Le | HeightFormat::U16Be => 2,
@@ -36,7 +36,7 @@ impl HeightFormat {
         }
     }
 
-    /// Turns as many bytes as there are heights into them.
+    /// Decodes one height per element of `heights`.
     fn decode(self, bytes: &[u8], heights: &mut [f32]) {
         match self {
             HeightFormat::U16Le => each(bytes, heights, |two| f32::from(u16::from_le_bytes(two))),
@@ -53,8 +53,8 @@ fn each<const N: usize>(bytes: &[u8], heights: &mut [f32], decode: impl Fn([u8; 
     }
 }
 
-/// Heights in bytes, row after row, the northern first and each from west to east: a list of bytes, or whatever else lends
-/// them, as a map of a file does.
+/// Raw heights in memory, row after row from the north, each row from west to east. `B` is any byte container, such as
+/// a `Vec<u8>` or a memory-mapped file.
 #[derive(Clone, Debug)]
 pub struct HeightBytes<B> {
     bytes: B,
@@ -64,10 +64,11 @@ pub struct HeightBytes<B> {
 }
 
 impl<B: AsRef<[u8]> + Send + Sync> HeightBytes<B> {
-    /// `size` heights from west to east and from north to south; `hole` is the height that stands for none, if one does.
+    /// Interprets `bytes` as `size` heights (west to east, north to south). `hole` is the height that marks a hole, if
+    /// any.
     ///
     /// # Errors
-    /// [`HeightFieldError::Bytes`] where there are more or fewer bytes than they take.
+    /// [`HeightFieldError::Bytes`] if the number of bytes does not match.
     pub fn new(
         bytes: B,
         size: [u32; 2],

@@ -1,22 +1,22 @@
-//! The least and the greatest heights of squares, in squares of squares.
+//! Min/max quadtree levels over the heights.
 
 use super::Heights;
 use crate::geom::is_in_range;
 use crate::terrain::{BLOCK, HeightFieldError, bad_height};
 use crate::threads;
 
-/// Squares of one size, row after row.
+/// Minimum and maximum heights of one quadtree level's squares, row after row.
 pub(super) struct Level {
-    /// From west to east and from north to south.
+    /// Number of squares from west to east and from north to south.
     pub(super) size: [u32; 2],
-    /// The least and the greatest height of each.
+    /// Minimum and maximum height of each square.
     spans: Vec<[f32; 2]>,
 }
 
-/// Of no heights.
+/// The empty height range.
 pub(super) const NO_SPAN: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
-/// The least and the greatest of some heights, and of those that came before.
+/// Extends a height range by some heights.
 pub(super) fn spanned([low, high]: [f32; 2], heights: &[f32]) -> [f32; 2] {
     let least = heights.iter().fold(low, |least, &height| least.min(height));
     let greatest = heights.iter().fold(high, |most, &height| most.max(height));
@@ -24,7 +24,8 @@ pub(super) fn spanned([low, high]: [f32; 2], heights: &[f32]) -> [f32; 2] {
 }
 
 impl Level {
-    /// The blocks first, then squares of 2×2 of the level before, up to a single one.
+    /// Builds all levels: level 0 holds the blocks, each further one 2×2 squares of the one before, up to a single
+    /// square.
     pub(super) fn all(heights: &impl Heights) -> Result<Vec<Level>, HeightFieldError> {
         let mut levels = vec![Level::of_blocks(heights)?];
         while let Some(last) = levels.last().filter(|level| level.size != [1, 1]) {
@@ -33,7 +34,7 @@ impl Level {
         Ok(levels)
     }
 
-    /// Reads all heights, rows of blocks side by side on all threads.
+    /// Reads all heights; the block rows are processed in parallel.
     fn of_blocks(heights: &impl Heights) -> Result<Level, HeightFieldError> {
         struct Row<'a> {
             spans: &'a mut [[f32; 2]],

@@ -1,11 +1,12 @@
-//! Ground too large to be meshes: its heights stay where they are, and only the quadtree above its blocks is in memory.
+//! Terrain too large for meshes: heights stay in their source, such as a memory-mapped file; only a min/max quadtree is
+//! in memory.
 //!
-//! Of each block of 32×32 cells, and of squares of 2×2 of them upward, the least and the greatest height are known. A look
-//! reads the heights of the blocks that these do not hide, and makes triangles of them while it is at it.
-//! Source: ours; the tree of least and greatest heights as in Tevs, Ihrke, Seidel, Maximum Mipmaps for Fast, Accurate, and
-//!     Scalable Dynamic Height Field Rendering, I3D 2008.
-//! Cost: building reads every height once; memory 11 bytes a block, however large the heights are.
-//! The same triangles as a [`HeightField`](super::HeightField) of the same heights, to the bit.
+//! The quadtree stores the minimum and maximum height of each block of 32×32 cells and of each 2×2 group above. A look
+//! reads the heights of only those blocks that pass the occlusion test, and triangulates them on the fly.
+//! Source: original; the min/max quadtree as in Tevs, Ihrke, Seidel, Maximum Mipmaps for Fast, Accurate, and Scalable
+//!     Dynamic Height Field Rendering, I3D 2008.
+//! Cost: building reads every height once; 11 bytes of memory per block, independent of the height format.
+//! Bit-identical triangles to a [`HeightField`](super::HeightField) with the same heights.
 
 mod heights;
 mod levels;
@@ -24,36 +25,37 @@ use levels::Level;
 use std::fmt;
 use std::ops::Range;
 
-/// Cells along a side of a cluster, a square in a block.
+/// Cells along a side of a cluster, which is a square part of a block.
 const SQUARE: u32 = 8;
-/// Clusters along a side of a whole block.
+/// Clusters along a side of a full block.
 const SQUARES: u32 = BLOCK / SQUARE;
-/// Numbers that are set aside for the faces of a cluster: two for each cell.
+/// Face ids reserved per cluster: two per cell.
 const SQUARE_FACES: u32 = 2 * SQUARE * SQUARE;
-/// Numbers that are set aside for the faces of a block.
+/// Face ids reserved per block.
 const BLOCK_FACES: u32 = SQUARES * SQUARES * SQUARE_FACES;
 
-/// A sector of its own that is ground, seen as by [`Method::FloatingHorizon`](crate::Method::FloatingHorizon), of which only a
-/// tree is kept in memory; for [`SceneBuilder::add_custom`](crate::SceneBuilder::add_custom).
+/// A custom sector of streamed terrain: heights are read on demand, and only a min/max quadtree is kept in memory.
 ///
-/// Blocks of 32×32 cells are its items, row after row, the northern first and each from west to east. The first sample stands at
-/// x = 0, z = 0; a portal's transform places it elsewhere. It is opaque, and seen from both sides.
+/// Visibility is computed as by [`Method::FloatingHorizon`](crate::Method::FloatingHorizon). Add it with
+/// [`SceneBuilder::add_custom`](crate::SceneBuilder::add_custom). Its items are blocks of 32×32 cells, row after row
+/// from the north, each row from west to east. The first sample is at x = 0, z = 0; a portal's transform can move the
+/// terrain. It is opaque and double-sided.
+#[doc(alias = "heightmap streaming")]
 pub struct LargeTerrain {
     heights: Box<dyn Heights>,
     size: [u32; 2],
     cell: [f64; 2],
     diagonal: Diagonal,
     color: [f32; 3],
-    /// The blocks first, then squares of 2×2 of the level before.
+    /// Level 0 holds the blocks, each further one 2×2 squares of the one before.
     levels: Vec<Level>,
-    /// No items, only openings.
+    /// The openings; no items.
     holes: Geometry,
-    /// The corners of all triangles of a cluster, by whether it has fewer cells than most from west to east, and from north to
-    /// south.
+    /// Triangle indices of a cluster, by whether it is narrower than a full one: [west to east][north to south].
     corners: [[Vec<u32>; 2]; 2],
 }
 
-/// Room for the heights and the corners that are worked on, kept from one look to the next.
+/// Buffers for the heights and vertices of a block, reused between looks.
 pub(crate) struct Workplace {
     heights: Vec<f32>,
     positions: Vec<[f32; 3]>,
@@ -68,7 +70,7 @@ impl Default for Workplace {
     }
 }
 
-/// A cluster of a block: its columns and rows of samples.
+/// A cluster of a block, as ranges of sample columns and rows.
 #[derive(Clone, Debug)]
 pub(crate) struct Square {
     pub(crate) number: u32,
@@ -83,12 +85,12 @@ impl Square {
 }
 
 impl LargeTerrain {
-    /// Ground of one color, red, green and blue, linear from 0 to 1: samples `cell` lengths apart from west to east and from north
-    /// to south. Reads all heights once.
+    /// Creates terrain of one color (linear RGB, 0 to 1) with samples `cell` units apart along x and z. Reads all
+    /// heights once.
     ///
     /// # Errors
-    /// [`HeightFieldError::Size`], [`HeightFieldError::Faces`], [`HeightFieldError::Cell`], and [`HeightFieldError::Hole`]
-    /// or [`HeightFieldError::TooFar`] for the first height that is none.
+    /// [`HeightFieldError::Size`], [`HeightFieldError::Faces`], [`HeightFieldError::Cell`]; [`HeightFieldError::Hole`]
+    /// or [`HeightFieldError::TooFar`] for the first invalid height.
     pub fn new(
         heights: impl Heights + 'static,
         cell: [f64; 2],
@@ -110,14 +112,14 @@ impl LargeTerrain {
             diagonal: Diagonal::default(),
             color,
             levels,
-            holes: no_holes(Vec::new()).expect("no openings are not too many"),
+            holes: only_openings(Vec::new()).expect("an empty list of openings is valid"),
             corners: Default::default(),
         };
         terrain.cut();
         Ok(terrain)
     }
 
-    /// The same ground, its cells cut along another diagonal.
+    /// Returns the terrain with its cells split along the given diagonal.
     #[must_use]
     pub fn cut_along(mut self, diagonal: Diagonal) -> LargeTerrain {
         self.diagonal = diagonal;
@@ -125,21 +127,21 @@ impl LargeTerrain {
         self
     }
 
-    /// The same ground with openings in it, behind which houses can stand; they replace those that it had.
+    /// Returns the terrain with the given openings, for example the doors of houses. Replaces the previous openings.
     ///
     /// # Errors
     /// [`GeometryError::TooManyOpenings`].
     pub fn with_openings(mut self, openings: Vec<Opening>) -> Result<LargeTerrain, GeometryError> {
-        self.holes = no_holes(openings)?;
+        self.holes = only_openings(openings)?;
         Ok(self)
     }
 
-    /// Samples from west to east and from north to south.
+    /// Returns the number of samples from west to east and from north to south.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Blocks from west to east and from north to south.
+    /// Returns the number of blocks from west to east and from north to south.
     pub fn blocks(&self) -> [u32; 2] {
         self.levels[0].size
     }
@@ -148,22 +150,22 @@ impl LargeTerrain {
         &self.holes
     }
 
-    /// Levels of the tree, the blocks being level 0.
+    /// Returns the number of quadtree levels; level 0 holds the blocks.
     pub(crate) fn level_count(&self) -> usize {
         self.levels.len()
     }
 
-    /// Squares of a level from west to east and from north to south.
+    /// Returns the number of squares of a level from west to east and from north to south.
     pub(crate) fn level_size(&self, level: usize) -> [u32; 2] {
         self.levels[level].size
     }
 
-    /// Where a column of squares of a level begins, or with axis 1 a row: x, or z.
+    /// Returns the start of a column (axis 0: x) or row (axis 1: z) of squares of a level.
     pub(crate) fn border(&self, level: usize, square: u32, axis: usize) -> f64 {
         f64::from(self.line((square << level) * BLOCK, axis))
     }
 
-    /// The box around a square of a level.
+    /// Returns the AABB of a square of a level.
     pub(crate) fn bounds_of(&self, level: usize, square: [u32; 2]) -> Aabb {
         let [columns, rows] = [0, 1].map(|axis| {
             let first = (square[axis] << level) * BLOCK;
@@ -172,7 +174,7 @@ impl LargeTerrain {
         self.around(&columns, &rows, self.levels[level].span(square))
     }
 
-    /// The box around some columns and rows of samples between two heights.
+    /// Returns the AABB of a range of sample columns and rows between two heights.
     fn around(&self, columns: &Range<u32>, rows: &Range<u32>, [low, high]: [f32; 2]) -> Aabb {
         Aabb {
             min: [self.line(columns.start, 0), low, self.line(rows.start, 1)],
@@ -180,38 +182,39 @@ impl LargeTerrain {
         }
     }
 
-    /// Where a column of samples stands, or with axis 1 a row: as in a [`HeightField`](super::HeightField).
+    /// Returns the position of a sample column (axis 0: x) or row (axis 1: z); the same bits as in a
+    /// [`HeightField`](super::HeightField).
     fn line(&self, line: u32, axis: usize) -> f32 {
         (f64::from(line) * self.cell[axis]) as f32
     }
 
-    /// The number of a block by its column and row.
+    /// Returns the index of a block from its column and row.
     pub(crate) fn block_number(&self, [column, row]: [u32; 2]) -> u32 {
         row * self.blocks()[0] + column
     }
 
-    /// The column and row of a block by its number.
+    /// Returns the column and row of a block from its item id.
     pub(crate) fn block_at(&self, item: ItemId) -> [u32; 2] {
         let columns = self.blocks()[0];
         [item.0 % columns, item.0 / columns]
     }
 
-    /// The number of a block's first face among all faces.
+    /// Returns the id of a block's first face.
     pub(crate) fn first_face(&self, block: [u32; 2]) -> u32 {
         self.block_number(block) * BLOCK_FACES
     }
 
-    /// Clusters of a block from west to east and from north to south.
+    /// Returns the number of clusters of a block from west to east and from north to south.
     pub(crate) fn squares(&self, block: [u32; 2]) -> [u32; 2] {
         [0, 1].map(|axis| self.cells(block, axis).div_ceil(SQUARE))
     }
 
-    /// Cells of a block along an axis.
+    /// Returns the number of cells of a block along an axis.
     fn cells(&self, block: [u32; 2], axis: usize) -> u32 {
         (self.size[axis] - 1 - block[axis] * BLOCK).min(BLOCK)
     }
 
-    /// A cluster of a block, by its column and row in the block.
+    /// Returns a cluster of a block from its column and row in the block.
     pub(crate) fn square(&self, block: [u32; 2], [column, row]: [u32; 2]) -> Square {
         let [columns, rows] = [(column, 0), (row, 1)].map(|(at, axis)| {
             let first = block[axis] * BLOCK + at * SQUARE;
@@ -224,12 +227,12 @@ impl LargeTerrain {
         }
     }
 
-    /// Where the clusters of a block begin, by their columns, or with axis 1 rows: x, or z.
+    /// Returns the start of a column (axis 0: x) or row (axis 1: z) of clusters of a block.
     pub(crate) fn square_border(&self, block: [u32; 2], square: u32, axis: usize) -> f64 {
         f64::from(self.line(block[axis] * BLOCK + square * SQUARE, axis))
     }
 
-    /// Reads the heights of a block.
+    /// Reads the heights of a block into `workplace`.
     pub(crate) fn read(&self, block: [u32; 2], workplace: &mut Workplace) {
         let [width, height] = [0, 1].map(|axis| self.cells(block, axis) as usize + 1);
         let rows = workplace.heights.chunks_exact_mut(width).take(height);
@@ -238,7 +241,7 @@ impl LargeTerrain {
         }
     }
 
-    /// The heights of a cluster of the block that was read, row after row.
+    /// Returns the heights of a cluster of the block in `workplace`, row after row.
     fn rows_of<'a>(
         &self,
         square: &Square,
@@ -253,15 +256,15 @@ impl LargeTerrain {
         rows.take(square.rows.len()).map(move |row| &row[columns.clone()])
     }
 
-    /// The box around a cluster of the block that was read.
+    /// Returns the AABB of a cluster of the block in `workplace`.
     pub(crate) fn bounds_in(&self, square: &Square, block: [u32; 2], workplace: &Workplace) -> Aabb {
         let rows = self.rows_of(square, block, workplace);
         let span = rows.fold(levels::NO_SPAN, levels::spanned);
         self.around(&square.columns, &square.rows, span)
     }
 
-    /// The positions of a cluster of the block that was read, row after row, and three corners for each face, by their places
-    /// among these.
+    /// Returns the vertex positions of a cluster of the block in `workplace`, row after row, and three indices into
+    /// them per face.
     pub(crate) fn triangles<'a>(
         &'a self,
         square: &Square,
@@ -283,12 +286,12 @@ impl LargeTerrain {
         )
     }
 
-    /// Has a cluster fewer cells than most, from west to east and from north to south?
+    /// Returns whether a cluster has fewer cells than a full one from west to east and from north to south.
     fn is_narrow(&self, square: &Square) -> [bool; 2] {
         [&square.columns, &square.rows].map(|samples| samples.len() <= SQUARE as usize)
     }
 
-    /// Finds the corners of whole clusters, and of those at the east and the south end.
+    /// Computes the triangle indices of full clusters and of those at the eastern and southern border.
     fn cut(&mut self) {
         let widths = self.size.map(|side| match (side - 1) % SQUARE {
             0 => [SQUARE; 2],
@@ -307,7 +310,7 @@ impl LargeTerrain {
         self.corners = widths[0].map(|columns| widths[1].map(|rows| corners([columns, rows])));
     }
 
-    /// How a face looks. There must be one.
+    /// Returns the surface of a face. Panics if there is none.
     pub(crate) fn surface_of(&self, item: ItemId, face: u32) -> Surface {
         let block = self.block_at(item);
         let number = face / SQUARE_FACES;
@@ -328,7 +331,7 @@ impl LargeTerrain {
         }
     }
 
-    /// Triangles of all blocks.
+    /// Returns the number of triangles of all blocks.
     pub(crate) fn triangle_count(&self) -> u64 {
         2 * u64::from(self.size[0] - 1) * u64::from(self.size[1] - 1)
     }
@@ -337,7 +340,7 @@ impl LargeTerrain {
         2 * u64::from(self.cells(block, 0)) * u64::from(self.cells(block, 1))
     }
 
-    /// Memory in bytes, without the heights, which belong to others.
+    /// Returns the memory in bytes, without the heights, which the source holds.
     pub(crate) fn own_bytes(&self) -> u64 {
         let corners = self.corners.as_flattened().iter();
         self.levels.iter().map(Level::bytes).sum::<u64>()
@@ -346,8 +349,8 @@ impl LargeTerrain {
     }
 }
 
-/// A geometry of openings alone.
-fn no_holes(openings: Vec<Opening>) -> Result<Geometry, GeometryError> {
+/// Creates a geometry that has only openings.
+fn only_openings(openings: Vec<Opening>) -> Result<Geometry, GeometryError> {
     let mut geometry = GeometryBuilder::new([] as [Material; 0]);
     for Opening { name, outline } in openings {
         geometry.opening(&name, outline);

@@ -1,16 +1,16 @@
-//! Whom the faces of large ground belong to: blocks have as many numbers each, and openings come after all of them.
+//! Face ids of large terrain: each block has the same number of ids; openings follow after all blocks.
 
 use super::{BLOCK_FACES, LargeTerrain, SQUARE_FACES};
 use crate::geometry::{ItemId, OpeningId, Owner, Owners};
 
 impl LargeTerrain {
-    /// The number that stands for the first opening where faces are numbered through.
+    /// Returns the id of the first opening, after all face ids.
     pub(crate) fn first_opening(&self) -> u32 {
         let [columns, rows] = self.blocks();
         columns * rows * BLOCK_FACES
     }
 
-    /// The number of a cluster's first face in its block.
+    /// Returns the index of a cluster's first face in its block.
     pub(crate) fn first_face_in(&self, cluster: u32) -> u32 {
         cluster * SQUARE_FACES
     }

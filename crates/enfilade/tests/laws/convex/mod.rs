@@ -1,4 +1,4 @@
-//! Convex cells: what is convex is seen exactly, and what is not is refused where it is not.
+//! Convex cells: convex geometry has exact visibility, and non-convex geometry is rejected with the offending face.
 
 mod refused;
 mod worlds;
@@ -13,7 +13,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use worlds::{Dress, FIRST, Solid, materials, place, polygons, through};
 
-/// Holds looks and pictures against the reference; gives how many items that sees for certain.
+/// Compares looks and pictures with the reference. Returns the number of certainly visible items.
 pub(crate) fn keeps_its_contract(scene: &Scene, views: &[View], place: &str) -> usize {
     let reference = Reference::new(scene);
     let mut looked_at = 0;
@@ -40,7 +40,7 @@ pub(crate) fn view(sector: SectorId, eye: DVec3, toward: DVec3, near: f32) -> Vi
     view
 }
 
-/// Looks from anywhere inside, from close to walls, in an opening's frame, and from outside.
+/// Views from random positions inside, close to walls, in an opening's frame, and outside.
 fn views(solid: &Solid, random: &mut Random, close: bool) -> Vec<View> {
     let size = solid.corners[0].distance(solid.corners[1]);
     let mut views = Vec::new();
@@ -73,7 +73,7 @@ fn dress(random: &mut Random) -> Dress {
     }
 }
 
-/// One cell, whose first opening is a mirror, if it has one.
+/// One cell; its first opening, if any, is a mirror.
 fn alone(solid: &Solid, random: &mut Random, dress: &Dress) -> Scene {
     let mut scene = SceneBuilder::new();
     let cell = scene.add("cell", solid.geometry(random, dress), Method::Cell);
@@ -83,7 +83,7 @@ fn alone(solid: &Solid, random: &mut Random, dress: &Dress) -> Scene {
     scene.build().expect("it is convex")
 }
 
-/// So many cells in a row, each of them seen through an opening of the one before; some of them by another method.
+/// Cells in a row, each seen through an opening of the one before; some with another method.
 fn chain(solids: &[Solid], random: &mut Random, dress: &Dress) -> Scene {
     let mut scene = SceneBuilder::new();
     for solid in solids {
@@ -142,7 +142,7 @@ proptest! {
         let scene = chain(&solids, random, &dress);
         let mut views = views(&solids[0], random, true);
         for look in &mut views {
-            // Out of the door, mostly.
+            // Mostly out of the door.
             if random.once_in(3) {
                 continue;
             }
@@ -194,7 +194,7 @@ fn worlds_by_chance_show_something() {
     assert!(looked_at > 40, "{looked_at}");
 }
 
-/// A box of a room whose walls are seen from both sides, each an item.
+/// A box-shaped room whose walls are double-sided, each an item.
 fn double_sided_box() -> (Solid, Scene) {
     let solid = Solid::cuboid([1.0, 1.0, 1.0]);
     let dress = Dress {
@@ -217,7 +217,7 @@ fn from_outside_a_double_sided_box_shows_the_sides_that_are_near() {
         .iter()
         .map(|seen| seen.item)
         .collect();
-    // The sides at +x, +y and +z, and none that these hide.
+    // The sides at +x, +y and +z, and no side that they hide.
     assert_eq!(items, [0, 2, 4].map(ItemId));
     assert_eq!(keeps_its_contract(&scene, &[outside], "outside"), 3);
     let inside = view(
@@ -244,7 +244,7 @@ fn a_block_seen_from_outside_is_as_convex_as_a_room() {
     assert_eq!(keeps_its_contract(&scene, &[inside], "inside"), 0);
 }
 
-/// A square wall at z = −2 of this half, its front towards the eye at the origin.
+/// A square wall at z = −2 with this half side, facing the eye at the origin.
 fn square(half: f32) -> Vec<[f32; 3]> {
     [[-half, -half], [half, -half], [half, half], [-half, half]]
         .map(|[x, y]| [x, y, -2.0])

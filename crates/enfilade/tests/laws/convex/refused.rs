@@ -1,4 +1,4 @@
-//! What is not convex is refused, naming the place.
+//! Non-convex cells are rejected, and the error names the offending face.
 
 use super::worlds::{Dress, Solid, materials, place, polygons};
 use super::{alone, keeps_its_contract, view};
@@ -32,7 +32,7 @@ fn corners_of(geometry: &Geometry, name: &FaceName) -> Vec<DVec3> {
     corners.map(|corner| DVec3::from(corner.map(f64::from))).collect()
 }
 
-/// Is what the refusal says so?
+/// Returns `true` if the error's claim is correct.
 fn is_true(geometry: &Geometry, why: &NotConvex) {
     let wall = corners_of(geometry, &why.wall);
     let normal = (wall[1] - wall[0]).cross(wall[2] - wall[0]).normalize();
@@ -96,7 +96,7 @@ proptest! {
         }
         let mesh = builder.mesh(polygons(&tiles, true, MaterialId(0)));
         builder.item("tiles", mesh, Transform::IDENTITY);
-        // What stands on the wall tells its sides apart.
+        // An item at the wall shows which of its sides is inside.
         let foot = [at(0, 0), at(60, 0), place.transform_point3(DVec3::new(0.5, 0.8, 0.0))];
         let foot = foot.map(|corner| corner.as_vec3().into());
         let mesh = builder.mesh(Mesh::triangles(&foot, &[0, 1, 2], MaterialId(0)).expect("a triangle"));
@@ -164,7 +164,7 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
     assert!(why.to_string().contains("`screen`"), "{why}");
     assert_eq!(scene.item_count(), 6);
     let seen = keeps_its_contract(&scene, &[ahead], "as before");
-    // What hides nothing may come and go, and nothing is built for it.
+    // Items that are no occluders may be added and removed without a rebuild.
     let mut edit = scene.edit();
     let ghost = edit.add(
         SectorId(0),
@@ -176,7 +176,7 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
     edit.set_occluder(SectorId(0), ghost, false).expect("it is there");
     assert_eq!(edit.finish().expect("it hides nothing").rebuilt, 0);
     assert_eq!(keeps_its_contract(&scene, &[ahead], "with a ghost"), seen + 1);
-    // A wall that goes leaves it convex, and so does one that is moved within its plane.
+    // The cell stays convex if a wall is removed, or moved within its plane.
     let mut edit = scene.edit();
     edit.remove(SectorId(0), ItemId(5)).expect("it is there");
     edit.set_transform(SectorId(0), ItemId(4), Transform::scaling([0.5, 0.5, 1.0]))

@@ -1,4 +1,4 @@
-//! Convex worlds made by chance.
+//! Random convex worlds.
 
 use enfilade::{
     Alpha, Attributes, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, OpeningId, Part,
@@ -7,32 +7,32 @@ use enfilade::{
 use enfilade_scenes::Random;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-/// Corners, and faces whose corners turn left seen from inside.
+/// Corners, and faces with counter-clockwise winding seen from inside.
 #[derive(Clone)]
 pub(super) struct Solid {
     pub(super) corners: Vec<DVec3>,
     pub(super) faces: Vec<Vec<usize>>,
 }
 
-/// How a solid becomes a geometry.
+/// How to convert a solid to a geometry.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Dress {
-    /// One wall in so many is seen from both sides; 0: none.
+    /// One wall in this many is double-sided; 0: none.
     pub(super) double_sided: usize,
-    /// Is each wall an item of its own?
+    /// Whether each wall is a separate item.
     pub(super) apart: bool,
-    /// Are walls cut into triangles?
+    /// Whether walls are triangulated.
     pub(super) triangles: bool,
-    /// So many of the faces are openings, the first ones.
+    /// Number of faces that are openings; the first ones.
     pub(super) openings: usize,
-    /// Do pictures lie on the walls, by numbers below or above theirs?
+    /// Whether pictures are mounted on the walls, with item ids below or above the walls'.
     pub(super) pictures: bool,
-    /// Does anything that hides nothing stand inside?
+    /// Whether a non-occluder is inside.
     pub(super) glass: bool,
 }
 
 impl Solid {
-    /// What is left within planes that touch a sphere by chance, and within a box.
+    /// Returns the intersection of random tangent half-spaces of a sphere, and a box.
     pub(super) fn by_chance(random: &mut Random) -> Solid {
         let mut planes = Vec::new();
         for axis in DVec3::AXES {
@@ -45,7 +45,7 @@ impl Solid {
         Solid::within(&planes)
     }
 
-    /// A box.
+    /// Returns a box.
     pub(super) fn cuboid(half: [f64; 3]) -> Solid {
         let sides = DVec3::AXES.into_iter().zip(half);
         Solid::within(
@@ -55,7 +55,7 @@ impl Solid {
         )
     }
 
-    /// A corridor of so many sides.
+    /// Returns a corridor with this number of sides.
     pub(super) fn prism(sides: usize, length: f64) -> Solid {
         let mut planes = vec![(DVec3::Z, length), (-DVec3::Z, length)];
         for side in 0..sides {
@@ -65,7 +65,7 @@ impl Solid {
         Solid::within(&planes)
     }
 
-    /// What is at n · p ≤ d of all planes, no four of which meet in a point.
+    /// Returns the polyhedron n · p ≤ d for all planes, no four of which meet in a point.
     fn within(planes: &[(DVec3, f64)]) -> Solid {
         let mut corners: Vec<(DVec3, [usize; 3])> = Vec::new();
         for a in 0..planes.len() {
@@ -104,7 +104,7 @@ impl Solid {
         Solid { corners, faces }
     }
 
-    /// Somewhere else, turned, and of another size.
+    /// Returns the solid translated, rotated and scaled at random.
     pub(super) fn placed(mut self, place: &DAffine3) -> Solid {
         for corner in &mut self.corners {
             *corner = place.transform_point3(*corner);
@@ -116,7 +116,7 @@ impl Solid {
         self.corners[at].as_vec3().into()
     }
 
-    /// A point inside; the nearer to face `face`, the nearer to 1 `near` is.
+    /// Returns a point inside; it approaches face `face` as `near` approaches 1.
     pub(super) fn point(&self, random: &mut Random, face: usize, near: f64) -> DVec3 {
         let mix = |all: &[DVec3], random: &mut Random| {
             let shares: Vec<f64> = all.iter().map(|_| f64::from(random.between(0.1, 1.0))).collect();
@@ -132,7 +132,7 @@ impl Solid {
         ConvexPolygon::new(&corners).expect("flat and convex")
     }
 
-    /// Some corners of a face, drawn in towards its middle.
+    /// Returns some corners of a face, moved towards its middle.
     fn picture(&self, face: usize) -> Vec<[f32; 3]> {
         let corners: Vec<DVec3> = self.faces[face].iter().map(|&at| self.corners[at]).collect();
         let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
@@ -200,7 +200,7 @@ impl Solid {
     }
 }
 
-/// One side, both sides, glass, and a cut-out.
+/// Single-sided, double-sided, glass, and alpha-tested.
 pub(super) fn materials() -> [Material; 4] {
     let one = Material::opaque([0.5; 3]);
     let both = Material {
@@ -211,7 +211,7 @@ pub(super) fn materials() -> [Material; 4] {
     [one, both, of(Alpha::Blend), of(Alpha::Mask)]
 }
 
-/// Polygons as one mesh, as they are or in triangles.
+/// Builds one mesh from polygons, as they are or triangulated.
 pub(super) fn polygons(outlines: &[Vec<[f32; 3]>], triangles: bool, material: MaterialId) -> Mesh {
     let (mut positions, mut corners, mut sides) = (Vec::new(), Vec::new(), Vec::new());
     for outline in outlines {
@@ -238,7 +238,7 @@ pub(super) fn polygons(outlines: &[Vec<[f32; 3]>], triangles: bool, material: Ma
     Mesh::new(&[part]).expect("flat and convex")
 }
 
-/// A place by chance, up to `far` from the origin, of a size from 0.5 to 20.
+/// Returns a random transform: up to `far` from the origin, scale 0.5 to 20.
 pub(super) fn place(random: &mut Random, far: f32) -> DAffine3 {
     let axis = DVec3::from(random.point(1.0).map(f64::from)).normalize_or(DVec3::X);
     DAffine3::from_scale_rotation_translation(
@@ -248,7 +248,7 @@ pub(super) fn place(random: &mut Random, far: f32) -> DAffine3 {
     )
 }
 
-/// How one gets from before an opening to behind another: its middle there, looking in.
+/// Returns the transform that enters one opening from the front and leaves the other one, centre to centre.
 pub(super) fn through(here: &ConvexPolygon, there: &ConvexPolygon) -> Transform {
     let frame = |outline: &ConvexPolygon, turn: f64| {
         let corners: Vec<DVec3> = outline

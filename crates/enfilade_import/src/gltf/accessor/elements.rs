@@ -169,5 +169,5 @@ impl<'b> Elements<'b> {
 fn first<const SIZE: usize>(bytes: &[u8]) -> [u8; SIZE] {
     *bytes
         .first_chunk()
-        .expect("elements are within their bytes, as checked by `Stretch`")
+        .expect("elements are within their bytes, as checked by `StridedRange`")
 }

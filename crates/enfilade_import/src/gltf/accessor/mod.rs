@@ -11,8 +11,8 @@ mod stretch;
 mod wanted;
 
 pub(super) use elements::Elements;
-pub(super) use stretch::Stretch;
-pub(super) use wanted::Wanted;
+pub(super) use stretch::StridedRange;
+pub(super) use wanted::AccessorUse;
 
 use super::buffers::{Buffers, Source};
 use super::document::{Document, find};
@@ -25,7 +25,7 @@ use sparse::Sparse;
 pub(super) struct Row {
     accessor: u32,
     /// Position of the elements; `None` if all are zero.
-    base: Option<Stretch>,
+    base: Option<StridedRange>,
     /// Elements that are replaced.
     sparse: Option<Sparse>,
     /// Number of elements.
@@ -38,7 +38,7 @@ impl Row {
     pub(super) fn new(
         document: &Document,
         index: u32,
-        wanted: Wanted,
+        wanted: AccessorUse,
         user: impl FnOnce() -> String,
     ) -> Result<Row, BrokenRule> {
         let accessor = find(&document.accessors, index, "accessor", user)?;
@@ -46,7 +46,7 @@ impl Row {
         let kind = wanted.kind(accessor, place)?;
         let element = kind.bytes();
         let base = match accessor.buffer_view {
-            Some(view) => Some(Stretch::of_elements(
+            Some(view) => Some(StridedRange::of_elements(
                 document,
                 view,
                 accessor.byte_offset,

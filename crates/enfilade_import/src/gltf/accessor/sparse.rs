@@ -4,7 +4,7 @@
 //! Cost: O(indices) to check; O(log indices) for each element that is read.
 //! Source: glTF 2.0 Specification, section 3.6.2.3.
 
-use super::Stretch;
+use super::StridedRange;
 use super::elements::{Component, Replacements};
 use crate::BrokenRule;
 use crate::gltf::buffers::{Buffers, Source};
@@ -14,9 +14,9 @@ use crate::gltf::document::{self, Document};
 #[derive(Clone, Debug)]
 pub(super) struct Sparse {
     count: u64,
-    numbers: Stretch,
+    numbers: StridedRange,
     number_kind: Component,
-    values: Stretch,
+    values: StridedRange,
 }
 
 impl Sparse {
@@ -46,7 +46,7 @@ impl Sparse {
                 wanted: "UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT",
                 remedy: "export it again",
             })?;
-        let numbers = Stretch::packed(
+        let numbers = StridedRange::packed(
             document,
             indices.buffer_view,
             indices.byte_offset,
@@ -54,7 +54,7 @@ impl Sparse {
             number_kind.bytes(),
             || format!("{}.sparse.indices", place()),
         )?;
-        let values = Stretch::packed(
+        let values = StridedRange::packed(
             document,
             values.buffer_view,
             values.byte_offset,

@@ -7,13 +7,13 @@ use crate::gltf::document::{BufferView, Document, find};
 
 /// The position of elements in a buffer or a decoded buffer view.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::gltf) struct Stretch {
+pub(in crate::gltf) struct StridedRange {
     pub(in crate::gltf) source: Source,
     start: u64,
     stride: u64,
 }
 
-impl Stretch {
+impl StridedRange {
     /// Returns the range of an accessor's elements; without a `byteStride`, they are tightly packed.
     pub(super) fn of_elements(
         document: &Document,
@@ -22,7 +22,7 @@ impl Stretch {
         count: u64,
         element: u64,
         place: impl Fn() -> String,
-    ) -> Result<Stretch, BrokenRule> {
+    ) -> Result<StridedRange, BrokenRule> {
         let held = find(&document.buffer_views, view, "bufferView", &place)?;
         let stride = held.byte_stride.unwrap_or(element);
         if stride < element {
@@ -33,7 +33,7 @@ impl Stretch {
                 element,
             });
         }
-        Stretch::new(document, view, offset, [count, element, stride], place)
+        StridedRange::new(document, view, offset, [count, element, stride], place)
     }
 
     /// Returns a range of tightly packed elements.
@@ -44,8 +44,8 @@ impl Stretch {
         count: u64,
         element: u64,
         place: impl Fn() -> String,
-    ) -> Result<Stretch, BrokenRule> {
-        Stretch::new(document, view, offset, [count, element, element], place)
+    ) -> Result<StridedRange, BrokenRule> {
+        StridedRange::new(document, view, offset, [count, element, element], place)
     }
 
     /// Returns the bytes of a whole buffer view, and their number.
@@ -53,9 +53,12 @@ impl Stretch {
         document: &Document,
         view: u32,
         place: impl Fn() -> String,
-    ) -> Result<(Stretch, u64), BrokenRule> {
+    ) -> Result<(StridedRange, u64), BrokenRule> {
         let length = find(&document.buffer_views, view, "bufferView", &place)?.byte_length;
-        Ok((Stretch::new(document, view, 0, [length, 1, 1], place)?, length))
+        Ok((
+            StridedRange::new(document, view, 0, [length, 1, 1], place)?,
+            length,
+        ))
     }
 
     fn new(
@@ -64,7 +67,7 @@ impl Stretch {
         offset: u64,
         [count, element, stride]: [u64; 3],
         place: impl Fn() -> String,
-    ) -> Result<Stretch, BrokenRule> {
+    ) -> Result<StridedRange, BrokenRule> {
         let held = find(&document.buffer_views, view, "bufferView", &place)?;
         let (source, view_start) = match Compressed::of(document, view)? {
             Some(_) => (Source::View(view), 0),
@@ -83,7 +86,7 @@ impl Stretch {
                 length,
             });
         }
-        Ok(Stretch {
+        Ok(StridedRange {
             source,
             start: view_start + offset,
             stride,

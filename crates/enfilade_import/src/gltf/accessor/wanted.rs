@@ -6,21 +6,21 @@ use crate::gltf::document::{Accessor, short};
 
 /// The use of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::gltf) enum Wanted {
+pub(in crate::gltf) enum AccessorUse {
     Positions,
     Normals,
     TextureCoordinates,
     Colors,
     Indices,
     /// Translations of instances.
-    Places,
+    Translations,
     /// Rotations of instances.
-    Turns,
+    Rotations,
     /// Scales of instances.
     Scales,
 }
 
-impl Wanted {
+impl AccessorUse {
     /// Returns the element format of an accessor, if this use allows it. Formats that only `KHR_mesh_quantization`
     /// allows are accepted even if the file does not declare that extension, because their meaning is unambiguous.
     pub(super) fn kind(
@@ -41,7 +41,7 @@ impl Wanted {
                 component,
                 parts,
                 // Integer colors are always normalized; otherwise they would be up to 65,535 times too bright.
-                normalized: (accessor.normalized || self == Wanted::Colors)
+                normalized: (accessor.normalized || self == AccessorUse::Colors)
                     && !matches!(component, Component::U32 | Component::F32),
             }),
             _ => Err(self.wrong_type(place(), accessor)),
@@ -51,13 +51,15 @@ impl Wanted {
     fn takes(self, component: Component, parts: u8, normalized: bool) -> bool {
         use Component::{F32, I8, I16, U8, U16, U32};
         match self {
-            Wanted::Positions => parts == 3 && component != U32,
-            Wanted::Normals => parts == 3 && matches!(component, F32 | I8 | I16),
-            Wanted::TextureCoordinates => parts == 2 && component != U32,
-            Wanted::Colors => (parts == 3 || parts == 4) && matches!(component, F32 | U8 | U16),
-            Wanted::Indices => parts == 1 && matches!(component, U8 | U16 | U32),
-            Wanted::Places | Wanted::Scales => parts == 3 && component == F32,
-            Wanted::Turns => parts == 4 && (component == F32 || normalized && matches!(component, I8 | I16)),
+            AccessorUse::Positions => parts == 3 && component != U32,
+            AccessorUse::Normals => parts == 3 && matches!(component, F32 | I8 | I16),
+            AccessorUse::TextureCoordinates => parts == 2 && component != U32,
+            AccessorUse::Colors => (parts == 3 || parts == 4) && matches!(component, F32 | U8 | U16),
+            AccessorUse::Indices => parts == 1 && matches!(component, U8 | U16 | U32),
+            AccessorUse::Translations | AccessorUse::Scales => parts == 3 && component == F32,
+            AccessorUse::Rotations => {
+                parts == 4 && (component == F32 || normalized && matches!(component, I8 | I16))
+            }
         }
     }
 
@@ -75,14 +77,18 @@ impl Wanted {
             place,
             found: format!("{} of {component}", short(&accessor.shape)),
             wanted: match self {
-                Wanted::Positions => "positions as VEC3 of FLOAT, or of bytes or shorts",
-                Wanted::Normals => "normals as VEC3 of FLOAT, BYTE or SHORT",
-                Wanted::TextureCoordinates => "texture coordinates as VEC2 of FLOAT, or of bytes or shorts",
-                Wanted::Colors => "colors as VEC3 or VEC4 of FLOAT, UNSIGNED_BYTE or UNSIGNED_SHORT",
-                Wanted::Indices => "indices as SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT",
-                Wanted::Places => "translations of instances as VEC3 of FLOAT",
-                Wanted::Turns => "rotations of instances as VEC4 of FLOAT, or of normalized BYTE or SHORT",
-                Wanted::Scales => "scales of instances as VEC3 of FLOAT",
+                AccessorUse::Positions => "positions as VEC3 of FLOAT, or of bytes or shorts",
+                AccessorUse::Normals => "normals as VEC3 of FLOAT, BYTE or SHORT",
+                AccessorUse::TextureCoordinates => {
+                    "texture coordinates as VEC2 of FLOAT, or of bytes or shorts"
+                }
+                AccessorUse::Colors => "colors as VEC3 or VEC4 of FLOAT, UNSIGNED_BYTE or UNSIGNED_SHORT",
+                AccessorUse::Indices => "indices as SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT",
+                AccessorUse::Translations => "translations of instances as VEC3 of FLOAT",
+                AccessorUse::Rotations => {
+                    "rotations of instances as VEC4 of FLOAT, or of normalized BYTE or SHORT"
+                }
+                AccessorUse::Scales => "scales of instances as VEC3 of FLOAT",
             },
             remedy: "export it again",
         }

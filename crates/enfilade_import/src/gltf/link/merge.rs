@@ -120,7 +120,7 @@ impl Merged {
     /// Appends a validated document; returns why images could not be read, which become grey. `buffers` holds the bytes
     /// of used buffers; `decoded` those of compressed buffer views, which are stored uncompressed; `fetch` reads image
     /// files.
-    pub(super) fn take_in(
+    pub(super) fn append_document(
         &mut self,
         mut json: Value,
         buffers: &[Option<&[u8]>],

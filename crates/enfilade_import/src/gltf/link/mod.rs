@@ -23,7 +23,7 @@ use crate::warning::Warnings;
 use crate::{BrokenRule, Import, ImportError, ReadOptions, read_regular_file};
 use merge::Merged;
 use serde_json::{Value, json};
-use shape::Turned;
+use shape::ShapeFrame;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -139,7 +139,7 @@ impl Linker {
             rule,
         };
         let first = self.merged.count("nodes");
-        let (roots, has_rooms) = self.take_in(name, path).map_err(failed)?;
+        let (roots, has_rooms) = self.append_document(name, path).map_err(failed)?;
         let nodes = first..self.merged.count("nodes");
         let mut group = json!({
             "name": if has_rooms { name.to_owned() } else { format!("{name}-room") },
@@ -162,7 +162,7 @@ impl Linker {
     }
 
     /// Appends the contents of a file; returns the roots of its scene, and whether it has rooms.
-    fn take_in(&mut self, name: &str, path: &Path) -> Result<(Vec<usize>, bool), BrokenRule> {
+    fn append_document(&mut self, name: &str, path: &Path) -> Result<(Vec<usize>, bool), BrokenRule> {
         let mut budget = Budget::new(self.options.limit_bytes);
         let mut unread = Warnings::default();
         // The finished world is read at the end and needs as much memory, so check now that it fits.
@@ -205,9 +205,11 @@ impl Linker {
                 _ => None,
             })
             .collect();
-        let missing = self.merged.take_in(json, &bytes, &decoded, &mut |uri, place| {
-            super::address::fetch_all(uri, place, path.parent(), &mut budget)
-        })?;
+        let missing = self
+            .merged
+            .append_document(json, &bytes, &decoded, &mut |uri, place| {
+                super::address::fetch_all(uri, place, path.parent(), &mut budget)
+            })?;
         self.missing_images
             .extend(missing.into_iter().map(|why| format!("{name}: {why}")));
         self.merged.rename(first, name);
@@ -265,7 +267,7 @@ impl Linker {
     /// # Errors
     /// [`LinkError::BadShape`].
     pub fn shape(&mut self, part: PartId, name: &str, shape: &Shape) -> Result<NodeId, LinkError> {
-        let Turned {
+        let ShapeFrame {
             place,
             rotation,
             corners,

@@ -23,7 +23,7 @@ pub enum Shape {
 }
 
 /// A shape in a local frame whose −z is its direction.
-pub(super) struct Turned {
+pub(super) struct ShapeFrame {
     pub(super) place: [f64; 3],
     pub(super) rotation: [f64; 4],
     /// Corners in that frame; empty for an exit without an opening.
@@ -31,7 +31,7 @@ pub(super) struct Turned {
 }
 
 impl Shape {
-    pub(super) fn turned(&self) -> Result<Turned, LinkError> {
+    pub(super) fn turned(&self) -> Result<ShapeFrame, LinkError> {
         match self {
             Shape::Rectangle {
                 center,
@@ -75,11 +75,11 @@ impl Shape {
 }
 
 /// Checks that the numbers are finite and builds the frame.
-fn placed(place: DVec3, turn: DMat3, corners: Vec<[f32; 3]>) -> Result<Turned, LinkError> {
+fn placed(place: DVec3, turn: DMat3, corners: Vec<[f32; 3]>) -> Result<ShapeFrame, LinkError> {
     if !(place.is_finite() && turn.is_finite()) {
         return Err(LinkError::BadShape("its numbers must be finite"));
     }
-    Ok(Turned {
+    Ok(ShapeFrame {
         place: place.into(),
         rotation: DQuat::from_mat3(&turn).normalize().into(),
         corners,

@@ -66,7 +66,7 @@ pub(in crate::quake) fn clusters_of_leafs(
     portals: &PortalFile,
 ) -> Result<Vec<Option<u32>>, BspError> {
     let count = portals.cells.count();
-    let leafs = map.things(map.format.leafs, map.format.leaf_bytes)?;
+    let leafs = map.records(map.format.leafs, map.format.leaf_bytes)?;
     if map.format.is_quake3 {
         // Solid leafs have cluster −1.
         let clusters: Vec<i32> = leafs.map(|leaf| int(leaf, 0)).collect();

@@ -12,7 +12,7 @@ pub enum BspError {
         "is not a compiled map of a known format (BSP29, BSP2 or IBSP46): it {begins}; name a .bsp of Quake or Quake 3"
     )]
     NotMap {
-        /// How the file begins: "begins with `…`", or "is empty".
+        /// First bytes of the file: "begins with `…`", or "is empty".
         begins: String,
     },
     /// A lump or header exceeds the file.

@@ -132,18 +132,22 @@ impl Map {
     }
 
     /// Returns the file offsets of the records of a lump, each `of` bytes long.
-    pub(crate) fn places(
+    pub(crate) fn record_offsets(
         &self,
         lump: usize,
         of: usize,
     ) -> Result<impl ExactSizeIterator<Item = usize>, BspError> {
         let start = self.lumps[lump].start;
-        let count = self.things(lump, of)?.len();
+        let count = self.records(lump, of)?.len();
         Ok((0..count).map(move |at| start + at * of))
     }
 
     /// Returns the records of a lump, each `of` bytes long.
-    pub(crate) fn things(&self, lump: usize, of: usize) -> Result<std::slice::ChunksExact<'_, u8>, BspError> {
+    pub(crate) fn records(
+        &self,
+        lump: usize,
+        of: usize,
+    ) -> Result<std::slice::ChunksExact<'_, u8>, BspError> {
         let bytes = self.lump(lump);
         if !bytes.len().is_multiple_of(of) {
             let bytes = bytes.len();
@@ -156,7 +160,7 @@ impl Map {
     pub(crate) fn world_leafs(&self) -> Result<i32, BspError> {
         let lump = self.format.models;
         let of = self.format.model_bytes;
-        let world = self.things(lump, of)?.next();
+        let world = self.records(lump, of)?.next();
         let leafs = world.and_then(|world| word(world, WORLD_LEAFS));
         leafs.ok_or(BspError::OddLump { lump, bytes: 0, of })
     }

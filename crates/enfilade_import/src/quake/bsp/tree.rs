@@ -55,7 +55,7 @@ impl Tree {
     pub(crate) fn read(map: &Map) -> Result<Tree, BspError> {
         let format = map.format;
         let planes: Vec<SplitPlane> = map
-            .things(format.planes, format.plane_bytes)?
+            .records(format.planes, format.plane_bytes)?
             .map(|plane| SplitPlane {
                 normal: [0, 4, 8].map(|at| number(plane, at).into()),
                 offset: number(plane, 12).into(),
@@ -69,7 +69,7 @@ impl Tree {
             return Err(BspError::NoPlane { plane: at });
         }
         let leafs: Vec<Leaf> = map
-            .things(format.leafs, format.leaf_bytes)?
+            .records(format.leafs, format.leaf_bytes)?
             .map(|leaf| Leaf {
                 kind: int(leaf, 0),
                 row: int(leaf, 4),
@@ -80,7 +80,7 @@ impl Tree {
                 },
             })
             .collect();
-        let nodes = map.things(format.nodes, format.node_bytes)?;
+        let nodes = map.records(format.nodes, format.node_bytes)?;
         let count = nodes.len();
         let read = nodes.enumerate().map(|(at, node)| {
             let plane = in_range("node", at, "plane", int(node, 0).into(), planes.len())?;
@@ -104,7 +104,7 @@ impl Tree {
         let first = if format.is_quake3 {
             if nodes.is_empty() { -1 } else { 0 }
         } else {
-            let world = map.things(format.models, format.model_bytes)?.next();
+            let world = map.records(format.models, format.model_bytes)?.next();
             let first = world.and_then(|world| word(world, HEAD_NODE));
             first.ok_or(BspError::OddLump {
                 lump: format.models,

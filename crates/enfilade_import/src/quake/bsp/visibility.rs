@@ -52,8 +52,10 @@ pub fn visibility_bytes(map: &[u8]) -> Result<usize, BspError> {
 /// Returns the compressed rows, and writes the offset of its row into each leaf.
 fn quake_lump(map: &mut Map, portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
     let clusters = clusters_of_leafs(map, portals)?;
-    let places: Vec<usize> = map.places(map.format.leafs, map.format.leaf_bytes)?.collect();
-    let leafs: Vec<(usize, u32)> = std::iter::zip(places, clusters)
+    let record_offsets: Vec<usize> = map
+        .record_offsets(map.format.leafs, map.format.leaf_bytes)?
+        .collect();
+    let leafs: Vec<(usize, u32)> = std::iter::zip(record_offsets, clusters)
         .filter_map(|(place, cluster)| Some((place, cluster?)))
         .collect();
     let mut lump = Vec::new();

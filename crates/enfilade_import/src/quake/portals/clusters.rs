@@ -12,7 +12,7 @@ use std::collections::HashMap;
 
 /// Cluster of a subtree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum SubtreeCluster {
     Solid,
     /// All non-solid leafs belong to this cluster.
     Cluster(u32),
@@ -23,8 +23,8 @@ pub(super) enum Part {
 /// The clusters of a tree.
 #[derive(Debug)]
 pub(super) struct Clusters {
-    nodes: Vec<Part>,
-    leafs: Vec<Part>,
+    nodes: Vec<SubtreeCluster>,
+    leafs: Vec<SubtreeCluster>,
     /// For each cluster, whether it contains open leafs, and whether it contains sky.
     fills: Vec<Fill>,
     /// Quake: the cluster of each leaf except the first.
@@ -44,15 +44,15 @@ const SKY: i32 = -6;
 
 /// The clusters of the leafs below a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Says {
+enum SubtreeClusters {
     Nothing,
     /// A single cluster: a PVS row, a separate leaf, or a cluster of Quake 3.
-    One(Name),
+    One(ClusterKey),
     Several,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Name {
+enum ClusterKey {
     Shared(i32),
     Alone(u32),
 }
@@ -72,33 +72,33 @@ impl Clusters {
         let name = |leaf: u32| {
             let of = tree.leafs[leaf as usize];
             match is_quake3 {
-                true if of.kind < 0 => Says::Nothing,
-                true => Says::One(Name::Shared(of.kind)),
+                true if of.kind < 0 => SubtreeClusters::Nothing,
+                true => SubtreeClusters::One(ClusterKey::Shared(of.kind)),
                 // A compiler may count leafs among the visible ones that have solid contents, such as those of fences.
-                false if leaf == 0 || of.kind == SOLID && leaf > world_leafs => Says::Nothing,
-                false if has_rows && of.row >= 0 => Says::One(Name::Shared(of.row)),
-                false => Says::One(Name::Alone(leaf)),
+                false if leaf == 0 || of.kind == SOLID && leaf > world_leafs => SubtreeClusters::Nothing,
+                false if has_rows && of.row >= 0 => SubtreeClusters::One(ClusterKey::Shared(of.row)),
+                false => SubtreeClusters::One(ClusterKey::Alone(leaf)),
             }
         };
-        let (order, met) = walk(tree, |leaf| name(leaf) != Says::Nothing)?;
-        let mut says = vec![Says::Nothing; tree.nodes.len()];
-        let of_child = |says: &[Says], child| match child {
-            Child::Node(node) => says[node as usize],
+        let (order, met) = walk(tree, |leaf| name(leaf) != SubtreeClusters::Nothing)?;
+        let mut found = vec![SubtreeClusters::Nothing; tree.nodes.len()];
+        let of_child = |found: &[SubtreeClusters], child| match child {
+            Child::Node(node) => found[node as usize],
             Child::Leaf(leaf) => name(leaf),
         };
         for &node in order.iter().rev() {
             let [a, b] = tree.nodes[node as usize]
                 .children
-                .map(|child| of_child(&says, child));
-            says[node as usize] = match (a, b) {
-                (Says::Nothing, other) | (other, Says::Nothing) => other,
+                .map(|child| of_child(&found, child));
+            found[node as usize] = match (a, b) {
+                (SubtreeClusters::Nothing, other) | (other, SubtreeClusters::Nothing) => other,
                 (a, b) if a == b => a,
-                _ => Says::Several,
+                _ => SubtreeClusters::Several,
             };
         }
         let mut clusters = Clusters {
-            nodes: vec![Part::Solid; tree.nodes.len()],
-            leafs: vec![Part::Solid; tree.leafs.len()],
+            nodes: vec![SubtreeCluster::Solid; tree.nodes.len()],
+            leafs: vec![SubtreeCluster::Solid; tree.leafs.len()],
             fills: Vec::new(),
             of_leaf: Vec::new(),
             from: ClustersFrom::Leafs,
@@ -107,20 +107,20 @@ impl Clusters {
         let mut roots = Vec::new();
         let mut waiting = vec![tree.root];
         while let Some(child) = waiting.pop() {
-            match (of_child(&says, child), child) {
-                (Says::Nothing, _) => {}
-                (Says::Several, Child::Node(node)) => {
-                    clusters.nodes[node as usize] = Part::Mixed;
+            match (of_child(&found, child), child) {
+                (SubtreeClusters::Nothing, _) => {}
+                (SubtreeClusters::Several, Child::Node(node)) => {
+                    clusters.nodes[node as usize] = SubtreeCluster::Mixed;
                     waiting.extend(tree.nodes[node as usize].children);
                 }
-                (Says::One(_), Child::Node(node)) => {
+                (SubtreeClusters::One(_), Child::Node(node)) => {
                     let children = tree.nodes[node as usize].children;
                     // If one child is solid, it is not part of the cluster: only the other child is.
-                    let some = children.map(|child| of_child(&says, child) != Says::Nothing);
+                    let some = children.map(|child| of_child(&found, child) != SubtreeClusters::Nothing);
                     if some == [true, true] {
                         roots.push(child);
                     } else {
-                        clusters.nodes[node as usize] = Part::Mixed;
+                        clusters.nodes[node as usize] = SubtreeCluster::Mixed;
                         waiting.extend(children);
                     }
                 }
@@ -130,7 +130,7 @@ impl Clusters {
         let mut parts: Vec<(u32, Child, Vec<u32>)> = roots
             .into_iter()
             .map(|root| {
-                let leafs = leafs_below(tree, root, |leaf| name(leaf) != Says::Nothing);
+                let leafs = leafs_below(tree, root, |leaf| name(leaf) != SubtreeClusters::Nothing);
                 (leafs.iter().copied().min().unwrap_or(0), root, leafs)
             })
             .collect();
@@ -138,7 +138,7 @@ impl Clusters {
         parts.sort_unstable_by_key(|&(first, ..)| first);
         if is_quake3 {
             clusters.from = ClustersFrom::Map;
-            clusters.number_as_said(tree, &parts)?;
+            clusters.number_from_map(tree, &parts)?;
         } else {
             if has_rows {
                 clusters.from = ClustersFrom::Rows;
@@ -149,7 +149,7 @@ impl Clusters {
     }
 
     /// Quake 3: uses the cluster numbers of the leafs.
-    fn number_as_said(&mut self, tree: &Tree, parts: &[(u32, Child, Vec<u32>)]) -> Result<(), BspError> {
+    fn number_from_map(&mut self, tree: &Tree, parts: &[(u32, Child, Vec<u32>)]) -> Result<(), BspError> {
         let kinds = tree.leafs.iter().map(|leaf| leaf.kind).enumerate();
         let (at, most) = kinds.max_by_key(|&(_, kind)| kind).unwrap_or((0, -1));
         // Compilers number clusters without gaps, so there cannot be more clusters than leafs.
@@ -165,7 +165,7 @@ impl Clusters {
         ];
         for (leaf, part) in tree.leafs.iter().zip(&mut self.leafs) {
             if leaf.kind >= 0 {
-                *part = Part::Cluster(leaf.kind as u32);
+                *part = SubtreeCluster::Cluster(leaf.kind as u32);
             }
         }
         for (first, root, _) in parts {
@@ -209,9 +209,9 @@ impl Clusters {
             let is_sky = tree.leafs[leaf as usize].kind == SKY;
             fill.sky |= is_sky;
             fill.open |= !is_sky;
-            self.leafs[leaf as usize] = Part::Cluster(number);
+            self.leafs[leaf as usize] = SubtreeCluster::Cluster(number);
             if let Child::Node(node) = root {
-                self.nodes[node as usize] = Part::Cluster(number);
+                self.nodes[node as usize] = SubtreeCluster::Cluster(number);
             }
         }
         Ok(())
@@ -228,7 +228,7 @@ impl Clusters {
     }
 
     /// Returns the cluster of a subtree.
-    pub(super) fn part(&self, child: Child) -> Part {
+    pub(super) fn part(&self, child: Child) -> SubtreeCluster {
         match child {
             Child::Node(node) => self.nodes[node as usize],
             Child::Leaf(leaf) => self.leafs[leaf as usize],

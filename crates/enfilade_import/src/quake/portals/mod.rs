@@ -20,7 +20,7 @@ use super::bsp::{Child, Map, Tree, int};
 use super::{BspError, PortalFile, PrtKind};
 use crate::budget::Budget;
 use crate::{BrokenRule, ImportError, ReadOptions, read_file};
-use clusters::{Clusters, Part};
+use clusters::{Clusters, SubtreeCluster};
 use enfilade_bake::{Cells, Portal};
 use glam::DVec3;
 use outline::{enlarged, tidy, width};
@@ -33,7 +33,7 @@ use std::path::Path;
 pub struct RebuiltPortals {
     /// The same data as in the compiler's portal file.
     pub file: PortalFile,
-    /// How leafs were grouped into clusters.
+    /// Source of the grouping of leafs into clusters.
     pub clusters_from: ClustersFrom,
     /// Number of non-solid leafs of the world.
     pub leafs: u32,
@@ -42,7 +42,7 @@ pub struct RebuiltPortals {
     pub slivers: usize,
 }
 
-/// How the leafs of a map were grouped into clusters.
+/// Source of the grouping of leafs into clusters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClustersFrom {
     /// From the map: Quake 3 leafs store their cluster.
@@ -156,10 +156,10 @@ impl Portals<'_> {
             let side = self.sides[node.plane as usize];
             let across = region.across(&side);
             if !across.is_empty() {
-                self.lay_down(&side, node.children, &across)?;
+                self.add_portals(&side, node.children, &across)?;
             }
             for (child, side) in node.children.into_iter().zip([side, side.behind()]) {
-                if self.clusters.part(child) != Part::Mixed {
+                if self.clusters.part(child) != SubtreeCluster::Mixed {
                     continue;
                 }
                 let part = region.part(&side, &across);
@@ -179,9 +179,14 @@ impl Portals<'_> {
     }
 
     /// Adds the portals among the pieces of a node's polygon.
-    fn lay_down(&mut self, side: &Side, children: [Child; 2], across: &[Corner]) -> Result<(), BrokenRule> {
-        for (front, piece) in self.spread(children[0], across) {
-            for (back, mut corners) in self.spread(children[1], &piece) {
+    fn add_portals(
+        &mut self,
+        side: &Side,
+        children: [Child; 2],
+        across: &[Corner],
+    ) -> Result<(), BrokenRule> {
+        for (front, piece) in self.push_down(children[0], across) {
+            for (back, mut corners) in self.push_down(children[1], &piece) {
                 if front == back || !self.clusters.see_through(front, back) {
                     continue;
                 }
@@ -202,17 +207,17 @@ impl Portals<'_> {
     }
 
     /// Pushes a polygon down a subtree; returns the clusters that it ends up in, each with its piece.
-    fn spread(&self, child: Child, polygon: &[Corner]) -> Vec<(u32, Vec<Corner>)> {
+    fn push_down(&self, child: Child, polygon: &[Corner]) -> Vec<(u32, Vec<Corner>)> {
         let mut pieces = Vec::new();
         let mut waiting = vec![(child, polygon.to_vec())];
         while let Some((child, polygon)) = waiting.pop() {
             match (self.clusters.part(child), child) {
-                (Part::Cluster(cluster), _) => pieces.push((cluster, polygon)),
-                (Part::Mixed, Child::Node(node)) => {
+                (SubtreeCluster::Cluster(cluster), _) => pieces.push((cluster, polygon)),
+                (SubtreeCluster::Mixed, Child::Node(node)) => {
                     let node = self.tree.nodes[node as usize];
                     let side = self.sides[node.plane as usize];
                     for (child, side) in node.children.into_iter().zip([side, side.behind()]) {
-                        if self.clusters.part(child) == Part::Solid {
+                        if self.clusters.part(child) == SubtreeCluster::Solid {
                             continue;
                         }
                         let piece = side.cut(polygon.clone());
@@ -221,7 +226,7 @@ impl Portals<'_> {
                         }
                     }
                 }
-                (Part::Solid | Part::Mixed, _) => {}
+                (SubtreeCluster::Solid | SubtreeCluster::Mixed, _) => {}
             }
         }
         pieces

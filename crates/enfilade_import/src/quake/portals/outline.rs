@@ -31,7 +31,7 @@ pub(super) fn tidy(corners: &mut Vec<Corner>) {
         let count = corners.len();
         let [a, b, c, d] = [count - 1, 0, 1, 2].map(|step| corners[(nth + step) % count]);
         let length = b.at.distance(c.at);
-        let led_on = || {
+        let extended = || {
             let [first, second] = [b.at - a.at, d.at - c.at];
             let long = count > 3 && first.length() > SHORT && second.length() > SHORT;
             let normal = normal(corners).filter(|_| long && length < SHORT)?;
@@ -40,7 +40,7 @@ pub(super) fn tidy(corners: &mut Vec<Corner>) {
             let far = normal.dot((c.at - b.at).cross(second)) / turn;
             (turn > 1e-3 && (0.0..10.0 * SHORT).contains(&far)).then(|| b.at + first * far)
         };
-        let at = if length < SAME { Some(b.at) } else { led_on() };
+        let at = if length < SAME { Some(b.at) } else { extended() };
         let Some(at) = at else {
             nth += 1;
             continue;

@@ -53,9 +53,9 @@ impl<'a> Outlines<'a> {
         let [_, edge_bytes] = if map.format.is_short { SHORT } else { LONG };
         Ok(Outlines {
             map,
-            edges: map.things(EDGES, edge_bytes)?,
-            vertices: map.things(VERTICES.0, VERTICES.1)?,
-            walks: map.things(WALKS.0, WALKS.1)?,
+            edges: map.records(EDGES, edge_bytes)?,
+            vertices: map.records(VERTICES.0, VERTICES.1)?,
+            walks: map.records(WALKS.0, WALKS.1)?,
         })
     }
 
@@ -121,7 +121,7 @@ impl<'a> Outlines<'a> {
 /// Returns the records of all faces.
 pub(in crate::quake) fn faces(map: &Map) -> Result<std::slice::ChunksExact<'_, u8>, BspError> {
     let [face_bytes, _] = if map.format.is_short { SHORT } else { LONG };
-    map.things(FACES, face_bytes)
+    map.records(FACES, face_bytes)
 }
 
 /// Returns the plane, plane side and texture projection of a face.
@@ -268,7 +268,7 @@ pub(in crate::quake) fn placings(map: &Map, images: usize) -> Result<Vec<Placing
             image: in_range("texture placing", at, "texture", image, images.max(1))?,
         })
     };
-    map.things(PLACINGS.0, PLACINGS.1)?
+    map.records(PLACINGS.0, PLACINGS.1)?
         .enumerate()
         .map(read)
         .collect()

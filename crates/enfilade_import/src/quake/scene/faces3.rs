@@ -60,10 +60,10 @@ pub(super) fn read(
     budget: &mut Budget,
     warnings: &mut Warnings,
 ) -> Result<Surfaces, BrokenRule> {
-    let corners = map.things(CORNERS.0, CORNERS.1)?.len();
-    let indices = map.things(TRIANGLES.0, TRIANGLES.1)?;
-    let faces = map.things(FACES.0, FACES.1)?;
-    let texture_count = map.things(TEXTURES.0, TEXTURES.1)?.len();
+    let corners = map.records(CORNERS.0, CORNERS.1)?.len();
+    let indices = map.records(TRIANGLES.0, TRIANGLES.1)?;
+    let faces = map.records(FACES.0, FACES.1)?;
+    let texture_count = map.records(TEXTURES.0, TEXTURES.1)?.len();
     let shape = |at: usize, face: &[u8]| shape(at, face, corners, indices.len());
     let (mut all_corners, mut all_triangles) = (0, 0);
     for (at, face) in faces.clone().enumerate() {

@@ -27,7 +27,7 @@ pub(super) fn models(map: &Map, faces: usize) -> Result<Vec<Range<u32>>, BspErro
         true => FACES_OF_A_MODEL_OF_QUAKE_3,
         false => FACES_OF_A_MODEL,
     };
-    let models = map.things(map.format.models, map.format.model_bytes)?;
+    let models = map.records(map.format.models, map.format.model_bytes)?;
     let read = |(at, model): (usize, &[u8])| {
         let [first, count] = [place, place + 4].map(|place| i64::from(int(model, place)));
         if first >= 0 && count >= 0 && first + count <= faces as i64 {
@@ -46,7 +46,7 @@ pub(super) fn models(map: &Map, faces: usize) -> Result<Vec<Range<u32>>, BspErro
 
 /// Adds an item for each set of leafs that list the same world faces: `leaf 12`, after the first leaf of the set, or
 /// `cluster 12` in Quake 3, whose leafs share visibility by cluster; `leaf 12.2` if that name is taken.
-pub(super) fn of_the_world(
+pub(super) fn add_world_items(
     map: &Map,
     tree: &Tree,
     surfaces: &Surfaces,
@@ -104,7 +104,7 @@ fn marks(map: &Map, tree: &Tree, faces: usize, budget: &mut Budget) -> Result<Ve
         (true, _) => (MARKS_OF_QUAKE_3, 4),
         (false, is_short) => (MARKS, if is_short { 2 } else { 4 }),
     };
-    let listed = map.things(lump, bytes)?.len();
+    let listed = map.records(lump, bytes)?.len();
     let leafs = if is_quake3 {
         0..tree.leafs.len()
     } else {
@@ -150,7 +150,7 @@ fn marks(map: &Map, tree: &Tree, faces: usize, budget: &mut Budget) -> Result<Ve
 }
 
 /// Adds an item for each entity with a brush model: `func_door gate#12`. Triggers are invisible and are skipped.
-pub(super) fn of_entities(
+pub(super) fn add_entity_items(
     entities: &[Entity],
     models: &[Range<u32>],
     surfaces: &Surfaces,

@@ -38,7 +38,7 @@ pub(super) struct FaceLight<'a> {
 }
 
 /// The position of a face in the atlas.
-pub(super) struct Lit {
+pub(super) struct FaceLightmap {
     first: [u32; 2],
     /// Texel position of the first sample.
     least: [f64; 2],
@@ -64,7 +64,7 @@ impl<'a> FaceLight<'a> {
         offset: i64,
         styles: [u8; 4],
         budget: &mut Budget,
-    ) -> Result<Option<Lit>, BrokenRule> {
+    ) -> Result<Option<FaceLightmap>, BrokenRule> {
         let along = |axis: usize| corners.iter().map(move |corner| corner[axis]);
         let least = [0, 1].map(|axis| (along(axis).fold(f64::INFINITY, f64::min) / STEP).floor());
         let most = [0, 1].map(|axis| (along(axis).fold(f64::NEG_INFINITY, f64::max) / STEP).ceil());
@@ -98,7 +98,7 @@ impl<'a> FaceLight<'a> {
             let [column, row] = [first[0] + at % size[0], first[1] + at / size[0]];
             self.texels[(row * WIDTH + column) as usize] = texel;
         }
-        Ok(Some(Lit {
+        Ok(Some(FaceLightmap {
             first,
             least: least.map(|least| least * STEP),
         }))
@@ -144,7 +144,7 @@ impl<'a> FaceLight<'a> {
     }
 }
 
-impl Lit {
+impl FaceLightmap {
     /// Converts a texel position of the face to a sample position in the atlas.
     pub(super) fn at(&self, place: [f64; 2]) -> [f32; 2] {
         [0, 1].map(|axis| {

@@ -89,7 +89,7 @@ pub(crate) fn import(
     let mut geometry = GeometryBuilder::new(looks.materials);
     geometry.textures(textures);
     let world = models.first().cloned().unwrap_or_default();
-    items::of_the_world(
+    items::add_world_items(
         &map,
         &tree,
         &surfaces,
@@ -98,7 +98,7 @@ pub(crate) fn import(
         &mut budget,
         &mut warnings,
     )?;
-    items::of_entities(
+    items::add_entity_items(
         &entities,
         &models,
         &surfaces,

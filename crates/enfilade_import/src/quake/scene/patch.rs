@@ -29,7 +29,7 @@ pub(super) fn tessellate(corners: &[Corner], [columns, rows]: [usize; 2]) -> Gri
             let (first, u) = piece(column, columns);
             let along_rows = [0, 1, 2].map(|row| {
                 let three = (first_row + row) * columns + first;
-                between([0, 1, 2].map(|at| Exact::of(&corners[three + at])), u)
+                between([0, 1, 2].map(|at| ExactVertex::of(&corners[three + at])), u)
             });
             grid.corners.push(between(along_rows, v).rounded());
         }
@@ -53,17 +53,17 @@ fn piece(step: usize, size: usize) -> (usize, f64) {
 
 /// All components of a vertex in f64, where the evaluation of f32 input is exact.
 #[derive(Clone, Copy)]
-struct Exact([f64; 14]);
+struct ExactVertex([f64; 14]);
 
-impl Exact {
-    fn of(corner: &Corner) -> Exact {
+impl ExactVertex {
+    fn of(corner: &Corner) -> ExactVertex {
         let mut all = [0.0; 14];
         let parts = corner.position.iter().chain(&corner.texture).chain(&corner.light);
         let parts = parts.chain(&corner.normal).chain(&corner.color);
         all.iter_mut()
             .zip(parts)
             .for_each(|(to, &from)| *to = from.into());
-        Exact(all)
+        ExactVertex(all)
     }
 
     fn rounded(&self) -> Corner {
@@ -80,14 +80,14 @@ impl Exact {
 }
 
 /// Evaluates a quadratic Bézier curve. Symmetric: the reversed curve gives the same bits.
-fn between([a, b, c]: [Exact; 3], along: f64) -> Exact {
+fn between([a, b, c]: [ExactVertex; 3], along: f64) -> ExactVertex {
     let back = 1.0 - along;
     let [from_a, from_b, from_c] = [back * back, 2.0 * along * back, along * along];
     let mut all = [0.0; 14];
     for (at, sum) in all.iter_mut().enumerate() {
         *sum = (from_a * a.0[at] + from_c * c.0[at]) + from_b * b.0[at];
     }
-    Exact(all)
+    ExactVertex(all)
 }
 
 #[cfg(test)]

@@ -71,7 +71,7 @@ impl Surfaces {
             .filter_map(|&face| self.faces[face as usize].as_ref())
             .collect();
         drawn.sort_by_key(|face| face.material);
-        let mut own = Own::default();
+        let mut own = MeshVertices::default();
         let mut parts = Vec::new();
         for of_one in drawn.chunk_by(|a, b| a.material == b.material) {
             let first = [own.taken.len(), own.corners.len()];
@@ -108,13 +108,13 @@ impl Surfaces {
 
 /// The vertices of one mesh; indices are relative to their part.
 #[derive(Default)]
-struct Own {
+struct MeshVertices {
     /// Index of each vertex among those of all faces.
     taken: Vec<u32>,
     corners: Vec<u32>,
 }
 
-impl Own {
+impl MeshVertices {
     /// Adds the vertices of a face to the part that begins at `first`. Faces share no vertices.
     fn take(&mut self, triangles: &[[u32; 3]], first: usize) {
         let start = self.taken.len();

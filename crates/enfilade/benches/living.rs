@@ -212,7 +212,10 @@ fn quality(things: u32, edits: u32) {
         }
         let worse = asked[0] as f64 / asked[1].max(1) as f64;
         println!("{:16}{worse:10.3}", method.name());
-        assert!(worse <= MAX_WORSE, "{method}: {worse} times the boxes of a new scene");
+        assert!(
+            worse <= MAX_WORSE,
+            "{method}: {worse} times the boxes of a new scene"
+        );
     }
 }
 

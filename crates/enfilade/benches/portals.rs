@@ -180,7 +180,10 @@ fn rooms_in_a_row(times: bool) {
             }
             let boxes = viewer.stats().boxes_tested;
             let few = *first_boxes.get_or_insert(boxes);
-            assert!(boxes <= few, "{place}: {boxes} boxes tested, expected at most {few}");
+            assert!(
+                boxes <= few,
+                "{place}: {boxes} boxes tested, expected at most {few}"
+            );
             if times {
                 let looked = ms(|| look(&mut viewer, &scene, &view));
                 let mut named = view;
@@ -341,10 +344,7 @@ fn mirrors_face_to_face(times: bool) {
 
 /// Prints the peak memory of a viewer, beyond the scene, to look and to draw at 1080p.
 fn memory_of_mirrors() {
-    println!(
-        "\nMB at 1080p{:>27}{:>20}",
-        "100 side by side", "120 nested"
-    );
+    println!("\nMB at 1080p{:>27}{:>20}", "100 side by side", "120 nested");
     let within = enfilade_scenes::built_in("mirrors").expect("it is built in");
     let scenes = [
         (

@@ -1,10 +1,10 @@
-//! A sector of one's own behind a door: a room that is dark until one comes near.
+//! A custom sector behind a door: a room that stays dark until the camera comes near.
 #![expect(clippy::print_stdout, reason = "examples print")]
 
 use enfilade::*;
 use std::sync::Arc;
 
-/// A room as some method sees it, whenever there is light.
+/// Wraps a built-in sector and hides its items while the light is off.
 struct Lit(Arc<dyn Sector>);
 
 impl Sector for Lit {
@@ -18,7 +18,7 @@ impl Sector for Lit {
         self.0.contract()
     }
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
-        // The eye in the space of this room, through whatever portals it looks: the door stands at x = 0.
+        // The eye is in this room's space, through any chain of portals; the door is at x = 0.
         if passage.eye()[0] > -3.0 {
             self.0.gather(passage, memory, seen);
         }
@@ -37,8 +37,9 @@ impl Sector for Lit {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let built = enfilade_scenes::built_in("two-rooms").ok_or("built in")?;
-    let geometry = |room| Arc::clone(built.scene.geometry(SectorId(room)).expect("ours"));
+    // Take the geometry of two rooms, and wrap the sector of the second one.
+    let built = enfilade_scenes::built_in("two-rooms").ok_or("no such scene")?;
+    let geometry = |room| Arc::clone(built.scene.geometry(SectorId(room)).expect("geometry"));
     let lit = Lit(Method::HierarchicalZ.build(geometry(1), Method::DEFAULT_LIMIT)?);
 
     let mut scene = SceneBuilder::new();
@@ -52,7 +53,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let set = viewer.draw(&scene, &view, &mut picture);
         let through = set.items().iter().filter(|seen| seen.passage != PassageId(0));
         let (through, painted) = (through.count(), picture.painted());
-        println!("from {x}: {through} things through the door, {painted} samples painted");
+        println!("from {x}: {through} items visible through the door, {painted} samples painted");
     }
     Ok(())
 }

@@ -112,7 +112,7 @@ fn covers_know_of_orders_only_what_they_can_promise() {
             let (of, _) = of.split_once(';').expect("an import");
             let mut of = of.trim_matches(['{', '}']).split(',').map(str::trim);
             let other = of.find(|name| !PROMISES.contains(name));
-            assert_eq!(other, None, "cover/{path} mentions this of orders");
+            assert_eq!(other, None, "cover/{path} may not import this from `order`");
             known += 1;
         }
     }

@@ -205,6 +205,6 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
     }
     assert!(
         apart > 25,
-        "camera and player stood in two rooms in {apart} frames only"
+        "camera and player were in different rooms in only {apart} frames"
     );
 }

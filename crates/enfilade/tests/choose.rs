@@ -108,7 +108,7 @@ fn what_counts_is_the_aim_and_the_share_of_building() {
             let chosen = outcome(&choice, choice.method).expect("it was tried");
             assert!(
                 !choice.sure || chosen.frame <= best.mul_f64(1.12),
-                "{chosen:?}, but the best takes {best:?}"
+                "{chosen:?}, but the fastest method takes {best:?}"
             );
         }
     }

@@ -237,11 +237,7 @@ fn a_thousand_copies_of_one_face_look_like_one() {
         let seen = scene
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("few faces");
-        assert_eq!(
-            seen.build_stats().faces,
-            1000,
-            "{method} cut what lies in one plane"
-        );
+        assert_eq!(seen.build_stats().faces, 1000, "{method} split coplanar faces");
         let items = Viewer::new().look(&seen, &view).items().len();
         let exact = method.contract() == Contract::Exact;
         assert!(items == 1 || (items > 1 && !exact), "{method}: {items}");

@@ -253,7 +253,7 @@ impl Sector for Void {
 fn what_is_not_ours_is_not_exchanged() {
     let mut builder = SceneBuilder::new();
     let void = builder.add_custom("void", Arc::new(Void(Aabb::EMPTY)));
-    let mut scene = builder.build().expect("a scene of one's own");
+    let mut scene = builder.build().expect("a scene of a custom sector");
     let message = "sector `void` is custom; its geometry and method cannot be replaced";
     says(&scene.set_geometry(void, room()).expect_err("not ours"), message);
     says(

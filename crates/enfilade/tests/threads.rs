@@ -144,12 +144,13 @@ fn two_threads_and_eight_see_what_one_does() {
     look("town", &town(), &views_of_the_town());
     assert!(looked_at > 300, "hardly anything was looked at: {looked_at}");
     for (method, [one, eight]) in asked {
-        // The occlusion tests of the masked cover depend on the order of its faces; baked cells need no tests.
+        // These look on one thread: what the masked cover hides depends on the order of its faces, and baked cells need
+        // no occlusion tests.
         let alone = ["masked", "pvs"].contains(&method);
         assert_eq!(
             alone,
             one == eight,
-            "{method} asked about {one} boxes, and {eight}"
+            "{method}: {one} boxes tested by one thread, {eight} by eight"
         );
     }
 }

@@ -1,5 +1,8 @@
 //! Four samples per pixel: renders four pictures with different sample positions and averages them. Each face is shaded
 //! once per pixel.
+//!
+//! Each sample is a separate look with [`View::sample`] set, so no order, cover or method supports multisampling, and
+//! every contract holds for each sample. The visible set for four samples is the union of those of four looks.
 
 use crate::painter::Painter;
 use crate::pixels::{self, Pixel, UNPAINTED};

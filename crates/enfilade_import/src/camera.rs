@@ -4,7 +4,8 @@ use enfilade::SectorId;
 
 /// A camera in world space: all parameters of an [`enfilade::View`] except the viewport size.
 ///
-/// A view has a perspective projection. An orthographic camera therefore becomes a perspective one with a narrow field
+/// A view has a perspective projection, because apertures, passages and covers require an eye point, and covers compare
+/// depth as 1/w. An orthographic camera therefore becomes a perspective one with a narrow field
 /// of view, far behind its original position: so far that in a 1280-pixel-wide viewport no vertex moves by more than
 /// about half a pixel. Geometry halfway between the near and far ends of the scene has the correct size.
 #[derive(Clone, Debug, PartialEq)]

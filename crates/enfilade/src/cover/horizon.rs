@@ -7,6 +7,8 @@
 //! and the farthest reversed depth within that part. A box is hidden if it is behind that part in all of its columns.
 //! Each sample also stores reversed depth and owner, so that other geometry may come in any order, such as objects on
 //! the ground that hide part of it.
+//! Horizons follow from the covered samples, not from the terrain, so they are valid for any camera: a screen column is
+//! a vertical section of the terrain only for a level one.
 //! Source: Williamson, Hidden-Line Plotting Program, CACM 1972; Anderson, Hidden Line Elimination in Projected Grid
 //!     Surfaces, ACM Transactions on Graphics 1982. Samples instead of lines, and depths beside them, are original to
 //!     this library.

@@ -1,8 +1,9 @@
 //! Covers: occlusion buffers that store what the geometry processed so far hides.
 //!
 //! A cover answers occlusion queries for bounding boxes. Covers that implement [`Paints`] also hold the picture (an
-//! owner per sample); covers that implement [`Hides`] only hold selected occluders. Covers do not depend on traversal
-//! orders; `method` combines the two.
+//! owner per sample); covers that implement [`Hides`] only hold selected occluders. These are separate traits so that a
+//! cover without a picture need not implement drawing. Covers do not depend on traversal orders; `method` combines the
+//! two.
 
 mod band;
 mod batch;
@@ -66,6 +67,8 @@ pub trait Cover: Default + Send + 'static {
     ///
     /// `Hidden` only if no part of it can be visible. `Partial` when unsure. `Full` only if nothing that the same
     /// traversal adds later can hide any part of it.
+    ///
+    /// Takes `&mut self` because a cover may bring its cells up to date only when they are tested ([`DepthPyramid`]).
     fn sees(&mut self, region: &Region) -> Visibility;
 
     /// Tests an AABB given in another space, as [`Cover::sees`] does; `None` if the box is outside the view.
@@ -118,10 +121,13 @@ pub trait Paints: Cover {
 
     /// Rasterizes a batch of opaque faces, which hide the geometry behind them. A cover that defers nothing also draws
     /// them to `canvas`.
+    ///
+    /// The canvas is optional so that culling and drawing share one implementation, and a trait object because it is
+    /// called only once per row.
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, canvas: Option<&mut dyn Canvas>);
 
     /// Reports the samples at which the given transparent faces are in front of all opaque faces. Call it after the
-    /// last [`Paints::add`].
+    /// last [`Paints::add`]: tested against the finished cover, transparent faces need not be stored in it.
     fn look_through(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, seen: &mut Collector);
 
     /// Reports the visible faces and draws the spans that could not be resolved earlier.

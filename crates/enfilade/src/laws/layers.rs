@@ -51,7 +51,7 @@ pub struct LayerPicture {
 pub struct LayerVerdict {
     /// Samples with transparent layers on which all rays agree.
     pub compared: usize,
-    /// How many of those have two or more layers.
+    /// Number of those with two or more layers.
     pub stacked: usize,
     /// Maximum number of layers at a sample.
     pub deepest: usize,

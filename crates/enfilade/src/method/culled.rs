@@ -105,6 +105,8 @@ where
     /// Reports the potentially visible clusters and openings.
     fn look(&self, cover: &mut C, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         self.fill(cover, passage, memory);
+        // A cover that takes faces is traversed by one thread: what its faces hide depends on the order in which they
+        // are rasterized, so the visible set would depend on the number of threads.
         if !C::TAKES_FACES && memory.threads() > 1 {
             find_by_shares(&self.order, &self.geometry, passage, cover, memory, seen);
             return;

@@ -1,4 +1,7 @@
 //! Draws a visible set with a z-buffer: the picture is exact even if the set is conservative.
+//!
+//! Drawing is a second pass over the set of a look. In a single pass, the clip regions behind openings would come from
+//! drawn samples and be narrower than in a look, so drawing and looking would return different sets.
 
 use crate::canvas::Canvas;
 use crate::collector::Collector;

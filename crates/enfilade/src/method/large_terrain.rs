@@ -1,4 +1,7 @@
 //! Floating horizon for out-of-core terrain: a traversal of its own, and the same cover as for terrain in a geometry.
+//!
+//! Such terrain is a sector of its own and has no choice of method: the items of a geometry have meshes, which every
+//! order, cover and query may read, while these triangles exist only while a look visits their block.
 
 use super::count::Count;
 use super::strips::{self, look_in_strips};

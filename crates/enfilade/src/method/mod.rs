@@ -213,7 +213,9 @@ pub enum Requirement {
 }
 
 impl Method {
-    /// All methods.
+    /// All methods. Not every geometry meets the [requirement](Method::requires) of each; test with [`Method::suits`]. A
+    /// method returns an error instead of a fallback (all geometry without baked cells as one large cell, for example),
+    /// which would hide that it culls nothing.
     pub const ALL: [Method; 14] = [
         Method::PainterMin,
         Method::PainterMean,

@@ -1,7 +1,8 @@
 //! Methods without a cover: the order alone decides what is potentially visible.
 //!
 //! For orders with precomputed visibility, which never emit hidden geometry. The potentially visible set is drawn with
-//! a z-buffer, so the picture is exact although the set is not.
+//! a z-buffer, so the picture is exact although the set is not. With that z-buffer as its cover, a method would report
+//! only what is visible at samples: its set would no longer be strict.
 
 use super::count::count_faces;
 use super::editable::{EditStats, EditableSector, edit_order};

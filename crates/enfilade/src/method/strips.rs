@@ -1,7 +1,9 @@
 //! Parallel looks: splits a passage into horizontal strips of rows, one task each.
 //!
 //! Idea: the visible surface at a sample does not depend on other samples. So each strip of the aperture is processed
-//!     on its own, with its own cover, and the visible set is the union.
+//!     on its own, with its own cover, and the visible set is the union. Only single passages are split; the openings of
+//!     a sector are followed one after the other. So passage ids and limits count in a fixed order, and a hundred
+//!     mirrors share their buffers. The apertures that are worth a thread are large, and large ones are split here.
 //! Source: ours; "sort-first" in Molnar, Cox, Ellsworth, Fuchs, A Sorting Classification of Parallel Rendering, IEEE
 //!     CG&A 1994.
 //! Cost: one look, divided; but each strip traverses the order from the root, tests all clusters that the last look

@@ -1,6 +1,7 @@
 //! Traversal orders: the sequence in which nodes and faces are visited.
 //!
-//! An [`Order`] does not know any cover; `method` combines one of each.
+//! An [`Order`] does not know any cover; `method` combines one of each. It does not hold the geometry either:
+//! [`Order::visit`] gets it as an argument, because all methods of a sector share one geometry.
 
 mod baked_cells;
 mod bsp;
@@ -116,6 +117,9 @@ pub trait Order: Send + Sync + Sized + 'static {
 
     /// Updates the order after items of `geometry` have moved, been added or removed. Changes only affected nodes and
     /// appends them to `touched`. Returns `false` if the order cannot be updated and must be rebuilt.
+    ///
+    /// Default `false`. A default instead of a trait of its own, because a sector is edited as a trait object, whose
+    /// order is not known then.
     fn follow(&mut self, _geometry: &Geometry, _moved: &[MovedItem], _touched: &mut Vec<u32>) -> bool {
         false
     }

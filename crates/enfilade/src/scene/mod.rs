@@ -2,7 +2,7 @@
 //!
 //! A scene can be nested in another scene. Building the outer scene copies the sectors of the inner one into it, and
 //! the inner scene's named exits become openings that portals can connect. So a look always traverses one flat graph,
-//! however deeply scenes are nested.
+//! however deeply scenes are nested: nesting costs nothing in a look, and one number names the sector of a passage.
 //! Source: Boreskov, Using portals to create aggregate scenes; RenderWare, Portal culling.
 
 mod builder;

@@ -92,7 +92,7 @@ fn silhouettes_agree(scene: &Scene, source: &Arc<dyn DetailSource>, place: Trans
             worst = worst.max(off);
         }
     }
-    assert!(worst > 0.0, "the pictures are the same: nothing was told");
+    assert!(worst > 0.0, "the pictures are equal, so nothing was tested");
     levels.sort_unstable();
     levels.dedup();
     levels

@@ -82,7 +82,7 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
             assert_eq!(
                 looked,
                 names(scene, forgetful.visible()),
-                "{place}: remembered what is no more"
+                "{place}: differs from a viewer without memory"
             );
             let picture = drawn(viewer, scene, &view);
             assert_eq!(looked, names(scene, viewer.visible()), "{place}: drawn");

@@ -135,7 +135,7 @@ fn an_engine_that_blends_items_is_told_their_order() {
                 compared += 1;
                 assert!(
                     below_at < above_at,
-                    "{method} on @{name} from `{}`: {above:?} lies over {below:?}",
+                    "{method} on @{name} from `{}`: {above:?} is painted before {below:?}",
                     camera.name
                 );
             }

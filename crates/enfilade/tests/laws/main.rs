@@ -53,7 +53,7 @@ fn every_method_keeps_its_contract_on_the_small_scenes() {
         let looked_at = every_method_keeps_its_contract(subject, SIZE);
         assert!(
             looked_at > 0,
-            "nothing is seen in @{}: the law would hold of nothing",
+            "nothing is visible in @{}, so the law tests nothing",
             subject.name
         );
     }

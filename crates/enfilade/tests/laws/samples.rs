@@ -30,7 +30,7 @@ fn samples_that_stand_aside_show_what_rays_through_them_meet() {
         }
         assert!(
             !pictures[0].same(&pictures[3]),
-            "@{name}: the samples stand in one place"
+            "@{name}: the sample position has no effect"
         );
     }
 }

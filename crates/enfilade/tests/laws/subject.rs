@@ -88,7 +88,7 @@ pub(crate) fn names(scene: &Scene, set: &VisibleSet) -> BTreeSet<String> {
         let sector = set.passage(item.passage).sector;
         let geometry = scene
             .geometry(sector)
-            .expect("built-in scenes have no sectors of the user's own");
+            .expect("built-in scenes have no custom sectors");
         format!("{}/{}", scene.sector_name(sector), geometry.name(item.item))
     };
     set.items().iter().map(name).collect()

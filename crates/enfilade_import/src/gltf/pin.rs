@@ -1,4 +1,7 @@
 //! Writes the visibility method of each room into a copy of a file.
+//!
+//! The methods are stored as an author would write them, not in a separate file. The JSON is serialized anew, so its
+//! keys may change order.
 
 use super::container::{Container, is_binary, joined};
 use super::document::Document;

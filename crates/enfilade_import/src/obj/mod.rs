@@ -3,6 +3,11 @@
 //! The first pass counts, so that memory is reserved before anything is stored; the second parses numbers, in parallel
 //! chunks. Then the state statements between faces are applied in order, materials and images are read, and the meshes
 //! of the groups are built in parallel. OBJ has no transforms: all items have the identity transform.
+//! The crate `tobj` 4 is not used, only compared with in tests. It panics on `Kd 0.5`, overflows on large relative
+//! indices, reads a polyline of three points as a triangle, stops at names in Latin-1, lacks continued lines and several
+//! material files, mixes up vertex colors if only some vertices have one, loses missing materials' names and boundaries
+//! between groups of one name, triangulates concave polygons as fans, and names no line in its errors. To filter all that
+//! out beforehand, the whole file would have to be parsed.
 //! Source: Wavefront Technologies. Advanced Visualizer Manual, Appendix B1 (object files) and B2 (material files),
 //! 1995, the parts about polygons; where it leaves a case open, the behaviour of Blender.
 //! Cost: O(bytes + corners · log corners), except for polygons that are hard to triangulate.

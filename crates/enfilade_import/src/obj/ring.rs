@@ -2,7 +2,8 @@
 //!
 //! An ear is a convex corner whose triangle with its two neighbours contains no other corner. Reflex corners are kept
 //! in a grid. A corner that is not an ear waits for the corner that blocks it. Collinear corners remain corners of
-//! triangles, because adjacent polygons have them too and cracks (T-junctions) would appear otherwise. A
+//! triangles, because adjacent polygons have them too and cracks (T-junctions) would appear otherwise; the crate
+//! `earcut` drops them and is therefore not used. A
 //! self-intersecting polygon runs out of ears; then another corner is clipped, so that the algorithm terminates.
 //! Source: Meisters. Polygons have ears. American Mathematical Monthly 82, 1975; Held. FIST: fast industrial-strength
 //! triangulation of polygons. Algorithmica 30, 2001.

@@ -1,8 +1,9 @@
 //! Joins rooms by portals: finds the openings of marked meshes and the rooms on their two sides.
 //!
 //! Independent of file formats. The rooms on both sides of an opening are found by ray casts, because AABBs overlap:
-//! the AABB of a garden contains the whole house. Rays that hit nothing end in the sky, which belongs to rooms without
-//! a ceiling.
+//! the AABB of a garden contains the whole house. A point-in-volume test would not work either, because rooms are
+//! seldom closed. Rays that hit nothing end in the sky, which belongs to rooms without a ceiling; otherwise a roof
+//! window would lead nowhere.
 
 mod around;
 mod frame;

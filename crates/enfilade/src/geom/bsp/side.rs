@@ -4,7 +4,8 @@
 //! where the plane of a sliver has departed from the sliver's neighbours. Points within `ROUNDING` of the plane count
 //! as on it. Beyond that the sign of a height in f64 is certain: its error is at most 8 · 2⁻⁵³ of the maximum
 //! coordinate (three products, three sums, a normal of length 1), and corners made by a cut, like the splitter's own
-//! corners, are as near to their plane. So no exact arithmetic is needed.
+//! corners, are as near to their plane. So no exact arithmetic is needed. Exact predicates (crate `robust`) would not
+//! fit either: they take points, not stored planes.
 //! Cost: O(corners).
 
 use crate::geom::cross::{cross, edge};

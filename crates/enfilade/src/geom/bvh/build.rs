@@ -4,6 +4,7 @@
 //!     area times count, summed over both sides, is minimal. Large boxes are first separated from the rest if the rest
 //!     then splits at much lower cost. Split by count where all centres coincide, and where the tree would exceed
 //!     [`MAX_LEVELS`]: coincident, nested or exponentially spaced boxes cannot degenerate into a list.
+//!     A PLOC builder (crate `obvhs`) takes O(n²) time on such boxes and makes trees as deep as their number.
 //! Source: Wald, On Fast Construction of SAH-Based Bounding Volume Hierarchies, RT 2007, section 3; separating large
 //!     boxes is ours.
 //! Cost: O(n) for each level, at most [`MAX_LEVELS`] levels, about log₂ n of them for real scenes.

@@ -14,7 +14,7 @@ pub(super) struct Solid {
     pub(super) faces: Vec<Vec<usize>>,
 }
 
-/// How to convert a solid to a geometry.
+/// Options for converting a solid to a geometry.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Dress {
     /// One wall in this many is double-sided; 0: none.

@@ -1,4 +1,6 @@
 //! The parts of a glTF document that are read, as they are in its JSON. Indices are not validated here.
+//!
+//! The crates `gltf` and `gltf-json` are not used: they panic on some hostile files, and hold node transforms in f32.
 
 mod geometry;
 mod surfaces;

@@ -1,5 +1,9 @@
 //! Links separately exported files into one world, joined by portals.
 //!
+//! Merges documents, not imported geometry, so that elements that the importer does not read, such as animations, stay
+//! in the file. The world marks rooms and portals as an author would, so there is only one way to express a portal.
+//! Compressed buffer views are stored uncompressed, because their extensions refer to buffers that are merged into one.
+//! Unknown extensions are left out, because they may contain indices, which cannot be shifted.
 //! Source: Boreskov, Using portals to create aggregate scenes: independent scenes are joined afterwards.
 //! Cost: O(bytes of the files).
 

@@ -1,4 +1,7 @@
 //! Reads the lump table of a compiled map.
+//!
+//! Fields are read by their offsets, not as records through a crate such as `zerocopy`: the three formats differ in the
+//! offsets and widths of fields, and each value is validated as it is read.
 
 use super::BspError;
 use crate::gltf;

@@ -1,7 +1,8 @@
 //! Groups faces into items: world faces by the leafs that they are visible from, and the faces of each brush entity.
 //!
 //! A method with baked cells accepts or culls whole items. So world items are as small as possible: all faces of an
-//! item are in the same set of leafs.
+//! item are in the same set of leafs. With one item per leaf there would be fewer, but an item would also be visited
+//! from where only its neighbour is visible.
 
 use super::axes::placed;
 use super::entities::Entity;

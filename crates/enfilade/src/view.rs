@@ -31,8 +31,9 @@ pub struct View {
     /// Sample position relative to the pixel centre, in pixels, −½ to ½ each. Default (0, 0). [`View::FOUR_SAMPLES`]
     /// has the positions of usual 4x multisampling.
     pub sample: [f32; 2],
-    /// Near-plane distance, in scene units, above 0. Geometry in front of this plane is neither visible nor an
-    /// occluder.
+    /// Near-plane distance, in scene units, above 0. Geometry between the eye and this plane is neither visible nor an
+    /// occluder. Set it to your renderer's near plane: with a smaller value, geometry that your renderer clips away can
+    /// still hide other geometry.
     #[doc(alias = "near plane")]
     pub near: f32,
 }

@@ -113,7 +113,9 @@ impl Viewer {
 
     /// Computes the visible set of a view.
     ///
-    /// Returns an empty set for a view that fails [`View::check`] or whose sector is not in the scene.
+    /// Exact and conservative methods miss nothing that is visible at the view's sample positions, strict ones nothing at any
+    /// position in a pixel ([`Contract`](crate::Contract)). Returns an empty set without passages for a view that fails
+    /// [`View::check`] or whose sector is not in the scene; [`VisibleSet::complete`] is `true` then.
     #[doc(alias = "cull")]
     #[doc(alias = "visibility query")]
     #[doc(alias = "occlusion query")]

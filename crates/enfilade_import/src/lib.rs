@@ -103,7 +103,7 @@
 //! [`Import::warnings`] names everything that is not drawn or not supported yet (skins, animations, metallic-roughness
 //! textures). An image that cannot be read becomes grey, with a warning that gives the reason. A file that violates a
 //! rule returns an [`ImportError`] that names the element and the rule.
-// `deny`, not `forbid`: one function in `terrain/map.rs` allows unsafe code to map a file into memory.
+// `deny`, not `forbid`: one function in `terrain/map.rs` needs an exception to map a file into memory.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(unsafe_code)]
 

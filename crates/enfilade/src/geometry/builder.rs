@@ -49,16 +49,17 @@ impl GeometryBuilder {
         ItemId(self.items.len() as u32 - 1)
     }
 
-    /// Sets whether an item may hide others; default `true`. An item that is no occluder is visible like any other, but
-    /// nothing behind it is culled: for items that move fast, or whose mesh only approximates what is drawn. Ignores an
-    /// item that does not exist.
+    /// Sets whether an item may hide others; default `true`. An item that is no occluder is culled like any other, but
+    /// hides nothing itself: for items whose mesh only approximates what is drawn. Give a skinned or animated object a mesh
+    /// that encloses every pose (a box is enough), and make it no occluder. Ignores an item that does not exist.
     pub fn set_occluder(&mut self, item: ItemId, is_occluder: bool) {
         if let Some((_, _, flag)) = self.items.get_mut(item.0 as usize) {
             *flag = is_occluder;
         }
     }
 
-    /// Adds an opening. [`SceneBuilder`](crate::SceneBuilder) connects it to another sector by a door or a portal.
+    /// Adds an opening, visible from its front, the side from which its corners are counter-clockwise. Leave a hole in the
+    /// wall there. Without an open portal it is an opaque face. [`SceneBuilder`](crate::SceneBuilder) connects it to another sector by a door or a portal.
     pub fn opening(&mut self, name: &str, outline: ConvexPolygon) -> OpeningId {
         self.openings.push(Opening {
             name: name.to_owned(),

@@ -98,8 +98,9 @@ pub type HierarchicalS = Paired<OctreeOrder, SpanBuffer>;
 
 /// Masked occlusion culling: a BVH front to back, tested against a masked depth buffer. Conservative.
 ///
-/// Each 8×4 tile holds two reversed depths and a coverage mask. A few selected occluders are rasterized first, then the
-/// faces of the visible objects that the traversal meets.
+/// Each 8×4 tile holds two reversed depths and a coverage mask. Faces that the traversal finds visible are rasterized and
+/// hide what comes later. Selected occluders go in first only if
+/// [`Viewer::set_occluders`](crate::Viewer::set_occluders) asks for some.
 ///
 /// Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016.
 #[doc(alias = "masked occlusion culling")]
@@ -119,7 +120,7 @@ pub type Svbsp = Culled<KdTreeOrder, OcclusionTree<ByFaces>>;
 
 /// Occlusion tree that tests boxes against its planes only: cheaper than [`Svbsp`], and culls less. Strict.
 ///
-/// Source: Boreskov, Better occlusion culling in modern computer games.
+/// Source: Better occlusion culling in modern computer games.
 #[doc(alias = "occlusion tree")]
 pub type Mobsp = Culled<KdTreeOrder, OcclusionTree<ByBox>>;
 
@@ -214,8 +215,8 @@ pub enum Requirement {
 
 impl Method {
     /// All methods. Not every geometry meets the [requirement](Method::requires) of each; test with [`Method::suits`]. A
-    /// method returns an error instead of a fallback (all geometry without baked cells as one large cell, for example),
-    /// which would hide that it culls nothing.
+    /// method that accepted any geometry instead (geometry without baked cells as one large cell, for example) would
+    /// only look as if it worked.
     pub const ALL: [Method; 14] = [
         Method::PainterMin,
         Method::PainterMean,

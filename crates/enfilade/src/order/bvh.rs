@@ -1,7 +1,7 @@
 //! BVH over items, traversed front to back; hidden nodes are culled with their subtrees.
 //!
 //! Each item is in one leaf, whatever its size, so the tree is linear in the number of items; sibling boxes may
-//! overlap. Clusters of large items come from the BVHs of their meshes, which instances share.
+//! overlap. Clusters of large items come from the octrees of their meshes, which instances share.
 //! Source: [`crate::geom::Bvh`], traversed with the priority queue of [`super::queue`].
 //! Cost: building O(n log n); a traversal O(boxes tested · log(queue length)). Culling a hidden box ends its subtree.
 //! Guarantees nodes front to back; single faces may come in any order.

@@ -1,4 +1,4 @@
-//! Emits the clusters of one item, front to back by the BVH of its mesh: the lower of the two levels of a traversal.
+//! Emits the clusters of one item, front to back by the octree of its mesh: the lower of the two levels of a traversal.
 
 use super::Visit;
 use crate::faces::Faces;

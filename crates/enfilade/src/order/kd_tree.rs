@@ -1,7 +1,7 @@
 //! kd-tree over items, traversed front to back by its splitting planes; hidden nodes are culled with their subtrees.
 //!
 //! Of two children, the one on the eye's side comes first: nothing in the other can occlude it. Clusters of an item
-//! come from the BVH of its mesh, which instances share.
+//! come from the octree of its mesh, which instances share.
 //! Source: Bittner, Havran, Slavík, Hierarchical Visibility Culling with Occlusion Trees, CGI 1998, section 4.
 //! Cost: building O(n log² n); a traversal O(boxes tested), without a queue. Culling a hidden box ends its subtree.
 //! Guarantees nodes front to back; an item that a plane cuts is emitted with the first of its leaves.

@@ -2,10 +2,8 @@
 //!
 //! Pending nodes of the scene, items, nodes of their meshes and clusters share one queue, sorted by the nearest point
 //! of their boxes. So a near wall is visited before a far one even if their nodes overlap or were entered together. On
-//! a city, this set up an order of magnitude fewer triangles than a fixed order of octree children ([`Octree::walk`]),
-//! which needs no queue.
-//!
-//! [`Octree::walk`]: crate::geom::Octree::walk
+//! a city, this set up an order of magnitude fewer triangles than a fixed order of octree children
+//! ([`crate::geom::Octree::walk`]), which needs no queue.
 //! Source: Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993, section 3.1; the queue is ours.
 //! Cost: a traversal O(boxes tested · log(queue length)). Culling a hidden box ends its subtree.
 //! Guarantees nodes front to back; single faces may come in any order.
@@ -62,7 +60,7 @@ struct QueueEntry {
 enum Target {
     Node(u32),
     Item(u32),
-    /// A node of a mesh's BVH; `entered` is an index into [`Queue::entered`].
+    /// A node of a mesh's octree; `entered` is an index into [`Queue::entered`].
     MeshNode {
         entered: u32,
         node: u32,

@@ -29,7 +29,6 @@ impl Coordinates {
             scale,
             tex_coord,
         } = transform;
-        // Rotates as in the extension's example and in other implementations, which differs from its code listing.
         let (sin, cos) = rotation.sin_cos();
         // The code listing in the specification rotates the other way; its example, the sample model and all other
         // implementations rotate this way (https://github.com/KhronosGroup/glTF/issues/1563).

@@ -2,12 +2,12 @@
 //!
 //! The plane of each node is clipped to the node's region and pushed down both subtrees; where a piece ends up between
 //! two clusters, they touch, and if light can pass between them, the piece is a portal.
+//! Compilers push linked lists of portals down instead. Here each node has its own polygon and region: nothing is
+//! shared between nodes, and depth costs nothing. The file does not tell which walls the author marked as detail: a
+//! compiler's portals extend into such walls, these do not.
 //! Source: the method of all compilers of such maps; for pushing polygons down a tree, Naylor, Amanatides, Thibault.
 //! Merging BSP Trees Yields Polyhedral Set Operations. SIGGRAPH 1990.
-//! Compilers push linked lists of portals down instead. Here each node has its own polygon and region: nothing is
-//! shared between nodes, and depth costs nothing.
 //! Cost: O(nodes · sides of their regions + pieces · depth).
-//! Walls that the author marked as detail are not in the file: a compiler's portals extend into them, these do not.
 //! Conservative: a portal is never smaller than the true opening. Pieces are clipped with a tolerance of 10⁻⁷ unit,
 //! where compilers use 0.1, and kept down to a width of 0.001, where compilers drop those thinner than 0.2. A surplus
 //! portal costs time; a missing one culls a visible room.

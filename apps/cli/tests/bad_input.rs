@@ -57,7 +57,7 @@ fn what_is_mistyped_is_met_with_the_nearest() {
     refused(
         &folder,
         "draw -o a.png --samples 4 --show items",
-        &["--samples 4 is for --show image alone"],
+        &["--samples 4 works with --show image only"],
     );
     refused(&folder, "draw -o a.png --exposure bright", &["a number of stops"]);
     refused(&folder, "look @enfilad", &["did you mean @enfilade?"]);

@@ -45,7 +45,7 @@
 //! ```
 //!
 //! A method is an [order] (which nodes and faces come next) times a [cover] (what is already hidden). Each
-//! states its [`Contract`]; the feature `laws` adds the reference that every method, and any custom sector, can be tested
+//! states its [`Contract`]; the feature `laws` adds the reference that every method can be tested
 //! against. Looking cannot fail and does no I/O; inconsistent input is rejected when a mesh, a geometry or a scene is
 //! built. Units are scene units, radians and pixels; space is right-handed, faces are counter-clockwise seen from their
 //! front.

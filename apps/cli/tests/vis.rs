@@ -370,7 +370,7 @@ fn what_cannot_be_done_is_said_in_one_message_and_the_map_is_untouched() {
     refused(
         &folder,
         "vis map.bsp",
-        &["map.bsp", "map.prt", "9 leafs", "of 16", "another map"],
+        &["map.bsp", "map.prt", "9 leafs", "have 16", "another map"],
     );
     let moved = Grid {
         at: 5000,

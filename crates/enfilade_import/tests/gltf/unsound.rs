@@ -23,12 +23,12 @@ fn forests_that_are_none() {
         (
             "a node that is its own child",
             &|j| j["nodes"] = json!([{ "name": "Ouroboros", "children": [0] }]),
-            "in a cycle: node 0 \"Ouroboros\", node 0 \"Ouroboros\"",
+            "form a cycle: node 0 \"Ouroboros\", node 0 \"Ouroboros\"",
         ),
         (
             "a ring of three, with a tail",
             &|j| j["nodes"] = json!([{}, { "children": [3] }, { "children": [1, 0] }, { "children": [2] }]),
-            "in a cycle: node 2, node 1, node 3, node 2",
+            "form a cycle: node 2, node 1, node 3, node 2",
         ),
         (
             "a ring that no scene shows",
@@ -36,7 +36,7 @@ fn forests_that_are_none() {
                 j["nodes"] = json!([{ "mesh": 0 }, { "children": [2] }, { "children": [1] }]);
                 j["scenes"] = json!([{ "nodes": [0] }]);
             },
-            "in a cycle",
+            "form a cycle",
         ),
         (
             "a scene that begins in the middle",

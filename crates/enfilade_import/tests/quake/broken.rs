@@ -83,7 +83,7 @@ fn a_portal_that_is_none_is_named_by_its_line() {
     );
     says(
         &one("3 0 1 (0 0 0) (8 0 0) (nan 8 0)"),
-        "line 5: portal 0 has a corner at NaN",
+        "line 5: portal 0 has a corner coordinate of NaN",
     );
 }
 
@@ -119,7 +119,7 @@ fn a_header_that_promises_billions_takes_no_memory() {
     );
     says(
         "PRT2\n4294967295\n1\n0\n0 -1\n",
-        "ends before leaf 1 of 4294967295",
+        "ends before the cluster of leaf 1 of 4294967295",
     );
 }
 

@@ -223,7 +223,10 @@ fn a_patch_of_an_even_number_of_corners_is_refused() {
     little.lumps[13][8..12].copy_from_slice(&2i32.to_le_bytes());
     little.lumps[13][96..104].copy_from_slice(&[2, 0, 0, 0, 2, 0, 0, 0]);
     let said = refusal(&little.bytes()).expect("a refusal");
-    assert!(said.contains("face 0 is a patch of 2 by 2 control points"), "{said}");
+    assert!(
+        said.contains("face 0 is a patch of 2 by 2 control points"),
+        "{said}"
+    );
 }
 
 /// All faces over all edges, all leafs over all faces, or all rows from all places: what would take the square of its bytes

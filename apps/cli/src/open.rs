@@ -113,7 +113,7 @@ fn open_file(
         textures: wanted == Purpose::Pictures,
         ..ReadOptions::default()
     };
-    options.limit_bytes = limits.memory.unwrap_or(options.limit_bytes);
+    options.limit_bytes = limits.memory();
     if !path.exists() && enfilade_scenes::NAMES.contains(&file) {
         bail!("{file}: no such file; the built-in scene is called @{file}");
     }

@@ -48,8 +48,10 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
     files.reads(&args.map)?;
     let destination = files.writes(&output)?;
     let sink = Sink::new(&args.json, &mut files)?;
-    let mut options = ReadOptions::default();
-    options.limit_bytes = args.memory.unwrap_or(options.limit_bytes);
+    let options = ReadOptions {
+        limit_bytes: args.memory.bytes,
+        ..ReadOptions::default()
+    };
     let progress = Progress::spinner("rebuilding");
     let start = Instant::now();
     let RebuiltPortals {

@@ -51,6 +51,22 @@ pub(crate) fn methods_or_own() -> String {
     )
 }
 
+/// Returns the help of `--simd`: the levels of this machine.
+pub(crate) fn simd_help() -> String {
+    let levels: Vec<&str> = enfilade::simd_levels().collect();
+    format!(
+        "Use this SIMD level: {}; changes the times only [default: {}]",
+        levels.join(", "),
+        levels[0]
+    )
+}
+
+/// Returns the help of `bench --rows`: the names of the rows.
+pub(crate) fn rows_help() -> String {
+    let names: Vec<&str> = row_names().collect();
+    format!("Measure these rows only, of {}", names.join(", "))
+}
+
 pub(crate) fn aim(text: &str) -> Result<ChoiceGoal, String> {
     match text {
         "look" => Ok(ChoiceGoal::Look),
@@ -146,7 +162,7 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
 
 /// Parses bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
-    let wants = || "expected a number of bytes, such as 2GB, 500MB or 1000000".to_owned();
+    let wants = || "expected a number of bytes, such as 2GB, 500MB, 1.5GiB or 1000000".to_owned();
     let units_at = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
     let (number, unit) = text.split_at(units_at);
     let factor = match unit.to_ascii_lowercase().as_str() {

@@ -127,7 +127,7 @@ fn ask(criterion: &mut Criterion) {
         let mut boxes = Boxes::default();
         order.visit(geometry, &passage, &mut Default::default(), &mut boxes);
         let mut hidden = || {
-            let each = boxes.0.iter().map(|region| cover.sees(region));
+            let each = boxes.0.iter().map(|region| cover.test(region));
             each.filter(|&sight| sight == Visibility::Hidden).count()
         };
         assert_eq!([occluders.len(), hidden()], expected, "{name}");

@@ -10,7 +10,7 @@ use std::cmp::Reverse;
 /// Collects what a sector reports for one passage: visible items, visible openings and transparent samples.
 ///
 /// The viewer passes an empty collector to [`Sector::gather`](crate::Sector::gather) and
-/// [`Sector::draw`](crate::Sector::draw). Report each item and each opening once.
+/// [`Sector::draw`](crate::Sector::draw). Report each item and each opening once; repeats are not removed.
 #[derive(Debug, Default)]
 pub struct Collector {
     pub(crate) items: Vec<CollectedItem>,

@@ -36,7 +36,12 @@ pub struct Passage {
     pub contract: Contract,
     /// The clip region: the screen area visible through all portals of the chain.
     pub aperture: Aperture,
-    /// Near-plane distance, in scene units; geometry in front of it is neither visible nor an occluder.
+    /// Near-plane distance along the view direction ([`View::near`]), in eye space; geometry in front of it is neither
+    /// visible nor an occluder.
+    ///
+    /// Eye space has the units of the eye's own sector, so `near` and reversed depths mean the same in all passages of
+    /// a look, whatever the portals scale by. One unit of the passage's sector is as many units of eye space as
+    /// [`Passage::eye_from_sector`] scales by.
     pub near: f32,
     /// Size of the whole screen, in pixels.
     pub(crate) size: [u32; 2],

@@ -35,6 +35,9 @@ pub trait Sector: Send + Sync {
     }
 
     /// Reports every item and every opening that may be visible through `passage` to `seen`.
+    ///
+    /// [`VisibleSet::items`](crate::VisibleSet::items) keeps the order of the reports. They are not checked: an item or
+    /// an opening that is missing here is missing in the set, too.
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector);
 
     /// Emits the opaque spans visible through `passage` to `canvas`, and reports items and openings to `seen` as
@@ -82,6 +85,9 @@ pub trait Sector: Send + Sync {
     }
 
     /// Returns the AABB of an item, in the space of the sector. Default: empty (unknown).
+    ///
+    /// The viewer projects it for [`VisibleItem::size_px`](crate::VisibleItem::size_px), which is 0 if it is empty, and
+    /// [`VisibleSet::in_frustum`](crate::VisibleSet::in_frustum) tests it.
     fn item_bounds(&self, _item: ItemId) -> Aabb {
         Aabb::EMPTY
     }

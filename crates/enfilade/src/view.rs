@@ -58,7 +58,7 @@ pub enum ViewError {
     Size(u32, u32),
     /// `fov_y` is not above 0 and below π; the value is in degrees.
     #[error("vertical field of view of {0} degrees; it must be above 0 and below 180")]
-    Lens(f32),
+    FieldOfView(f32),
     /// `sample` is outside its pixel.
     #[error("sample at ({0}, {1}) from the pixel centre; both must be from -0.5 to 0.5")]
     Sample(f32, f32),
@@ -134,7 +134,7 @@ impl View {
             return Err(ViewError::Size(self.size[0], self.size[1]));
         }
         if !(self.fov_y > 0.0 && self.fov_y < std::f32::consts::PI) {
-            return Err(ViewError::Lens(self.fov_y.to_degrees()));
+            return Err(ViewError::FieldOfView(self.fov_y.to_degrees()));
         }
         let [dx, dy] = self.sample;
         if !(dx.abs() <= 0.5 && dy.abs() <= 0.5) {
@@ -226,7 +226,7 @@ mod tests {
             error(|v| v.size = [100_000, 100_000]),
             ViewError::Size(100_000, 100_000)
         );
-        assert!(matches!(error(|v| v.fov_y = 4.0), ViewError::Lens(_)));
+        assert!(matches!(error(|v| v.fov_y = 4.0), ViewError::FieldOfView(_)));
         assert_eq!(error(|v| v.sample[1] = 0.6), ViewError::Sample(0.0, 0.6));
         assert!(matches!(error(|v| v.sample[0] = f32::NAN), ViewError::Sample(..)));
         assert!(matches!(error(|v| v.near = 0.0), ViewError::Near(_)));

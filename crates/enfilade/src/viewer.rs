@@ -33,7 +33,7 @@ pub struct Viewer {
     cover_size: Option<[u32; 2]>,
 }
 
-/// Recursion limits of a look. If one is hit, [`VisibleSet::complete`] returns `false`.
+/// Recursion limits of a look. If one is hit, items may be missing and [`VisibleSet::complete`] returns `false`.
 #[doc(alias = "recursion limit")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -115,7 +115,7 @@ impl Viewer {
     ///
     /// Exact and conservative methods miss nothing that is visible at the view's sample positions, strict ones nothing at any
     /// position in a pixel ([`Contract`](crate::Contract)). Returns an empty set without passages for a view that fails
-    /// [`View::check`] or whose sector is not in the scene; [`VisibleSet::complete`] is `true` then.
+    /// [`View::check`] or whose sector is not in the scene; [`VisibleSet::complete`] is `false` then.
     #[doc(alias = "cull")]
     #[doc(alias = "visibility query")]
     #[doc(alias = "occlusion query")]
@@ -245,9 +245,11 @@ impl Look<'_> {
         self.memory.spare_rows.extend(rows);
         self.set.items.clear();
         self.set.clusters.clear();
-        self.set.complete = true;
         let sound = view.check().is_ok();
-        if let Some(sector) = self.scene.sector_of(view).filter(|_| sound) {
+        let sector = self.scene.sector_of(view).filter(|_| sound);
+        // `follow` clears it if a limit is hit.
+        self.set.complete = sector.is_some();
+        if let Some(sector) = sector {
             let root = Passage::at_the_eye(view, sector, self.scene.is_flat());
             self.go_through(root);
         }

@@ -8,7 +8,8 @@ use std::collections::BTreeSet;
 /// The result of [`Viewer::look`](crate::Viewer::look): the passages from the eye into sectors, and the items visible
 /// through each.
 ///
-/// Empty before the first look and for a view that fails [`View::check`](crate::View::check).
+/// Empty and not [complete](VisibleSet::complete) before the first look, for a view that fails
+/// [`View::check`](crate::View::check), and for one whose sector is not in the scene.
 #[doc(alias = "cull result")]
 #[doc(alias = "PVS")]
 #[doc(alias = "potentially visible set")]
@@ -32,16 +33,18 @@ pub struct VisibleItem {
     pub passage: PassageId,
     /// The item in the passage's sector.
     pub item: ItemId,
-    /// Longer side of the item's screen-space bounding rectangle, clipped to the aperture, in pixels.
+    /// Longer side of the item's screen-space bounding rectangle, clipped to the aperture, in pixels. For an item of a
+    /// custom sector the rectangle is that of [`Sector::item_bounds`](crate::Sector::item_bounds); 0 if the sector does
+    /// not override that method.
     pub size_px: u16,
     /// Whether any part that may be visible is alpha-blended; draw it in the transparent pass, sorted by
-    /// [`VisibleSet::blend_order`].
+    /// [`VisibleSet::blend_order`]. Always `false` for an item of a custom sector, whose materials are unknown here.
     pub blends: bool,
     pub(crate) clusters: [u32; 2],
 }
 
 impl VisibleSet {
-    /// Returns the passages. The first is the one whose sector contains the eye; each comes after its parent.
+    /// Returns the passages, depth first: each is followed by those behind it. The first is that of the eye's sector.
     pub fn passages(&self) -> &[Passage] {
         &self.passages
     }
@@ -54,7 +57,10 @@ impl VisibleSet {
         &self.passages[id.0 as usize]
     }
 
-    /// Returns the items that may be visible, passage by passage; each item once per passage.
+    /// Returns the items that may be visible, in the order of [`VisibleSet::passages`]; each item once per passage.
+    ///
+    /// Within a passage the items are sorted by id, not by distance; those of a custom sector are in the order in which
+    /// it reported them.
     pub fn items(&self) -> &[VisibleItem] {
         &self.items
     }
@@ -65,8 +71,8 @@ impl VisibleSet {
         &self.clusters[item.clusters[0] as usize..item.clusters[1] as usize]
     }
 
-    /// Returns `true` if every visible open portal was followed; `false` if the viewer hit one of its
-    /// [`Limits`](crate::Limits), so that items may be missing.
+    /// Returns `true` if every visible open portal was followed; `false` if items may be missing, because the viewer
+    /// hit one of its [`Limits`](crate::Limits), or if the set is empty because the view is invalid.
     pub fn complete(&self) -> bool {
         self.complete
     }
@@ -101,8 +107,13 @@ impl VisibleSet {
         self.items.iter().map(triangles).sum()
     }
 
-    /// Returns the number of items in the frustum and their triangles, in the visible sectors, each item counted once:
-    /// the set that frustum culling without occlusion culling would draw.
+    /// Counts the items that frustum culling alone would draw in the visible sectors; returns their number and that of
+    /// their triangles.
+    ///
+    /// An item counts once, if its AABB may be inside the frustum of any passage into its sector: that of the whole
+    /// screen, not of the aperture, beyond the last portal. For custom sectors uses
+    /// [`Sector::item_count`](crate::Sector::item_count), [`Sector::item_bounds`](crate::Sector::item_bounds) and
+    /// [`Sector::item_triangles`](crate::Sector::item_triangles).
     pub fn in_frustum(&self, scene: &Scene) -> (usize, u64) {
         let mut met = BTreeSet::new();
         let mut triangles = 0;

@@ -75,7 +75,7 @@ fn only_methods_that_promise_what_is_wanted_are_tried() {
             for trial in &choice.trials {
                 let contract = trial.method.contract();
                 let may_be = contract == Contract::Exact || (!exact && contract != Contract::Approximate);
-                let promise = matches!(trial.outcome, Err(SkipReason::Promise(_)));
+                let promise = matches!(trial.outcome, Err(SkipReason::Contract(_)));
                 assert_eq!(promise, !may_be, "{}", trial.method);
             }
             assert!(outcome(&choice, choice.method).is_ok(), "{}", choice.method);

@@ -58,6 +58,34 @@ fn as_many_portals_in_a_row_are_followed_as_the_limits_allow() {
     }
 }
 
+#[test]
+fn the_set_of_a_view_that_cannot_be_looked_at_is_empty_and_not_complete() {
+    let room = GeometryBuilder::new([]).build().expect("sound");
+    let scene = Scene::single(room, Method::ZBuffer).expect("small");
+    let sound = View::new([0.0; 3], [0.0, 0.0, -1.0], [8, 6]);
+    let mut wide = sound;
+    wide.fov_y = 4.0;
+    let mut elsewhere = sound;
+    elsewhere.sector = Some(SectorId(1));
+    let mut viewer = Viewer::new();
+    assert!(!viewer.visible().complete(), "before the first look");
+    for (view, complete) in [(sound, true), (wide, false), (elsewhere, false), (sound, true)] {
+        let mut picture = OwnerPicture::new(view.size);
+        for draws in [false, true] {
+            let set = if draws {
+                viewer.draw(&scene, &view, &mut picture)
+            } else {
+                viewer.look(&scene, &view)
+            };
+            assert_eq!(
+                (set.complete(), set.passages().len()),
+                (complete, usize::from(complete)),
+                "{view:?}"
+            );
+        }
+    }
+}
+
 /// A room without walls whose only opening leads from x = 10 back to x = -10, scaled.
 fn loop_of(scale: f32) -> Scene {
     let mut room = GeometryBuilder::new([Material::opaque([0.5; 3])]);

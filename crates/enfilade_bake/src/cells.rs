@@ -39,7 +39,7 @@ pub enum CellsError {
     },
     /// A coordinate that is NaN, infinite, or beyond ±10⁷ units.
     #[error("portal {portal} has a corner coordinate of {at}; coordinates must be within ±10,000,000")]
-    NoPlace {
+    OutOfRange {
         /// Index of the portal.
         portal: usize,
         /// The coordinate.
@@ -92,7 +92,7 @@ impl CellsError {
     pub fn portal(&self) -> usize {
         match *self {
             CellsError::TooFewCorners { portal, .. }
-            | CellsError::NoPlace { portal, .. }
+            | CellsError::OutOfRange { portal, .. }
             | CellsError::NoArea { portal }
             | CellsError::NotFlat { portal, .. }
             | CellsError::NotConvex { portal, .. }
@@ -159,7 +159,7 @@ fn check(number: usize, portal: &Portal, cells: u32) -> Result<(), CellsError> {
         .flatten()
         .find(|at| at.is_nan() || at.abs() > FARTHEST)
     {
-        return Err(CellsError::NoPlace { portal: number, at });
+        return Err(CellsError::OutOfRange { portal: number, at });
     }
     let corners: Vec<DVec3> = portal.corners.iter().map(|&corner| corner.into()).collect();
     let Some(normal) = newell(&corners).try_normalize() else {

@@ -10,7 +10,7 @@
 //! };
 //! let rooms = Cells::new(3, vec![door(10.0, [0, 1]), door(20.0, [1, 2])])?;
 //! let pairs = VisiblePairs::compute(&rooms, &PairsOptions::default())?;
-//! assert!(pairs.sees(0, 2));
+//! assert!(pairs.may_see(0, 2));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -93,7 +93,7 @@ fn missed_by(
         let rest = &taken[at..];
         let unseen = rest.iter().position(|&way| {
             let other = ways.all[way as usize].to;
-            !(pairs.sees(cell, other) && pairs.sees(other, cell))
+            !(pairs.may_see(cell, other) && pairs.may_see(other, cell))
         })?;
         let mut cells = vec![cell];
         cells.extend(rest[..=unseen].iter().map(|&way| ways.all[way as usize].to));

@@ -67,7 +67,7 @@ impl VisiblePairs {
 
     /// Returns `true` if some point of one cell may see some point of the other. Both are below
     /// [`VisiblePairs::cell_count`].
-    pub fn sees(&self, from: u32, to: u32) -> bool {
+    pub fn may_see(&self, from: u32, to: u32) -> bool {
         self.cells.has(from as usize, to as usize)
     }
 

@@ -29,7 +29,7 @@ use thiserror::Error;
 /// while work.stage() != Stage::Done {
 ///     work.step();
 /// }
-/// assert!(work.pairs().sees(0, 1));
+/// assert!(work.pairs().may_see(0, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]

@@ -21,23 +21,36 @@ const OF_PATHS: [&str; 13] = [
     "flat",
 ];
 
+/// Heading of the options of the microbenchmark.
+const MICRO: &str = "Rasterizer benchmark";
+
 /// Options of `bench`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Times are the median of three passes over all views, after one warm-up pass. The visible sets of every method are compared \
-with those of a z-buffer, and where they differ with the reference, because contested items may count as visible or hidden; \
-a final pass must return the same sets again. Exits with 1 if a method that is not approximate has a false cull, if an exact \
-method returns a hidden item, or if two passes of a method differ.
+Times are the median of three passes over all views, after one warm-up pass.
 
---micro measures the masked depth buffer alone, with the rows of the table that other cullers are compared by: millions of \
-faces rasterized, or of boxes tested, per second, at 1920x1080 on one thread, as the median of rounds in which all rows take \
-turns; with a SCENE also milliseconds per view for all its opaque triangles in view, from 16 positions. `peer` is the best \
-figure of another culler, from another run on a machine with AVX-512. The ceilings are the gigabytes per second that this \
-machine reads, changes and writes in a buffer that fits L1 or L2, each byte counted once. `of ceiling` is the share of it \
-that the row's minimum of bytes comes to: 16 for each tile of 8x4 samples in which a face has a sample, 4 for each tile that \
-a hidden box touches, 4 for a visible box, and 48 for the vertices and indices of a back face. `wrong` counts samples at \
-which the buffer is nearer than any face, and boxes culled that may be visible; exits with 1 if there are any. `loose` \
-counts samples that are certainly covered but empty in the buffer, and hidden boxes that are kept; these cost time only.
+Columns:
+  build ms         building the method's data, once
+  look ms, 99 %    computing the visible set: median over the views, 99th percentile
+  order ms         traversal alone, with nothing culled
+  draw ms          visible set and picture, shading included
+  memory           scene, the method's data, and buffers at this --size
+  items, expected  items in the set, and in that of a z-buffer; mean over the views
+  verdict          whether every set is as its contract says
+
+Exits with 1 on a false cull of a method that is not approximate, on a hidden item in an exact set, or if a last pass \
+returns another set than the first.
+
+Columns of --micro:
+  M/s, ns          millions of faces or boxes per second; nanoseconds each
+  ms per view      all opaque triangles of SCENE in view, mean of 16 positions
+  peer, of peer    best figure known of another culler (AVX-512, another machine), and the ratio
+  of ceiling       minimum of bytes the row must touch, as a share of what L1 or L2 delivers
+  wrong            samples or boxes that would cull something visible: must be 0, else exits with 1
+  loose            samples or boxes kept though hidden: costs time, never correctness
+
+It runs at 1920x1080 on one thread; rows take turns in each round, and the median round counts. The chapter Benchmarks of \
+the book defines rows and ceilings.
 
 Examples:
   enfilade bench @two-rooms --survey 2 --size 64x36
@@ -47,14 +60,13 @@ pub(crate) struct BenchArgs {
     /// A .glb, .gltf, .obj or .bsp file, a .json that describes a heightmap, or @NAME for a built-in scene [default: @enfilade; with --micro: none]
     #[arg(value_name = "SCENE")]
     pub(crate) scene: Option<OsString>,
-    /// Measure the masked depth buffer alone: faces and boxes per second, as a share of the machine's memory throughput
-    #[arg(long, conflicts_with_all = OF_PATHS)]
+    /// Measure the rasterizer of `masked` alone, on synthetic faces and boxes, and on the triangles of SCENE if given
+    #[arg(long, help_heading = MICRO, conflicts_with_all = OF_PATHS)]
     pub(crate) micro: bool,
-    /// Time N rounds (with --micro)
-    #[arg(long, value_name = "N", default_value_t = 15, requires = "micro", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// Time N rounds
+    #[arg(long, help_heading = MICRO, value_name = "N", default_value_t = 15, requires = "micro", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) rounds: u32,
-    /// Measure these rows only (with --micro)
-    #[arg(long, value_name = "NAME,..", requires = "micro", value_delimiter = ',', value_parser = values::row)]
+    #[arg(long, help_heading = MICRO, help = values::rows_help(), value_name = "NAME,..", requires = "micro", value_delimiter = ',', value_parser = values::row)]
     pub(crate) rows: Vec<String>,
     #[command(flatten)]
     pub(crate) json: JsonArg,

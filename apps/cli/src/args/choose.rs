@@ -8,9 +8,15 @@ use std::path::PathBuf;
 /// Options of `choose`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Measures every eligible method in each sector, from 32 survey positions per sector, also through the openings that show the \
-sector from elsewhere. The cost is the time of a look, or of drawing, plus a ten-thousandth of the build time; among equally \
-fast methods the one that uses the least memory is chosen. `--method auto` of other verbs runs the same measurement first.
+How a method is chosen:
+  views    32 survey positions per sector, and every view that shows it through openings
+  methods  exact ones, or with --conservative all but approximate ones, that suit the sector
+           and fit --memory
+  cost     time of a look (or of drawing, --aim draw), plus 1/10,000 of the build time
+  choice   the lowest cost; of methods at most 12 % slower, the current one, else the one that
+           uses the least memory; `unsure` (two halves of the views disagree) keeps the current
+
+`--method auto` of other verbs measures the same way first, but writes nothing.
 
 Examples:
   enfilade choose @enfilade --size 160x90
@@ -19,19 +25,19 @@ Examples:
 pub(crate) struct ChooseArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Write a copy of the glTF or heightmap file that names the chosen methods, which pins them
+    /// Write a copy of the glTF or heightmap file with the chosen methods in it, which other verbs then use
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
-    /// Minimize the time to look or to draw
+    /// Minimize the time to `look` (visible set only) or to `draw` (without shading)
     #[arg(long, value_name = "WHAT", default_value = "look", value_parser = values::aim)]
     pub(crate) aim: ChoiceGoal,
-    /// Also consider conservative methods, whose sets may contain hidden items
+    /// Also consider conservative and strict methods, whose sets may contain hidden items
     #[arg(long)]
     pub(crate) conservative: bool,
-    /// Expect an item to move before every look in these sectors
+    /// Add the cost of moving one item before every look in these sectors
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub(crate) moving: Vec<String>,
-    /// Measure again on other views, and print how far each choice is from the fastest method there
+    /// Measure again on views that the choice did not use, and compare each choice with the fastest method there
     #[arg(long)]
     pub(crate) check: bool,
     #[command(flatten)]
@@ -39,8 +45,7 @@ pub(crate) struct ChooseArgs {
     /// Set the screen size, in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = values::size)]
     pub(crate) size: [u32; 2],
-    /// Use this SIMD level; changes the times only [default: the machine's best]
-    #[arg(long, value_name = "LEVEL", value_parser = values::simd)]
+    #[arg(long, value_name = "LEVEL", help = values::simd_help(), value_parser = values::simd)]
     pub(crate) simd: Option<String>,
     #[command(flatten)]
     pub(crate) bad_portals: BadPortalArgs,

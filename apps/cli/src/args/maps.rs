@@ -1,17 +1,32 @@
 //! The command lines of `vis` and `portals`, for maps of Quake and Quake 3.
 
-use super::{JsonArg, LimitArgs};
+use super::{JsonArg, LimitArgs, MEMORY_TO_READ, MemoryArg};
 use crate::values;
 use enfilade_import::AmbientSounds;
 use std::path::PathBuf;
 
+/// Headings of groups of options of `vis`.
+const LONG: &str = "Long runs";
+const TESTS: &str = "Verification";
+const SOUNDS: &str = "Ambient sounds (Quake)";
+
+/// Help of `--memory` of `vis`.
+const MEMORY_OF_VIS: &str = "Limit the memory of the computation, estimated before it starts, and twice the size of \
+                             the map; 1GB is 10^9 bytes, 1GiB is 2^30";
+
 /// Options of `vis`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Reads maps in BSP29, BSP2 and IBSP46, and portals in PRT1, PRT2 and the format of Quake 3 compilers. The PVS never hides \
-anything visible, is symmetric, and is the same for any number of threads, whether or not the run was interrupted. Clusters \
-are counted from 0. For a .prt alone, only a report is printed. In Quake maps each leaf also gets the ambient sound levels \
-of water, sky and lava, from texture names or, if the map has none, from the contents of leafs.
+Input: a map in BSP29 or BSP2 (Quake) or IBSP46 (Quake 3), and its portals in PRT1, PRT2 or the format of Quake 3 \
+compilers. For a .prt in place of the map, prints a report only; clusters are counted from 0.
+
+Output: a conservative and symmetric PVS, the same for any number of threads, whether or not the run was interrupted. Leafs \
+of Quake maps also get the ambient sound levels of water, sky and lava, by texture names, else by contents.
+
+Interrupted runs: the work so far is saved at intervals, at Ctrl-C and when --seconds are over, in MAP.bsp.vis-unfinished \
+and MAP.bsp.vis-passages, beside the map that is written. --resume continues from there; a run that completes removes both.
+
+Options of other compilers work with one hyphen (-fast, -threads 2, -noambient) or are ignored with a note.
 
 Examples:
   enfilade vis map.bsp
@@ -20,8 +35,9 @@ Examples:
   enfilade vis map.bsp --seconds 600
   enfilade vis map.bsp --resume
   enfilade vis map.bsp -o copy.bsp --compare shipped.bsp --check=20000000")]
+#[command(mut_arg("memory", |arg| arg.help(MEMORY_OF_VIS)))]
 pub(crate) struct VisArgs {
-    /// Compiled map; the PVS is written into it, as a whole or not at all
+    /// Compiled map; the PVS is written into it (atomically)
     #[arg(value_name = "MAP.bsp")]
     pub(crate) map: PathBuf,
     /// Write a copy of the map, and leave the map unchanged
@@ -30,30 +46,30 @@ pub(crate) struct VisArgs {
     /// Read the portals from this file [default: NAME.prt beside NAME.bsp or NAME.novis.bsp]
     #[arg(long, value_name = "FILE.prt")]
     pub(crate) prt: Option<PathBuf>,
-    /// Stop at the fast upper bound: two to eight times as fast, up to twice as many pairs
+    /// Stop at a quick upper bound: two to eight times as fast, up to twice as many visible pairs
     #[arg(long)]
     pub(crate) fast: bool,
     #[command(flatten)]
     pub(crate) ambient: AmbientArgs,
-    /// Stop after N seconds and write an upper bound, which hides nothing visible; --resume continues
-    #[arg(long, value_name = "N", value_parser = values::seconds)]
+    /// Stop after N seconds and write the upper bound reached, which hides nothing visible; --resume continues
+    #[arg(long, help_heading = LONG, value_name = "N", value_parser = values::seconds)]
     pub(crate) seconds: Option<f64>,
     /// Print no progress: neither a bar nor a line every ten seconds
-    #[arg(long)]
+    #[arg(long, help_heading = LONG)]
     pub(crate) quiet: bool,
-    /// Continue a run that was stopped or killed
-    #[arg(long)]
+    /// Continue a run that was stopped or killed, from its last save
+    #[arg(long, help_heading = LONG)]
     pub(crate) resume: bool,
-    /// Save unfinished work beside the map every so many seconds [default: grows with the run and the time of a save]
-    #[arg(long, value_name = "SECONDS", value_parser = values::seconds)]
+    /// Save unfinished work at this interval [default: 2 % of the run so far, at least ten times the time of a save]
+    #[arg(long, help_heading = LONG, value_name = "SECONDS", value_parser = values::seconds)]
     pub(crate) save_every: Option<f64>,
-    /// Test the PVS with random lines through the portals; if one proves that a pair is missing, print it, write
-    /// nothing and exit with 1
-    #[arg(long, value_name = "LINES", num_args = 0..=1, require_equals = true, default_missing_value = "1000000")]
+    /// Test the PVS with random lines of sight through the portals [LINES: 1000000]. A line from cluster to cluster
+    /// proves that the pair is visible; if the PVS lacks it, print the line, write nothing and exit with 1
+    #[arg(long, help_heading = TESTS, value_name = "LINES", num_args = 0..=1, require_equals = true, default_missing_value = "1000000")]
     pub(crate) check: Option<u64>,
     /// Compare with another PVS of the same map: list the pairs it misses, with a line of sight where one is found, and
     /// its extra pairs
-    #[arg(long, value_name = "OTHER.bsp")]
+    #[arg(long, help_heading = TESTS, value_name = "OTHER.bsp")]
     pub(crate) compare: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) json: JsonArg,
@@ -65,19 +81,19 @@ pub(crate) struct VisArgs {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct AmbientArgs {
     /// Leave the ambient sound levels of leafs unchanged (also -noambient)
-    #[arg(long = "no-ambient")]
+    #[arg(long = "no-ambient", help_heading = SOUNDS)]
     pub(crate) none: bool,
     /// Write no ambient sound for water (also -noambientwater, and so on)
-    #[arg(long = "no-ambient-water")]
+    #[arg(long = "no-ambient-water", help_heading = SOUNDS)]
     pub(crate) no_water: bool,
     /// Write no ambient sound for the sky
-    #[arg(long = "no-ambient-sky")]
+    #[arg(long = "no-ambient-sky", help_heading = SOUNDS)]
     pub(crate) no_sky: bool,
-    /// Write no ambient sound for slime, which sounds like water
-    #[arg(long = "no-ambient-slime")]
+    /// Write no ambient sound for slime, which uses that of water
+    #[arg(long = "no-ambient-slime", help_heading = SOUNDS)]
     pub(crate) no_slime: bool,
     /// Write no ambient sound for lava
-    #[arg(long = "no-ambient-lava")]
+    #[arg(long = "no-ambient-lava", help_heading = SOUNDS)]
     pub(crate) no_lava: bool,
 }
 
@@ -96,18 +112,21 @@ impl AmbientArgs {
 /// Options of `portals`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Reads BSP29 and BSP2 maps of Quake, and IBSP46 maps of Quake 3. A Quake map shows which leafs form a cluster only through \
-its PVS; without one, each leaf becomes a cluster. Hint portals cannot be restored, because maps do not store them.
+Reads BSP29 and BSP2 maps of Quake, and IBSP46 maps of Quake 3. `vis` reads the result.
+
+What a map does not store cannot be restored: hint portals, and in a Quake map without a PVS the clusters, so each leaf \
+becomes one.
 
 Examples:
   enfilade portals map.bsp
   enfilade portals map.bsp -o other.prt --json portals.json
   enfilade portals map.bsp --force")]
+#[command(mut_arg("memory", |arg| arg.help(MEMORY_TO_READ)))]
 pub(crate) struct PortalsArgs {
     /// Compiled map
     #[arg(value_name = "MAP.bsp")]
     pub(crate) map: PathBuf,
-    /// Write the portals to this file, as a whole or not at all [default: NAME.prt beside NAME.bsp or NAME.novis.bsp]
+    /// Write the portals to this file (atomically) [default: NAME.prt beside NAME.bsp or NAME.novis.bsp]
     #[arg(short, long, value_name = "FILE.prt")]
     pub(crate) output: Option<PathBuf>,
     /// Replace an existing .prt
@@ -115,7 +134,6 @@ pub(crate) struct PortalsArgs {
     pub(crate) force: bool,
     #[command(flatten)]
     pub(crate) json: JsonArg,
-    /// Limit the memory for reading the map: 2GB, 500MB or plain bytes [default: about 1 GB]
-    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
-    pub(crate) memory: Option<u64>,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
 }

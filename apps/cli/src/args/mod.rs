@@ -10,7 +10,6 @@ pub(crate) use maps::{PortalsArgs, VisArgs};
 
 use crate::values::{self, Choice};
 use clap::{Parser, Subcommand};
-use enfilade::Method;
 use enfilade_draw::Show;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -23,6 +22,8 @@ use std::path::PathBuf;
     name = "enfilade",
     version,
     after_help = "\
+Exits with 0 on success, 1 if a check fails, and 2 on an error.
+
 Examples:
   enfilade
   enfilade look @enfilade --survey 2 --size 320x180
@@ -72,10 +73,11 @@ Examples:
 pub(crate) struct DrawArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Write the picture to this file, as a whole or not at all
+    /// Write the picture to this file (atomically)
     #[arg(short, long, value_name = "FILE.png")]
     pub(crate) output: PathBuf,
-    /// Show the image, overdraw, items, order, sectors or cover
+    /// Show the image, overdraw (faces tested per sample), items or sectors (one colour each), order (of traversal: blue
+    /// first, red last) or cover (the occlusion buffer)
     #[arg(long, value_name = "WHAT", default_value = "image", value_parser = values::show)]
     pub(crate) show: Show,
     /// Omit the legend below pictures other than the image
@@ -87,7 +89,8 @@ pub(crate) struct DrawArgs {
     /// Brighten lit surfaces by this many stops of exposure; below 0 darkens them
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops, allow_negative_numbers = true)]
     pub(crate) exposure: f32,
-    /// Render with LODs, built on demand, whose geometric error stays below this many pixels
+    /// Render with LODs, built on demand, whose geometric error stays below this many pixels; not with --json, whose
+    /// times are those of the scene at full detail
     #[cfg_attr(
         not(feature = "levels"),
         doc = "(not in this build: it needs `--features levels` and a C++ compiler)"
@@ -107,6 +110,10 @@ pub(crate) struct DrawArgs {
 #[command(after_help = "\
 Times are the median of three passes over all views, after one warm-up pass.
 
+--check compares every view with the reference: an independent ray caster in double precision that knows nothing of the \
+methods. A false cull is a visible item that is missing from the set; a wrong pixel shows a face that is not the nearest \
+there. Samples at which coplanar faces or rounding leave several answers are contested, and any of these is accepted.
+
 Examples:
   enfilade look scene.glb --json -
   enfilade look @enfilade --survey 2 --method all --size 320x180
@@ -115,8 +122,8 @@ Examples:
 pub(crate) struct LookArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Compare with the reference, and exit with 1 on any false cull or wrong pixel. Above 1, also test strict methods
-    /// at this many random samples per pixel
+    /// Compare with the reference (an independent ray caster), and exit with 1 on any false cull or wrong pixel; strict
+    /// methods also at SAMPLES random positions per pixel, if that is 2 to 64
     #[arg(long, value_name = "SAMPLES", num_args = 0..=1, require_equals = true, default_missing_value = "1",
           value_parser = values::check)]
     pub(crate) check: Option<u32>,
@@ -131,8 +138,9 @@ pub(crate) struct LookArgs {
 /// Options of `compare`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The page is one self-contained file. Every method is compared with the reference; exits with 1 if a method that is not \
-approximate has a false cull or a wrong pixel. Times are the median of three passes over all views, after one warm-up pass.
+The page is one self-contained file. Every method is compared with the reference, an independent ray caster. Exits with 1 \
+if a method that is not approximate has a false cull (a visible item missing from the set) or a wrong pixel. Times are the \
+median of three passes over all views, after one warm-up pass.
 
 Examples:
   enfilade compare @two-rooms -o rooms.html --size 160x90
@@ -141,7 +149,7 @@ Examples:
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
-    /// Write the page to this file, as a whole or not at all
+    /// Write the page to this file (atomically)
     #[arg(short, long, value_name = "FILE.html")]
     pub(crate) output: PathBuf,
     /// Show pictures of the first N views, and numbers only of the others
@@ -186,21 +194,32 @@ WORLD.toml lists parts, each a .glb or .gltf file with a transform, and the port
   from = { part = \"house\", outline = [[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 2, 0]] }
   mirror = true
 
-Coordinates are in the space of the part. Teleports are one-way and doors two-way, unless two_way says otherwise; a door \
-without `to` leads to the room behind it. An opening is a rectangle that is entered along `ahead` (with `up` if needed), an \
-outline, counter-clockwise seen from the side of entry, or a node with a flat mesh; the node of a teleport is entered along \
-its -Z. An exit is a rectangle, which is left along `ahead`, or a node, which is left along its -Z; an outline, or a node \
-with two_way, is left against its direction of entry. A part without marked rooms becomes one room, PART-room. Parts should \
-not overlap unless a door joins them.
+Coordinates are in the space of the part. A part without marked rooms becomes one room, PART-room.
+Parts should not overlap unless a door joins them.
+
+Directions:
+  teleport       one-way, unless two_way = true
+  door           two-way, unless two_way = false; without `to` it leads to the room behind it
+
+An opening (`from`) is one of:
+  a rectangle    center, ahead, size, and up if that is not +Y; entered along ahead
+  an outline     a flat convex polygon, counter-clockwise seen from the side of entry
+  a node         its flat mesh; the node of a teleport is entered along its -Z
+
+An exit (`to`) is one of:
+  a rectangle    left along ahead
+  a node         left along its -Z
+  an outline, or a node with two_way: left against its direction of entry
 
 Examples:
   enfilade link world.toml -o world.glb
   enfilade link world.toml -o world.glb --json world.json")]
+#[command(mut_arg("memory", |arg| arg.help(MEMORY_TO_READ)))]
 pub(crate) struct LinkArgs {
     /// World description: the parts and their portals
     #[arg(value_name = "WORLD.toml")]
     pub(crate) world: PathBuf,
-    /// Write the world to this file, as a whole or not at all
+    /// Write the world to this file (atomically)
     #[arg(short, long, value_name = "FILE.glb")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
@@ -218,6 +237,7 @@ Examples:
   enfilade info map.bsp
   enfilade info scene.glb --flat
   enfilade info @enfilade --json -")]
+#[command(mut_arg("memory", |arg| arg.help(MEMORY_TO_READ)))]
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
@@ -265,7 +285,7 @@ pub(crate) struct CameraArgs {
     /// Point the camera at this position
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true, requires = "eye")]
     pub(crate) toward: Option<[f32; 3]>,
-    /// Use this camera of the scene
+    /// Use this camera of the scene; `info` lists them
     #[arg(long, value_name = "NAME", conflicts_with_all = ["path", "survey", "survey_hard"])]
     pub(crate) camera: Option<String>,
     /// Read views from JSON lines of {"eye":[..],"toward":[..],"up":[..],"fov":60}; up and fov are optional
@@ -314,21 +334,20 @@ pub(crate) struct HowArgs {
     /// Disable temporal coherence: forget the previous view before each look
     #[arg(long)]
     pub(crate) no_coherence: bool,
-    /// Select at most N occluders per passage for masked, svbsp and mobsp; 0 selects none [default: depends on the
-    /// method]
+    /// Select at most N large occluders per passage (portal path) for masked, svbsp and mobsp; fewer cull less
+    /// [default: 128 for svbsp and mobsp, 0 for masked]
     #[arg(long, value_name = "N")]
     pub(crate) occluders: Option<u32>,
-    /// Set the resolution of the covers of hierarchical-z, hierarchical-s and masked, up to the screen size; lower is
-    /// faster and culls less [default: the screen size]
+    /// Set the resolution of the covers (occlusion buffers) of hierarchical-z, hierarchical-s and masked; a lower one
+    /// culls less, and is faster only if much lower, if at all [default: the screen size]
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub(crate) cover_size: Option<[u32; 2]>,
     #[command(flatten)]
     pub(crate) portals: PortalArgs,
-    /// Also consider conservative methods, whose sets may contain hidden items (with --method auto)
+    /// Let --method auto also consider conservative and strict methods, whose sets may contain hidden items
     #[arg(long)]
     pub(crate) conservative: bool,
-    /// Use this SIMD level; changes the times only [default: the machine's best]
-    #[arg(long, value_name = "LEVEL", value_parser = values::simd)]
+    #[arg(long, value_name = "LEVEL", help = values::simd_help(), value_parser = values::simd)]
     pub(crate) simd: Option<String>,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
@@ -337,7 +356,8 @@ pub(crate) struct HowArgs {
 /// Controls how portals are followed.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(crate) struct PortalArgs {
-    /// Treat openings as plain holes: follow no portals
+    /// Follow no portals: read a file as one room with plain holes for openings; in a built-in scene, stay in the
+    /// camera's room
     #[arg(long)]
     pub(crate) flat: bool,
     #[command(flatten)]
@@ -366,16 +386,27 @@ pub(crate) struct LimitArgs {
     /// Use N threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
-    /// Limit the memory for reading the file, and that of each method: 2GB, 500MB or plain bytes [default: about 1 GB]
-    #[arg(long, value_name = "BYTES", value_parser = values::bytes)]
-    pub(crate) memory: Option<u64>,
+    #[command(flatten)]
+    pub(crate) memory: MemoryArg,
 }
 
 impl LimitArgs {
-    /// Returns the memory limit of each method, in bytes.
+    /// Returns the memory limit for reading a file, and for each method, in bytes.
     pub(crate) fn memory(&self) -> u64 {
-        self.memory.unwrap_or(Method::DEFAULT_LIMIT)
+        self.memory.bytes
     }
+}
+
+/// Help of `--memory` in verbs that only read a scene.
+const MEMORY_TO_READ: &str = "Limit the memory for reading a file; 1GB is 10^9 bytes, 1GiB is 2^30";
+
+/// Limits the memory.
+#[derive(Debug, clap::Args)]
+pub(crate) struct MemoryArg {
+    /// Limit the memory for reading the file, and for what each method builds in a sector; 1GB is 10^9 bytes, 1GiB is
+    /// 2^30
+    #[arg(id = "memory", long, value_name = "BYTES", default_value = "1GB", value_parser = values::bytes)]
+    pub(crate) bytes: u64,
 }
 
 #[cfg(test)]
@@ -386,6 +417,15 @@ mod tests {
     #[test]
     fn the_command_line_makes_sense() {
         Args::command().debug_assert();
+    }
+
+    #[test]
+    fn the_memory_limit_is_that_of_the_library() {
+        let args = Args::parse_from(["enfilade", "look"]);
+        let Some(Verb::Look(look)) = args.verb else {
+            panic!("`look` is a verb")
+        };
+        assert_eq!(look.methods.how.limits.memory(), enfilade::Method::DEFAULT_LIMIT);
     }
 
     #[test]

@@ -153,8 +153,8 @@ impl TrialReport {
 /// Returns a short label of the reason.
 fn word(why: &SkipReason) -> &'static str {
     match why {
-        SkipReason::Promise(Contract::Approximate) => "sets that may miss items",
-        SkipReason::Promise(_) => "sets that may contain hidden items (--conservative)",
+        SkipReason::Contract(Contract::Approximate) => "sets that may miss items",
+        SkipReason::Contract(_) => "sets that may contain hidden items (--conservative)",
         SkipReason::BuildsTooLong(_) => "too long to build",
         SkipReason::Moves => "items move",
         SkipReason::NotSeen => "in no view",

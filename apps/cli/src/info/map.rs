@@ -28,7 +28,7 @@ impl MapEntry {
         let visible_share = cells.filter(|cells| cells.cell_count() > 0).map(|cells| {
             let ids = || (0..cells.cell_count() as u32).map(CellId);
             let seen: usize = ids()
-                .map(|from| ids().filter(|&to| cells.sees(from, to)).count())
+                .map(|from| ids().filter(|&to| cells.may_see(from, to)).count())
                 .sum();
             rounded(seen as f64 / (cells.cell_count() as f64).powi(2))
         });

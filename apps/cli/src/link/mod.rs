@@ -63,7 +63,7 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
         textures: false,
         ..ReadOptions::default()
     };
-    options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
+    options.limit_bytes = args.limits.memory();
     let Linked {
         glb,
         left_out,

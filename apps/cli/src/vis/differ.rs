@@ -96,9 +96,9 @@ impl OtherPvs {
         })
     }
 
-    fn sees(&self, from: u32, to: u32) -> bool {
+    fn may_see(&self, from: u32, to: u32) -> bool {
         self.cells
-            .sees(self.cell_of[from as usize], self.cell_of[to as usize])
+            .may_see(self.cell_of[from as usize], self.cell_of[to as usize])
     }
 
     /// Returns all differing pairs, with the evidence for each.
@@ -121,12 +121,12 @@ impl OtherPvs {
             if from == to {
                 continue;
             }
-            let there = self.sees(from, to);
+            let there = self.may_see(from, to);
             differs.other_pairs += u64::from(there);
             if self.is_elsewhere[from as usize] || self.is_elsewhere[to as usize] {
                 continue;
             }
-            match (pairs.sees(from, to), there) {
+            match (pairs.may_see(from, to), there) {
                 (true, false) => differs.missing_there.push(MissingPair {
                     from,
                     to,
@@ -134,9 +134,9 @@ impl OtherPvs {
                 }),
                 (false, true) => {
                     let [first, fast] = bounds.get_or_insert_with(|| bounds_of(portals));
-                    let blocked_by = if !first.sees(from, to) {
+                    let blocked_by = if !first.may_see(from, to) {
                         "no chain of portals, each in front of the one before, leads there"
-                    } else if !fast.sees(from, to) {
+                    } else if !fast.may_see(from, to) {
                         "planes separating two consecutive portals rule out every chain"
                     } else {
                         "in every chain of portals nothing of the first or last portal remains after clipping"

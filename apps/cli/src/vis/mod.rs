@@ -59,8 +59,10 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
     let mut seconds = StageSeconds::default();
     let map = read_map(args)?;
     let prt = prt?;
-    let mut options = ReadOptions::default();
-    options.limit_bytes = args.limits.memory.unwrap_or(options.limit_bytes);
+    let options = ReadOptions {
+        limit_bytes: args.limits.memory(),
+        ..ReadOptions::default()
+    };
     let portals = read_portals(&prt, &options)?;
     let placed = match &map {
         Some(map) => Some(place_portals(map, &portals).with_context(|| map_with_portals(&args.map, &prt))?),

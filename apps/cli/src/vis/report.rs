@@ -210,7 +210,7 @@ impl VisReport {
         let sum: u64 = (0..clusters)
             .map(|from| u64::from(found.leafs[from as usize]) * seen(from))
             .sum();
-        let symmetric = (0..clusters).all(|from| pairs.seen_from(from).all(|to| pairs.sees(to, from)));
+        let symmetric = (0..clusters).all(|from| pairs.seen_from(from).all(|to| pairs.may_see(to, from)));
         VisReport {
             map: found.map.display().to_string(),
             prt: found.prt.display().to_string(),

@@ -1,13 +1,17 @@
-//! Benchmarks methods on views of the scene, and chooses the fastest for each sector.
+//! Chooses a method per sector by measurement: times the candidates on sample views and returns the fastest.
 //!
-//! The cost of a sector depends on the openings and distances it is seen from. So the scene is culled from all views
-//! first, and then each sector is measured alone, through the passages that lead to it.
+//! The cost of a sector depends on the openings and distances that it is seen from. So the scene is culled from all
+//! views first, and then each sector is measured alone, through the passages that lead to it. Choosing is a function
+//! and no [`Method`], because it returns one: the caller sets it with [`Scene::set_method`], and looks cost nothing
+//! extra. By default only exact methods are candidates ([`ChoiceOptions::exact`]), so visible sets do not depend on
+//! which of them is chosen.
 //! Source: Boreskov, Using portals to create aggregate scenes ("with each sector its own most suitable method");
 //!     choosing by measurement rather than by rules is original.
-//! Cost: per sector and view one look (or drawing, by the goal) by every candidate method, and some more by those that
-//! are not far from the best. Methods take turns at each view, so that background load disturbs all alike, and the
-//! minimum time of each view counts. If the two halves of the views disagree, or timer noise could decide, the choice
-//! is unsure and the sector keeps its method.
+//! Cost: per sector, building every candidate; per sector and view, one look (or drawing, by the goal) by each of them,
+//!     and [`ChoiceOptions::rounds`] by those that are not far from the fastest.
+//! Methods take turns at each view, so that background load disturbs all alike, and the minimum time of each view
+//! counts. If the two halves of the views disagree, or timer noise could decide, the choice is unsure and the sector
+//! keeps its method.
 
 mod trial;
 
@@ -130,7 +134,7 @@ pub enum SkipReason {
     Unsuited(#[from] Unsuited),
     /// The method's contract does not meet [`ChoiceOptions::exact`].
     #[error("its contract is {0}, which does not meet the requirement")]
-    Promise(Contract),
+    Contract(Contract),
     /// Building its BSP tree would take too long; holds the estimated time.
     #[error("building its BSP tree would take about {:.0} s", .0.as_secs_f64().ceil())]
     BuildsTooLong(Duration),
@@ -182,7 +186,6 @@ impl ViewSubset {
 /// use.
 #[doc(alias = "autotune")]
 #[doc(alias = "benchmark")]
-/// threads as looks may use.
 pub fn choose_methods(
     scene: &Scene,
     views: &[View],
@@ -332,7 +335,7 @@ fn begin(
 ) -> Result<MethodTrial, SkipReason> {
     let contract = method.contract();
     if contract == Contract::Approximate || (terms.exact && contract != Contract::Exact) {
-        return Err(SkipReason::Promise(contract));
+        return Err(SkipReason::Contract(contract));
     }
     let geometry = scene.geometry(sector).ok_or(SkipReason::NotSeen)?;
     let first = through.first().ok_or(SkipReason::NotSeen)?;

@@ -36,7 +36,7 @@ pub struct DepthBuffer {
 impl Cover for DepthBuffer {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, _region: &Region) -> Visibility {
+    fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial
     }
 

@@ -69,7 +69,7 @@ const LINES: u16 = 8;
 impl Cover for Horizon {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Visibility {
+    fn test(&mut self, region: &Region) -> Visibility {
         if self.buffer.hides(&region.rect, region.nearest.to_bits()) {
             Visibility::Hidden
         } else {

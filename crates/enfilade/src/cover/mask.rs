@@ -49,7 +49,7 @@ const TILE_ROWS: usize = 8;
 impl Cover for Mask {
     type CullNeeds = NearToFar;
 
-    fn sees(&mut self, region: &Region) -> Visibility {
+    fn test(&mut self, region: &Region) -> Visibility {
         if self.painted.is_full(&region.rect) {
             Visibility::Hidden
         } else {

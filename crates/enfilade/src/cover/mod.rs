@@ -36,7 +36,7 @@ pub use horizon::Horizon;
 pub use mask::Mask;
 pub use masked_depth::MaskedDepth;
 pub use masked_depth::OccluderMesh;
-pub use occlusion_tree::{Asks, ByBox, ByFaces, OcclusionTree};
+pub use occlusion_tree::{BoxTest, ByBox, ByFaces, OcclusionTree};
 pub use painters_buffer::PaintersBuffer;
 pub use span_buffer::SpanBuffer;
 
@@ -69,19 +69,19 @@ pub trait Cover: Default + Send + 'static {
     /// traversal adds later can hide any part of it.
     ///
     /// Takes `&mut self` because a cover may bring its cells up to date only when they are tested ([`DepthPyramid`]).
-    fn sees(&mut self, region: &Region) -> Visibility;
+    fn test(&mut self, region: &Region) -> Visibility;
 
-    /// Tests an AABB given in another space, as [`Cover::sees`] does; `None` if the box is outside the view.
+    /// Tests an AABB given in another space, as [`Cover::test`] does; `None` if the box is outside the view.
     ///
     /// `screen_from_local` maps the space of `bounds` to (X, Y, W). Override it in covers that need neither the samples
     /// nor the reversed depth of the box, to skip computing them.
-    fn sight_of(
+    fn test_local(
         &mut self,
         passage: &Passage,
         screen_from_local: &DAffine3,
         bounds: &Aabb,
     ) -> Option<Visibility> {
-        Region::of(passage, screen_from_local, bounds).map(|region| self.sees(&region))
+        Region::of(passage, screen_from_local, bounds).map(|region| self.test(&region))
     }
 
     /// Announces that all boxes tested from now on are inside the box tested last, so that the cover may reuse that
@@ -111,7 +111,7 @@ pub trait Paints: Cover {
     /// Whether temporal coherence helps: processing first what was visible in the last frame. Only a cover that accepts
     /// faces in any order can benefit.
     const PRIMES: bool;
-    /// Whether [`Cover::sees`] still tests boxes against depth after all opaque faces were added. A cover that only
+    /// Whether [`Cover::test`] still tests boxes against depth after all opaque faces were added. A cover that only
     /// tracks unpainted samples would report every transparent object as hidden.
     const KEEPS_DEPTHS: bool = true;
 
@@ -155,8 +155,8 @@ pub trait Hides: Cover + Sync {
     /// Called for many boxes before each occluder is inserted, so implementations should use a cheap test.
     /// `screen_from_local` maps the space of `bounds` to (X, Y, W).
     fn hides(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
-        let sight = self.sight_of(passage, screen_from_local, bounds);
-        sight.is_none_or(|sight| sight == Visibility::Hidden)
+        let visibility = self.test_local(passage, screen_from_local, bounds);
+        visibility.is_none_or(|visibility| visibility == Visibility::Hidden)
     }
 
     /// Inserts a selected occluder, which hides the geometry behind it.

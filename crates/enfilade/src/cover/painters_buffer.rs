@@ -36,7 +36,7 @@ struct PaintedSamples(Samples);
 impl Cover for PaintersBuffer {
     type CullNeeds = FarToNear;
 
-    fn sees(&mut self, _region: &Region) -> Visibility {
+    fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial
     }
 

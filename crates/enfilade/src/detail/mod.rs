@@ -1,14 +1,17 @@
-//! Levels of detail (LOD): a box at first; when it becomes visible, geometry as fine as its size on the screen needs.
+//! Levels of detail (LOD): an item is a box at first; once visible, it gets a mesh as fine as its size on the screen
+//! needs.
 //!
-//! Between looks, [`Details::refine`] gives each visible item the coarsest level whose error, in pixels, is below a
-//! tolerance. A level is built when it is first needed; the work per step is limited. Until then the item is drawn with
-//! the best level already built.
+//! Between looks, [`Details::refine`] gives each visible item the coarsest level whose geometric error, projected to
+//! pixels, is within a tolerance. A level is built when it is first needed; the work per step is limited. Until then
+//! the item keeps the best level already built. Items with levels are no special kind of item: [`Details`] replaces
+//! their meshes by scene edits, so every method, every query and the reference see ordinary meshes.
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3 (an object is tested by its volume,
 //!     and refined only if visible); hysteresis as in Luebke and others, Level of Detail for 3D Graphics, 2003, section
 //!     4.5.
 //! Cost: a step is O(visible items with levels), plus an edit of the changed items, plus the time the sources take.
-//! Visibility refers to the levels as drawn: items behind a level with an error are visible past that level's outline,
-//! and an item is visible where its current level is. Only the box is certainly visible wherever the item would be.
+//! Visible sets refer to the current levels, not to the true surface: an item is visible if its current level is. A
+//! coarse level can be hidden where a finer one would show past its occluder; only the box contains every level. A
+//! level with an error above 0 is no occluder and hides nothing.
 
 mod bezier;
 mod choose;
@@ -30,9 +33,8 @@ use std::sync::Arc;
 
 /// LOD manager: the items of a scene that have levels of detail.
 ///
-/// Kept beside the scene: look, then call [`Details::refine`], then look again. Visibility is computed with the level
-/// an item has now: an item that was invisible for long and has a coarse level becomes visible when that level does,
-/// not when its finest level would.
+/// Keep it beside the scene and call [`Details::refine`] after each look. Looks see the current level of an item: an
+/// item with a coarse level becomes visible when that level does, not when its finest level would.
 #[doc(alias = "LOD")]
 #[doc(alias = "level of detail")]
 #[derive(Default)]

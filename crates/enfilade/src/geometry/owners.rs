@@ -1,4 +1,6 @@
 //! Resolves the face numbers that covers store at samples to items, faces and openings.
+//!
+//! A trait, because large terrain has faces that are in no [`Geometry`]: it computes the owner from the number.
 
 use super::{Geometry, ItemId, OpeningId, Owner};
 

@@ -1,4 +1,7 @@
 //! Free ids of items and meshes, and use counts of meshes.
+//!
+//! Ids of removed items and unused meshes are reused, lowest first, so lists that are indexed by them stay short, and
+//! the next id does not depend on the order of removals.
 
 use super::{Item, MeshId};
 use crate::mesh::Mesh;

@@ -1,4 +1,5 @@
-//! Textures of materials, for renderers; they do not affect visibility.
+//! Textures of materials. A geometry only carries them for renderers: nothing in this crate reads texels, so they do
+//! not affect visibility.
 
 use thiserror::Error;
 

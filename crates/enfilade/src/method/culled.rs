@@ -129,7 +129,7 @@ impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
     const TAKES_FACES: bool = C::TAKES_FACES;
 
     fn test(&mut self, region: &Region) -> Visibility {
-        self.0.sees(region)
+        self.0.test(region)
     }
 
     fn test_local(
@@ -138,7 +138,7 @@ impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
         screen_from_local: &DAffine3,
         bounds: &Aabb,
     ) -> Option<Visibility> {
-        self.0.sight_of(passage, screen_from_local, bounds)
+        self.0.test_local(passage, screen_from_local, bounds)
     }
 
     fn go_within(&mut self) {

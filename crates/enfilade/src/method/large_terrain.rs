@@ -60,7 +60,7 @@ struct Walk<'a> {
 impl Visit for Walk<'_> {
     fn enter(&mut self, region: &Region) -> Visibility {
         self.stats.boxes_tested += 1;
-        let visibility = self.cover.sees(region);
+        let visibility = self.cover.test(region);
         self.stats.boxes_hidden += u64::from(visibility == Visibility::Hidden);
         visibility
     }

@@ -42,7 +42,7 @@ use std::sync::Arc;
 /// No buffer but the picture, no depth test. Approximate: wrong where a face extends nearer than another that occludes
 /// it (`@tetrahedron`, `@overlap`), for cyclic overlaps (`@cycle`) and for intersecting faces (`@crossing-triangles`).
 ///
-/// Source: thesis Painter's Algorithm and Binary Space Partitioning, 1.1.
+/// Source: *Painter's algorithm and binary space partitioning* (a thesis in Russian, author unknown), section 1.1.
 #[doc(alias = "depth-sort algorithm")]
 #[doc(alias = "depth sort")]
 pub type PainterMin = Paired<DepthSort<Min>, PaintersBuffer>;
@@ -52,13 +52,13 @@ pub type PainterMin = Paired<DepthSort<Min>, PaintersBuffer>;
 /// Correct more often than [`PainterMin`], but wrong for long faces next to small ones (`@overlap` from its second
 /// camera), for cyclic overlaps (`@cycle`) and for intersecting faces (`@crossing-triangles`).
 ///
-/// Source: thesis Painter's Algorithm and Binary Space Partitioning, 1.1.
+/// Source: *Painter's algorithm and binary space partitioning* (a thesis in Russian, author unknown), section 1.1.
 pub type PainterMean = Paired<DepthSort<Mean>, PaintersBuffer>;
 
 /// BSP tree back to front: every face is drawn, farther ones are overdrawn. Exact.
 ///
-/// Source: Fuchs, Kedem, Naylor, On Visible Surface Generation by A Priori Tree Structures, SIGGRAPH 1980; thesis
-/// Painter's Algorithm and Binary Space Partitioning, 1.2.
+/// Source: Fuchs, Kedem, Naylor, On Visible Surface Generation by A Priori Tree Structures, SIGGRAPH 1980;
+/// *Painter's algorithm and binary space partitioning* (a thesis in Russian, author unknown), section 1.2.
 #[doc(alias = "binary space partitioning")]
 pub type BspPainter = Paired<Bsp<FarToNear>, PaintersBuffer>;
 
@@ -108,8 +108,8 @@ pub type HierarchicalS = Paired<OctreeOrder, SpanBuffer>;
 #[doc(alias = "software occlusion culling")]
 pub type Masked = Culled<BvhOrder, MaskedDepth>;
 
-/// Occlusion tree: a BSP of the shadow volumes of selected occluders, tested with the faces of a kd-tree's boxes.
-/// Strict.
+/// Shadow volume BSP (SVBSP), an occlusion tree: a BSP of the shadow volumes of selected occluders, tested with the
+/// faces of a kd-tree's boxes. Strict.
 ///
 /// Works in object space, so its result does not depend on the resolution.
 ///
@@ -118,9 +118,10 @@ pub type Masked = Culled<BvhOrder, MaskedDepth>;
 #[doc(alias = "occlusion tree")]
 pub type Svbsp = Culled<KdTreeOrder, OcclusionTree<ByFaces>>;
 
-/// Occlusion tree that tests boxes against its planes only: cheaper than [`Svbsp`], and culls less. Strict.
+/// Modified occlusion BSP (MOBSP): an occlusion tree that tests boxes against its planes only. Cheaper than [`Svbsp`],
+/// and culls less. Strict.
 ///
-/// Source: Better occlusion culling in modern computer games.
+/// Source: *Better occlusion culling in modern computer games* (in Ukrainian, author unknown).
 #[doc(alias = "occlusion tree")]
 pub type Mobsp = Culled<KdTreeOrder, OcclusionTree<ByBox>>;
 

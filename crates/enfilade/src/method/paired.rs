@@ -128,7 +128,7 @@ where
             let screen_from_item = passage.screen_from(&self.geometry.item(item).transform());
             let bounds = self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
             let region = Region::of(passage, &screen_from_item, &bounds);
-            if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.sees(&region) != Visibility::Hidden) {
+            if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.test(&region) != Visibility::Hidden) {
                 let faces = Faces::of_cluster(&self.geometry, item, cluster, &screen_from_item);
                 cover.look_through(&faces, passage, &mut memory.stats, seen);
             }
@@ -208,7 +208,7 @@ impl<C: Paints> Walk<'_, C> {
 impl<C: Paints> Visit for Walk<'_, C> {
     fn enter(&mut self, region: &Region) -> Visibility {
         self.stats.boxes_tested += 1;
-        let visibility = self.cover.sees(region);
+        let visibility = self.cover.test(region);
         self.stats.boxes_hidden += u64::from(visibility == Visibility::Hidden);
         visibility
     }

@@ -4,8 +4,8 @@
 //! Each node's splitting plane divides the remaining space. Faces on the eye's side can occlude faces on the other
 //! side, never the reverse. A face that a plane cuts is emitted in pieces: the uncut face plus the planes that cut it,
 //! so that the pieces together cover exactly the samples of the face.
-//! Source: Fuchs, Kedem, Naylor, On Visible Surface Generation by A Priori Tree Structures, SIGGRAPH 1980; the thesis
-//!     Painter's Algorithm and Binary Space Partitioning, sections 1.2 and 2.3.
+//! Source: Fuchs, Kedem, Naylor, On Visible Surface Generation by A Priori Tree Structures, SIGGRAPH 1980;
+//!     Painter's algorithm and binary space partitioning (a thesis in Russian, author unknown), sections 1.2 and 2.3.
 //! Cost: building O(n log n), more if many faces are cut; a traversal O(pieces in view).
 //! Guarantees an exact order, back to front or front to back; geometry must be static.
 

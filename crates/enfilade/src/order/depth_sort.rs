@@ -1,8 +1,8 @@
 //! Depth sort (painter's algorithm): faces sorted back to front by one distance each.
 //!
 //! Nothing is built, so geometry may change freely; each look sorts from scratch.
-//! Source: the painter's algorithm; its two keys, nearest corner and mean distance, from the thesis Painter's Algorithm
-//!     and Binary Space Partitioning, section 1.1.
+//! Source: the painter's algorithm; its two keys, nearest corner and mean distance, from Painter's algorithm and binary
+//!     space partitioning (a thesis in Russian, author unknown), section 1.1.
 //! Cost: O(faces in view), by a radix sort of flat arrays.
 //! Approximate: one distance cannot order long faces beside small ones, cycles, or intersecting faces; the scenes
 //! `@overlap`, `@cycle` and `@crossing-triangles` show it. Correct for separate objects and faces of similar size.

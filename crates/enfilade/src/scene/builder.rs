@@ -121,6 +121,9 @@ impl SceneBuilder {
 
     /// Adds a one-way portal that leads out of `from` into the sector of `to`. `there_from_here` maps the space of
     /// `from` to the space of `to`: rigid, uniformly scaling or reflecting.
+    ///
+    /// The portal gets its id in [`SceneBuilder::build`], after those of nested scenes; [`Scene::portal_of`] returns
+    /// it.
     #[doc(alias = "portal link")]
     #[doc(alias = "teleporter")]
     pub fn portal(
@@ -134,6 +137,12 @@ impl SceneBuilder {
     }
 
     /// Adds two portals, one each way, between two coincident openings of sectors that share a coordinate space.
+    ///
+    /// [`SceneBuilder::build`] checks that both openings exist and that no other portal leads out of them. It does not
+    /// check that their outlines coincide and face opposite ways ([`ConvexPolygon::flipped`]): if they do not, the door
+    /// leads to the wrong part of the other sector, or cannot be seen through from one side.
+    ///
+    /// [`ConvexPolygon::flipped`]: crate::ConvexPolygon::flipped
     #[doc(alias = "doorway")]
     pub fn door(&mut self, a: impl Into<PortalEnd>, b: impl Into<PortalEnd>) -> &mut Self {
         let (a, b) = (a.into(), b.into());
@@ -179,6 +188,10 @@ impl SceneBuilder {
     }
 
     /// Builds the method of every sector and connects the portals.
+    ///
+    /// Of a portal it checks that its sectors and openings exist, that its transform is a similarity and keeps the
+    /// opening within [`MAX_COORDINATE`](crate::MAX_COORDINATE), and that no other portal leads out of the opening.
+    /// Of a custom sector it checks the bounds.
     ///
     /// # Errors
     /// Returns a [`SceneError`] for the first rule that is broken.

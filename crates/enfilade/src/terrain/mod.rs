@@ -58,7 +58,7 @@ pub enum HeightFieldError {
     Cell([f64; 2]),
     /// Column or row positions that do not increase, are NaN, or exceed [`MAX_COORDINATE`].
     #[error(
-        "{what} {number} of a height field stands at {place}, which is not beyond the one before it, or is not within {MAX_COORDINATE:e}"
+        "{what} {number} of a height field is at {position}; positions must increase from one {what} to the next and be within ±{MAX_COORDINATE:e}"
     )]
     Line {
         /// `column` or `row`.
@@ -66,10 +66,10 @@ pub enum HeightFieldError {
         /// Index, counted from the west or from the north.
         number: u32,
         /// Its x or z.
-        place: f32,
+        position: f32,
     },
     /// The number of heights differs from the number of samples.
-    #[error("{needs} heights are needed, but {has} are there")]
+    #[error("{needs} heights are needed, but there are {has}")]
     Count {
         /// Expected number.
         needs: u64,
@@ -110,7 +110,7 @@ pub enum HeightFieldError {
         height: f32,
     },
     /// An attribute list has not one entry per sample.
-    #[error("{needs} {what} are needed, or none, but {has} are there")]
+    #[error("{needs} {what} are needed, or none, but there are {has}")]
     AttributeCount {
         /// Name of the attribute.
         what: &'static str,
@@ -163,8 +163,12 @@ impl HeightField {
         for (what, lines) in ["column", "row"].into_iter().zip(&lines) {
             let is_sound = |at: usize| is_in_range(lines[at]) && (at == 0 || lines[at - 1] < lines[at]);
             if let Some(at) = (0..lines.len()).find(|&at| !is_sound(at)) {
-                let (number, place) = (at as u32, lines[at]);
-                return Err(HeightFieldError::Line { what, number, place });
+                let (number, position) = (at as u32, lines[at]);
+                return Err(HeightFieldError::Line {
+                    what,
+                    number,
+                    position,
+                });
             }
         }
         HeightField::on(lines, size, heights.into())

@@ -144,14 +144,14 @@ fn columns_and_rows_stand_where_they_are_said_to() {
         let refused = HeightField::on_lines(columns, rows, [0.0; 6]);
         refused.expect_err("lines do not increase").to_string()
     };
-    let words = "which is not beyond the one before it";
+    let words = "positions must increase";
     for (columns, said) in [
-        ([0.0, 0.0, 1.0], "column 1 of a height field stands at 0, "),
-        ([0.0, 2.0, 1.0], "column 2 of a height field stands at 1, "),
-        ([f32::NAN, 2.0, 1.0], "column 0 of a height field stands at NaN, "),
+        ([0.0, 0.0, 1.0], "column 1 of a height field is at 0; "),
+        ([0.0, 2.0, 1.0], "column 2 of a height field is at 1; "),
+        ([f32::NAN, 2.0, 1.0], "column 0 of a height field is at NaN; "),
         (
             [0.0, 2.0, f32::INFINITY],
-            "column 2 of a height field stands at inf, ",
+            "column 2 of a height field is at inf; ",
         ),
     ] {
         let text = refused(&columns, &[0.0, 1.0]);
@@ -159,7 +159,7 @@ fn columns_and_rows_stand_where_they_are_said_to() {
     }
     assert!(refused(&[0.0, 1.0, 2.0], &[1.0, 0.0]).starts_with("row 1 of a height field"));
     assert!(refused(&[0.0], &[0.0, 1.0]).contains("has 1 x 2"));
-    assert!(refused(&[0.0, 1.0], &[0.0, 1.0]).contains("4 heights are needed, but 6 are there"));
+    assert!(refused(&[0.0, 1.0], &[0.0, 1.0]).contains("4 heights are needed, but there are 6"));
 }
 
 #[test]
@@ -189,7 +189,7 @@ fn what_places_carry_comes_to_the_corners_of_their_blocks() {
     let few = carrying(&places[1..]).expect_err("too few").to_string();
     assert_eq!(
         few,
-        "1400 texture coordinates are needed, or none, but 1399 are there"
+        "1400 texture coordinates are needed, or none, but there are 1399"
     );
     let mut odd = places.clone();
     odd[7] = [f32::NAN, 0.0];

@@ -104,7 +104,7 @@ fn rows_are_shared_and_a_cell_without_one_sees_everything() {
     let rows = [vec![cells[3], cells[1], cells[1]], vec![]];
     let baked = BakedCells::new(tree(nodes), &[Some(0), Some(0), Some(1), None], rows).expect("sound");
     assert_eq!((baked.cell_count(), baked.depth()), (4, 3));
-    let seen = cells.map(|from| cells.map(|to| baked.sees(from, to)));
+    let seen = cells.map(|from| cells.map(|to| baked.may_see(from, to)));
     assert_eq!(seen[0], [true, true, false, true]);
     assert_eq!(seen[1], [false, true, false, true]);
     assert_eq!(seen[2], [false, false, true, false]);

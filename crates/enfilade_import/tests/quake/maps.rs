@@ -72,7 +72,10 @@ fn lines_of_sight_that_compilers_missed_are_in_the_pairs() {
                 .map(|word| word.parse().expect("a number"))
                 .collect();
             let (from, to) = (chain[0], chain[chain.len() - 1]);
-            assert!(pairs.sees(from, to) && pairs.sees(to, from), "{name}: {line}");
+            assert!(
+                pairs.may_see(from, to) && pairs.may_see(to, from),
+                "{name}: {line}"
+            );
             witnesses += 1;
         }
     }

@@ -6,9 +6,9 @@
 //! shows where an order is wrong. All polygons are two-sided: with back-face culling the tetrahedron could not go
 //! wrong.
 //!
-//! Source: the thesis "Painter's algorithm and binary space partitioning" (in Russian), sections 2.2, 2.3 and 3. It
-//! gives no coordinates. The coordinates here are chosen so that its statements hold whichever of two equal keys comes
-//! first.
+//! Source: the thesis "Painter's algorithm and binary space partitioning" (in Russian, author unknown), sections 2.2,
+//! 2.3 and 3. It gives no coordinates. The coordinates here are chosen so that its statements hold whichever of two
+//! equal keys comes first.
 
 mod round;
 mod sheets;

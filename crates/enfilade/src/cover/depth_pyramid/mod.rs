@@ -66,7 +66,7 @@ struct Cell {
 impl Cover for DepthPyramid {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Visibility {
+    fn test(&mut self, region: &Region) -> Visibility {
         let bits = region.nearest.to_bits();
         if self.depths.sees(&region.rect, bits) {
             Visibility::Partial

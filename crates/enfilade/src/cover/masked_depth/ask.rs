@@ -43,7 +43,7 @@ impl MaskedDepth {
     /// was cleared for.
     ///
     /// Tests each box's screen rectangle at the depth of its nearest corner, eight boxes at a time.
-    /// [`Cover::sees`](crate::cover::Cover::sees) is slower but tighter: it also uses the outline and the front faces
+    /// [`Cover::test`](crate::cover::Cover::test) is slower but tighter: it also uses the outline and the front faces
     /// of the box.
     pub fn sees_boxes(&self, passage: &Passage, boxes: &[Aabb], seen: &mut Vec<bool>) {
         seen.resize(boxes.len(), false);
@@ -65,8 +65,12 @@ impl MaskedDepth {
     /// everything farther, with a smaller reversed depth, is hidden there.
     ///
     /// 0 if no occluder is known to cover the sample, infinite if it is outside the aperture. Never nearer than the
-    /// true depth. `x` and `y` are the sample's column and row and must be inside the bounding rectangle of the
-    /// aperture; other values give an arbitrary result or panic.
+    /// true depth. `x` and `y` are the sample's column and row. They must be inside the bounding rectangle of the
+    /// aperture ([`Aperture::rect`](crate::Aperture::rect)), which is not checked: elsewhere the result may be that of
+    /// another sample or of an earlier view.
+    ///
+    /// # Panics
+    /// May panic if the sample is outside that rectangle.
     pub fn rev_depth_at(&self, x: u16, y: u16) -> f32 {
         self.grid.rev_depth_at(x.into(), y.into())
     }

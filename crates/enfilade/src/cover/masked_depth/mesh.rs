@@ -22,7 +22,10 @@ use std::collections::HashMap;
 /// Triangles or planar convex quads that [`MaskedDepth`] rasterizes as occluders. Back-faces are culled: a face hides
 /// what is behind it only if the eye is in front of it.
 ///
-/// Build it once per mesh and use it for any number of views.
+/// Build it once and use it for any number of views. It has no transform: positions are in the space of the passage's
+/// sector. For instances, transform the positions of each before building, and reverse the winding of mirrored ones.
+/// [`OccluderSet`](crate::OccluderSet) instead stores occluders once per mesh and applies each item's transform when it
+/// selects and projects them.
 #[derive(Clone, Debug, Default)]
 pub struct OccluderMesh {
     parts: Vec<Part>,
@@ -71,7 +74,12 @@ impl OccluderMesh {
         builder.finish()
     }
 
-    /// Builds a mesh from planar convex quads: four indices each, otherwise like [`OccluderMesh::triangles`].
+    /// Builds a mesh from quads: four indices each, counter-clockwise as seen from the front, otherwise like
+    /// [`OccluderMesh::triangles`].
+    ///
+    /// Quads should be planar and convex, which is not checked. A quad (a, b, c, d) hides at most what the triangles
+    /// (a, b, c) and (a, c, d) hide. So a bent quad is conservative if these two are faces of the mesh. A quad that is
+    /// concave at b or d is not: one of the triangles covers area outside it.
     pub fn quads(positions: &[[f32; 3]], corners: &[u32]) -> OccluderMesh {
         let mut builder = MeshBuilder::new(positions);
         for quad in corners.as_chunks::<4>().0 {
@@ -270,9 +278,9 @@ impl MaskedDepth {
     /// Rasterizes a mesh as [`MaskedDepth::hide_mesh`] does, in `strips` horizontal strips of the screen in parallel,
     /// on the current rayon pool or else the global one.
     ///
-    /// `strips` must be at least 1; more strips than threads balance the load. Strips share only the mesh: each culls
-    /// by itself the faces outside it. The result does not depend on the number of threads. It may depend on the number
-    /// of strips, because the two layers of a sub-tile may then hold other depths; in either case they are
+    /// With 0 strips nothing is rasterized. More strips than threads balance the load. Strips share only the mesh: each
+    /// culls by itself the faces outside it. The result does not depend on the number of threads. It may depend on the
+    /// number of strips, because the two layers of a sub-tile may then hold other depths; in either case they are
     /// conservative.
     pub fn hide_mesh_in_strips(
         &mut self,

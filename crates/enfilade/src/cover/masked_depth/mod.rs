@@ -56,7 +56,7 @@ const WORTH: u64 = 4;
 /// Use it through [`Method::Masked`](crate::Method::Masked), or on its own. For each view: clear it for a [`Passage`]
 /// with [`Hides::clear`], rasterize [`OccluderMesh`]es with [`MaskedDepth::hide_mesh`] or
 /// [`MaskedDepth::hide_mesh_in_strips`], then test occludees with [`MaskedDepth::sees_rects`],
-/// [`MaskedDepth::sees_boxes`] or [`Cover::sees`]. Queries do not change the buffer, and occluders may be added between
+/// [`MaskedDepth::sees_boxes`] or [`Cover::test`]. Queries do not change the buffer, and occluders may be added between
 /// queries. Memory is kept from view to view.
 ///
 /// Coordinates are in pixels from the top left corner of the screen, with y pointing down and sample centres at .5.
@@ -101,7 +101,7 @@ impl MaskedDepth {
 impl Cover for MaskedDepth {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Visibility {
+    fn test(&mut self, region: &Region) -> Visibility {
         let seen = dispatch!(self.level, simd => self.grid.sees(simd, region, self.near));
         if seen {
             Visibility::Partial

@@ -82,7 +82,7 @@ pub struct OcclusionTree<A> {
     pending: Vec<(Link, Piece)>,
     /// Stack of links that the box being tested also reaches.
     links: Vec<PendingLink>,
-    asks: PhantomData<fn() -> A>,
+    box_test: PhantomData<fn() -> A>,
 }
 
 /// Tests a box by its corners; if that is inconclusive, filters its front faces down the tree and splits them by its
@@ -165,13 +165,13 @@ struct Edge {
 }
 
 /// Strategy by which a tree tests a box: [`ByFaces`] or [`ByBox`].
-pub trait Asks: Default + Send + Sized + 'static {
+pub trait BoxTest: Default + Send + Sized + 'static {
     /// Returns how much of a box is visible; `None` if it is outside the view.
-    fn sight(tree: &mut OcclusionTree<Self>, volume: &Volume) -> Option<Visibility>;
+    fn test(tree: &mut OcclusionTree<Self>, volume: &Volume) -> Option<Visibility>;
 }
 
-impl Asks for ByFaces {
-    fn sight(tree: &mut OcclusionTree<ByFaces>, volume: &Volume) -> Option<Visibility> {
+impl BoxTest for ByFaces {
+    fn test(tree: &mut OcclusionTree<ByFaces>, volume: &Volume) -> Option<Visibility> {
         let found = tree.test_box(volume, Query::Certain)?;
         let unsure = found.lit && found.shadow && !found.lit_for_certain;
         if unsure && !tree.is_any_face_visible(volume) {
@@ -181,20 +181,20 @@ impl Asks for ByFaces {
     }
 }
 
-impl Asks for ByBox {
-    fn sight(tree: &mut OcclusionTree<ByBox>, volume: &Volume) -> Option<Visibility> {
+impl BoxTest for ByBox {
+    fn test(tree: &mut OcclusionTree<ByBox>, volume: &Volume) -> Option<Visibility> {
         Some(tree.test_box(volume, Query::Visibility)?.visibility())
     }
 }
 
-impl<A: Asks> Cover for OcclusionTree<A> {
+impl<A: BoxTest> Cover for OcclusionTree<A> {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Visibility {
-        A::sight(self, &region.volume).unwrap_or(Visibility::Hidden)
+    fn test(&mut self, region: &Region) -> Visibility {
+        A::test(self, &region.volume).unwrap_or(Visibility::Hidden)
     }
 
-    fn sight_of(
+    fn test_local(
         &mut self,
         _passage: &Passage,
         screen_from_local: &DAffine3,
@@ -204,7 +204,7 @@ impl<A: Asks> Cover for OcclusionTree<A> {
         if bounds.is_empty() {
             return None;
         }
-        A::sight(self, &Volume::new(screen_from_local, bounds))
+        A::test(self, &Volume::new(screen_from_local, bounds))
     }
 
     fn go_within(&mut self) {
@@ -227,7 +227,7 @@ impl<A: Asks> Cover for OcclusionTree<A> {
     }
 }
 
-impl<A: Asks> Hides for OcclusionTree<A> {
+impl<A: BoxTest> Hides for OcclusionTree<A> {
     const MEASURE: OccluderMeasure = OccluderMeasure::AreaAngle;
     const OCCLUDERS: u32 = 128;
 
@@ -277,7 +277,7 @@ impl<A> Default for OcclusionTree<A> {
             entering: Vec::new(),
             pending: Vec::new(),
             links: Vec::new(),
-            asks: PhantomData,
+            box_test: PhantomData,
         }
     }
 }

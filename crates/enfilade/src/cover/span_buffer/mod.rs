@@ -70,7 +70,7 @@ const ROOM: usize = 1 << 16;
 impl Cover for SpanBuffer {
     type CullNeeds = Unsorted;
 
-    fn sees(&mut self, region: &Region) -> Visibility {
+    fn test(&mut self, region: &Region) -> Visibility {
         if self.rows.sees(&region.rect, region.nearest) {
             Visibility::Partial
         } else {

@@ -3,7 +3,8 @@
 //!
 //! Small nodes score the plane of every polygon against every polygon; large nodes score a spread of candidates against
 //! a sample. Planes through edges are scored only if every other plane cuts something.
-//! Source: thesis "Painter's algorithm and binary space partitioning", 2.3.4 (the score); the rest is ours.
+//! Source: Painter's algorithm and binary space partitioning (a thesis in Russian, author unknown), section 2.3.4, for
+//!     the score; the rest is original.
 //! Cost: O(candidates · sample) in large nodes, O(n²) in small ones.
 //! Sampling affects the quality of the tree, never its correctness.
 

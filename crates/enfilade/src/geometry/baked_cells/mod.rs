@@ -79,7 +79,7 @@ pub struct CellTree {
 /// let tree = CellTree { root: CellSide::Node(0), nodes: vec![wall], tolerance: 0.0 };
 /// let cells = BakedCells::new(tree, &[Some(0), Some(1)], [[west], [east]])?;
 /// assert_eq!(cells.cell_at([3.0, 1.0, 0.0]), Some(east));
-/// assert!(!cells.sees(east, west));
+/// assert!(!cells.may_see(east, west));
 /// # Ok::<(), enfilade::BakedCellsError>(())
 /// ```
 #[doc(alias = "PVS")]
@@ -157,7 +157,7 @@ impl BakedCells {
     ///
     /// # Panics
     /// If `from` is out of range.
-    pub fn sees(&self, from: CellId, to: CellId) -> bool {
+    pub fn may_see(&self, from: CellId, to: CellId) -> bool {
         from == to || self.row(from).is_none_or(|row| self.rows.has(row, to.0))
     }
 

@@ -1,4 +1,7 @@
 //! Sources of heights for large terrain: read on demand, for example from a memory-mapped file.
+//!
+//! [`Heights`] is a trait because this crate opens no file: the caller implements it over its own file or generator, or
+//! passes the bytes to [`HeightBytes`].
 
 use crate::terrain::HeightFieldError;
 

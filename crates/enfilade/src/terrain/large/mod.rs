@@ -1,8 +1,10 @@
 //! Terrain too large for meshes: heights stay in their source, such as a memory-mapped file; only a min/max quadtree is
 //! in memory.
 //!
-//! The quadtree stores the minimum and maximum height of each block of 32×32 cells and of each 2×2 group above. A look
-//! reads the heights of only those blocks that pass the occlusion test, and triangulates them on the fly.
+//! It is a sector of its own, not the terrain of a [`Geometry`], because all methods read the meshes of a geometry and
+//! these triangles exist only while a look visits their block. The quadtree stores the minimum and maximum height of
+//! each block of 32×32 cells and of each 2×2 group above. A look reads the heights of only those blocks that pass the
+//! occlusion test, and triangulates them on the fly.
 //! Source: original; the min/max quadtree as in Tevs, Ihrke, Seidel, Maximum Mipmaps for Fast, Accurate, and Scalable
 //!     Dynamic Height Field Rendering, I3D 2008.
 //! Cost: building reads every height once; 11 bytes of memory per block, independent of the height format.

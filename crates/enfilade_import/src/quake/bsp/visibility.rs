@@ -66,7 +66,7 @@ fn quake_lump(map: &mut Map, portals: &PortalFile, pairs: &VisiblePairs) -> Resu
         let start = *start_of[cluster as usize].get_or_insert_with(|| {
             row.fill(0);
             for (other, &(_, at)) in leafs.iter().enumerate() {
-                row[other / 8] |= u8::from(pairs.sees(cluster, at)) << (other % 8);
+                row[other / 8] |= u8::from(pairs.may_see(cluster, at)) << (other % 8);
             }
             let start = lump.len() as u32;
             let packed = packed(&row);

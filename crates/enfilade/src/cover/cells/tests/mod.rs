@@ -21,7 +21,7 @@ struct CellArray {
 impl Cover for CellArray {
     type CullNeeds = crate::order::Unsorted;
 
-    fn sees(&mut self, _region: &Region) -> Visibility {
+    fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial
     }
 

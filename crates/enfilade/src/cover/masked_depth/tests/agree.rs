@@ -180,7 +180,7 @@ fn whatever_a_depth_buffer_shows_is_seen_past_the_faces_that_it_took() {
         for item in items {
             let bounds = geometry.mesh_of(item).bounds();
             let region = Region::of(&passage, &passage.screen_from_sector, &bounds);
-            if region.is_none_or(|region| cover.sees(&region) == Visibility::Hidden) {
+            if region.is_none_or(|region| cover.test(&region) == Visibility::Hidden) {
                 assert!(!owners.contains(&item), "{item:?} of scene {seed}");
                 hidden += 1;
             }

@@ -34,7 +34,7 @@ fn covered(passage: &Passage, polygons: &[Polygon]) -> MaskedDepth {
 fn sees(cover: &mut MaskedDepth, passage: &Passage, min: [f64; 3], max: [f64; 3]) -> bool {
     let [min, max] = [min, max].map(DVec3::from);
     let box_to_sector = DAffine3::from_translation(min) * DAffine3::from_scale(max - min);
-    region_of(passage, &box_to_sector).is_some_and(|region| cover.sees(&region) != Visibility::Hidden)
+    region_of(passage, &box_to_sector).is_some_and(|region| cover.test(&region) != Visibility::Hidden)
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn what_is_as_near_as_a_slanting_occluder_is_seen() {
             continue;
         };
         let shows = samples(region.rect).any(|(x, y)| rev_depth_of(&volume, x, y).is_some());
-        assert!(!shows || cover.sees(&region) != Visibility::Hidden);
+        assert!(!shows || cover.test(&region) != Visibility::Hidden);
     }
 }
 

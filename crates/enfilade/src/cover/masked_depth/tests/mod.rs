@@ -132,7 +132,7 @@ fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
             });
             known += u32::from(!seen);
             by_rect += u32::from(!cover.sees_rect(&region.rect, region.nearest));
-            if cover.sees(&region) == Visibility::Hidden {
+            if cover.test(&region) == Visibility::Hidden {
                 hidden += 1;
                 assert!(!seen, "{region:?} of scene {seed}");
             }
@@ -201,7 +201,7 @@ fn every_simd_level_says_the_same() {
                 .map(|(x, y)| cover.known(x, y).to_bits())
                 .collect();
             let regions = boxes.iter().filter_map(|at| region_of(&passage, at));
-            let seen: Vec<Visibility> = regions.map(|region| cover.sees(&region)).collect();
+            let seen: Vec<Visibility> = regions.map(|region| cover.test(&region)).collect();
             (known, seen)
         });
         hidden += seen.iter().filter(|&&sight| sight == Visibility::Hidden).count();

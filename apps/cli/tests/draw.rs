@@ -180,6 +180,14 @@ fn levels_in_a_build_without_them_are_an_error_that_names_the_feature() {
     assert!(!folder.path("a.png").exists());
 }
 
+#[test]
+fn levels_and_json_are_refused_together() {
+    let run = Folder::new().run("draw scene.glb -o a.png --levels 1 --json -");
+    assert_eq!((run.code, &*run.stdout), (Some(2), ""));
+    let expected = "'--levels <PIXELS>' cannot be used with '--json <FILE>'";
+    assert!(run.stderr.contains(expected), "{}", run.stderr);
+}
+
 #[cfg(feature = "levels")]
 #[test]
 fn levels_save_triangles_and_say_how_many() {

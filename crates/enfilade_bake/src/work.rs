@@ -59,7 +59,7 @@ pub enum Stage {
     FirstBound,
     /// Separating planes: for each passage (two consecutive portals), the portals that a ray may cross after it.
     Passages,
-    /// Propagates the passages until nothing changes; the bound of [`PairsOptions::fast`].
+    /// Propagates the passages until nothing changes; the bound of [`PairsOptions::fast`](crate::PairsOptions::fast).
     Fixpoint,
     /// Lower bound: rays sampled between portals.
     Sampling,

@@ -100,6 +100,7 @@ mod method;
 mod occluders;
 mod passage;
 mod query;
+mod raster;
 mod region;
 mod scene;
 mod sector;

@@ -103,6 +103,18 @@ fn orders_know_nothing_of_covers() {
 }
 
 #[test]
+fn the_rasterizer_knows_nothing_of_orders_covers_and_methods() {
+    for (path, text) in sources(&format!("{CORE}/raster")) {
+        let above = |of: &&str| {
+            ["order", "cover", "method"]
+                .iter()
+                .any(|word| of.starts_with(word))
+        };
+        assert_eq!(mentions(&text).find(above), None, "raster/{path}");
+    }
+}
+
+#[test]
 fn covers_know_of_orders_only_what_they_can_promise() {
     const PROMISES: [&str; 4] = ["Unsorted", "NodesNearToFar", "NearToFar", "FarToNear"];
     let mut known = 0;

@@ -8,9 +8,7 @@
 //! Exact: hides no box; its visible set is the owners of the final samples, plus transparent faces depth-tested against
 //! them.
 
-use super::raster::{Band, Raster, Sink};
 use super::samples::{Samples, look_through};
-use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
@@ -19,6 +17,7 @@ use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
+use crate::raster::{Band, Raster, Sink, Triangle};
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 

@@ -16,9 +16,7 @@
 //!     O(samples) once in total for raising the horizons.
 //! Exact: its visible set is the owners of the final samples, plus transparent faces depth-tested against them.
 
-use super::raster::{Band, Raster, Sink};
 use super::samples::{COVERED, OPEN, Sample, Samples, look_through, rev_depth};
-use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
@@ -27,6 +25,7 @@ use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
+use crate::raster::{Band, Raster, Sink, Triangle};
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 use glam::DVec3;

@@ -7,9 +7,7 @@
 //! Cost: clear and finish O(samples of the aperture); a face O(its open samples) + O(its rows); a box O(tiles).
 //! Exact: no decision depends on depth.
 
-use super::raster::{Band, Raster, Sink};
 use super::samples::{Samples, look_through};
-use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
@@ -18,6 +16,7 @@ use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::NearToFar;
 use crate::passage::Passage;
+use crate::raster::{Band, Raster, Sink, Triangle};
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 

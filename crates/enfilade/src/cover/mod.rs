@@ -5,29 +5,19 @@
 //! cover without a picture need not implement drawing. Covers do not depend on traversal orders; `method` combines the
 //! two.
 
-mod band;
-mod batch;
-mod block;
 mod cells;
-mod corners;
 mod depth_buffer;
 mod depth_pyramid;
-mod half_plane;
 mod horizon;
 mod mask;
 mod masked_depth;
 mod occlusion_tree;
 mod painters_buffer;
-mod part;
-mod raster;
 mod report;
 mod samples;
 mod show;
-mod sieve;
 mod span_buffer;
-mod tiles;
 mod trace;
-mod triangle;
 
 pub use cells::CoarseCoverage;
 pub use depth_buffer::DepthBuffer;
@@ -48,11 +38,10 @@ use crate::geom::Aabb;
 use crate::geometry::Owners;
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::passage::Passage;
+use crate::raster::{Band, Triangle};
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
-use band::Band;
 use glam::DAffine3;
-use triangle::Triangle;
 
 /// An occlusion buffer: stores what is already hidden and tests bounding boxes against it.
 ///

@@ -6,9 +6,7 @@
 //! Cost: clear and finish O(samples of the aperture); a face O(samples it covers), hidden or not.
 //! Contract: that of the traversal order.
 
-use super::raster::{Band, Raster, Sink};
 use super::samples::{Samples, look_through};
-use super::triangle::Triangle;
 use super::{Cover, Paints};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
@@ -17,6 +15,7 @@ use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::FarToNear;
 use crate::passage::Passage;
+use crate::raster::{Band, Raster, Sink, Triangle};
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
 

@@ -1,15 +1,14 @@
 //! Depth buffer storage: reversed depth and owner of each sample, packed into one integer.
 
-use super::raster::{Band, Raster, Sink};
 use super::report::Report;
 use super::trace::Trace;
-use super::triangle::{Row, Triangle};
 use crate::aperture::Rect;
 use crate::canvas::Canvas;
 use crate::collector::Collector;
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::{ItemId, Owners};
 use crate::passage::Passage;
+use crate::raster::{Band, Raster, Row, Sink, Triangle};
 use crate::stats::Stats;
 use std::ops::Range;
 

@@ -1,9 +1,8 @@
 //! A triangle in cell coordinates: the cells that it and its edges touch, and bounds of its depth there.
 
 use crate::aperture::Rect;
-use crate::cover::part::{greater, smaller};
-use crate::cover::triangle::Triangle;
 use crate::passage::{BEYOND, Passage};
+use crate::raster::{Triangle, greater, smaller};
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 

@@ -21,11 +21,10 @@ mod tests;
 mod waiting;
 
 use super::Coarse;
-use super::band::{BAND, Band};
-use super::triangle::Triangle;
 use crate::aperture::Rect;
 use crate::faces::Faces;
 use crate::passage::Passage;
+use crate::raster::{BAND, Band, Triangle};
 use crate::region::Region;
 use crate::stats::Stats;
 use face::{Corner, Face, Row};

@@ -7,23 +7,24 @@
 //!     clearly visible. Cells are updated when a test needs them, not at each depth write.
 //! Exact: an owner is stored beside each depth; a box is tested at its nearest corner, so nothing visible is culled.
 
+mod block;
 mod show;
+mod tiles;
 
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
 use crate::collector::Collector;
-use crate::cover::raster::{Band, Raster, Sink};
 use crate::cover::report::Report;
 use crate::cover::samples::look_through;
-use crate::cover::tiles::{TILE_SHIFT, Tiles};
-use crate::cover::triangle::Triangle;
 use crate::cover::{Coarse, Cover, Paints};
 use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
 use crate::passage::Passage;
+use crate::raster::{Band, Raster, Sink, Triangle};
 use crate::region::{Region, Visibility};
 use crate::stats::Stats;
+use tiles::{TILE_SHIFT, Tiles};
 
 /// Hierarchical z-buffer: a depth buffer with a pyramid of farthest depths (Hi-Z) for occlusion queries. Faces may be
 /// added in any order.

@@ -1,9 +1,9 @@
 //! Draws the pyramid by its largest cells that are nearly as precise as the tiles below them.
 
 use super::Depths;
+use super::tiles::TILE_SHIFT;
 use crate::canvas::{Canvas, CoverSpan, HiddenBy};
 use crate::cover::show::{push, show_rows};
-use crate::cover::tiles::TILE_SHIFT;
 use crate::passage::Passage;
 
 /// Maximum ratio of the nearest tile's reversed depth to that of the cell, for the cell to be drawn as a whole.

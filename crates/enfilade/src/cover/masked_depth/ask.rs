@@ -7,10 +7,9 @@ use super::tile::{
     BandTiles, COLUMNS, ROWS, SUB_TILES_OF_BAND, columns_within, masks_of_rect, rows_within, tiles,
 };
 use crate::aperture::Rect;
-use crate::cover::band::{BAND, Band};
-use crate::cover::part::greater;
 use crate::geom::Aabb;
 use crate::passage::Passage;
+use crate::raster::{BAND, Band, greater};
 use crate::region::{BOXES, EightBoxes, Region, Volume};
 use fearless_simd::dispatch;
 use fearless_simd::prelude::*;

@@ -5,9 +5,8 @@ use super::fill::Slope;
 use super::tile::{BandTiles, COLUMNS, ROWS};
 use crate::aperture::Rect;
 use crate::cover::Coarse;
-use crate::cover::band::{BAND, Band};
-use crate::cover::triangle::Triangle;
 use crate::passage::Passage;
+use crate::raster::{BAND, Band, Triangle};
 
 impl Coarse for MaskedDepth {
     fn clear_cells(&mut self, passage: &Passage) {

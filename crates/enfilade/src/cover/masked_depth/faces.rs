@@ -10,9 +10,7 @@ use super::fill::Slope;
 use super::grid::Tiles;
 use super::rows::RunQueue;
 use crate::aperture::Rect;
-use crate::cover::band::{BAND, Band};
-use crate::cover::raster::Sink;
-use crate::cover::triangle::Triangle;
+use crate::raster::{BAND, Band, Sink, Triangle};
 use glam::DVec3;
 
 /// Rasterizer output that queues the runs of the faces.

@@ -12,11 +12,9 @@ use super::grid::Grid;
 use super::rows::{RunQueue, Slopes};
 use super::tile::{ACROSS, BandTiles, COLUMNS, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
 use crate::aperture::Rect;
-use crate::cover::band::{BAND, Band};
-use crate::cover::half_plane::HalfPlane;
-use crate::cover::part::{Part, greater, smaller};
 use crate::occluders::Occluder;
 use crate::passage::Passage;
+use crate::raster::{BAND, Band, Clipper, HalfPlane, greater, smaller};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
@@ -25,7 +23,7 @@ use glam::DVec3;
 pub(super) struct Fill {
     level: Level,
     planes: Vec<HalfPlane>,
-    part: Part,
+    part: Clipper,
     run_queue: RunQueue,
 }
 
@@ -60,7 +58,7 @@ impl Fill {
         Fill {
             level,
             planes: Vec::new(),
-            part: Part::default(),
+            part: Clipper::default(),
             run_queue: RunQueue::default(),
         }
     }

@@ -3,8 +3,8 @@
 use super::batch::LANES;
 use super::tile::{BandTiles, COLUMNS, ROWS, Tile, tiles};
 use crate::aperture::Rect;
-use crate::cover::band::{BAND, Band};
 use crate::passage::Passage;
+use crate::raster::{BAND, Band};
 use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 

@@ -10,8 +10,7 @@
 
 use super::tile::{ACROSS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
 use crate::aperture::Rect;
-use crate::cover::half_plane::HalfPlane;
-use crate::cover::part::{greater, smaller};
+use crate::raster::{HalfPlane, greater, smaller};
 use crate::region::Volume;
 use glam::DVec3;
 

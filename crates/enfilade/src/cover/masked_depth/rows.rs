@@ -7,8 +7,7 @@
 use super::batch::{COUNT, LANES};
 use super::grid::Tiles;
 use super::tile::{ACROSS, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile};
-use crate::cover::band::Band;
-use crate::cover::part::smaller;
+use crate::raster::{Band, smaller};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u8x64, u32x16};
 

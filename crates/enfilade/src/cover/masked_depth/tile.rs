@@ -10,7 +10,7 @@
 //! Cost: O(1) for each sub-tile; [`rows`](super::rows) processes all sixteen at once.
 //! Conservative: a stored reversed depth is never above the true one.
 
-use crate::cover::band::{BAND, Band};
+use crate::raster::{BAND, Band};
 use std::ops::Range;
 
 /// Columns and rows of a tile: two bands.

@@ -9,7 +9,7 @@
 
 use super::face::{Face, PlaneSide};
 use super::rows::{COVERED, Span};
-use crate::cover::triangle::Row;
+use crate::raster::Row;
 use crate::stats::SpanStats;
 
 /// Order of a kept face and the last face that was compared with it.

@@ -1,6 +1,6 @@
 //! A face of the span buffer, and the tests that order two faces by depth.
 
-use crate::cover::triangle::Triangle;
+use crate::raster::Triangle;
 use glam::DVec3;
 
 /// A triangle in the space of (X, Y, W), with the eye at the origin.

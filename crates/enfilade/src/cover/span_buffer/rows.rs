@@ -3,8 +3,8 @@
 use super::compare::{NewFace, Relation};
 use super::face::Face;
 use crate::aperture::Rect;
-use crate::cover::raster::{BAND, Band};
 use crate::passage::Passage;
+use crate::raster::{BAND, Band};
 use crate::stats::SpanStats;
 use std::hint::black_box;
 

@@ -11,7 +11,7 @@
 use super::corners::{DEEPEST, FARTHEST, TO_INTEGER};
 use super::queue::Queue;
 use super::{Frame, ONE};
-use crate::cover::part::Part;
+use crate::raster::Clipper;
 use glam::DVec3;
 
 /// Guard band: distance from the origin of fixed point at which triangles are clipped, in pixels; slightly less than
@@ -28,7 +28,7 @@ pub(super) fn clip(
     frame: &Frame,
     positions: [[f32; 3]; 3],
     number: u32,
-    part: &mut Part,
+    part: &mut Clipper,
     clipped: &mut Queue<3>,
 ) -> bool {
     if !positions.as_flattened().iter().all(|value| value.is_finite()) {

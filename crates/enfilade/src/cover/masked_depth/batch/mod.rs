@@ -25,9 +25,9 @@ use super::grid::Tiles;
 use super::rows::RunQueue;
 use super::tile::{COLUMNS, ROWS};
 use crate::aperture::Rect;
-use crate::cover::part::Part;
 use crate::faces::Faces;
 use crate::passage::{BEYOND, Passage};
+use crate::raster::Clipper;
 pub(super) use corners::Block;
 use corners::{Corners, DEEPEST, MAX_CORNERS};
 use fearless_simd::prelude::*;
@@ -128,7 +128,7 @@ pub(super) struct Batch {
     queues: Queues,
     records: Records,
     run_queue: RunQueue,
-    part: Part,
+    part: Clipper,
 }
 
 /// Quads and triangles, with corners as indices into positions; the first index is `first_position`.

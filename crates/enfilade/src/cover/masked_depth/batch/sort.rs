@@ -11,7 +11,7 @@ use super::clip::clip;
 use super::corners::{Block, Corners, MAX_CORNERS};
 use super::queue::{FaceLanes, Queue};
 use super::{COUNT, Frame, HALF, LANES, ONE, ONE_SHIFT, Shapes};
-use crate::cover::part::Part;
+use crate::raster::Clipper;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x4, u32x16};
 
@@ -143,7 +143,7 @@ impl Queues {
         positions: &[Block],
         group: &Group<SIDES>,
         mut to_clip: u64,
-        part: &mut Part,
+        part: &mut Clipper,
     ) {
         while to_clip != 0 {
             let lane = to_clip.trailing_zeros();

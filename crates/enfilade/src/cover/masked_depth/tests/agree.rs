@@ -2,13 +2,12 @@
 
 use super::*;
 use crate::collector::Collector;
-use crate::cover::raster::{Band, Raster, Sink};
-use crate::cover::triangle::Triangle;
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, ItemId, Material, MaterialId};
 use crate::mesh::{Attributes, Mesh, Part};
+use crate::raster::{Band, Raster, Sink, Triangle};
 use std::collections::BTreeSet;
 
 /// The samples of a face according to the rasterizer.

@@ -3,8 +3,7 @@
 use super::quads::quads;
 use super::*;
 use crate::chance::levels;
-use crate::cover::raster::{Band, Raster, Sink};
-use crate::cover::triangle::Triangle;
+use crate::raster::{Band, Raster, Sink, Triangle};
 
 /// The nearest reversed depth of each sample according to the rasterizer, from the top left corner of the screen; 0 if
 /// there is none.

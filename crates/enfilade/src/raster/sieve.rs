@@ -175,8 +175,8 @@ impl<S: Simd> Edge<S> {
 mod tests {
     use super::*;
     use crate::chance::{Dice, levels};
-    use crate::cover::corners::Corners;
-    use crate::cover::half_plane::HalfPlane;
+    use crate::raster::HalfPlane;
+    use crate::raster::corners::Corners;
     use fearless_simd::{Level, dispatch};
     use glam::{DAffine3, DVec3};
 

@@ -6,15 +6,15 @@ use glam::DVec3;
 
 /// Corners of the clipped polygon, and a buffer for the next clip.
 #[derive(Default)]
-pub(super) struct Part {
+pub(crate) struct Clipper {
     corners: Vec<DVec3>,
     next: Vec<DVec3>,
 }
 
-impl Part {
+impl Clipper {
     /// Returns a rectangle within `limits` that contains the part of a polygon with W ≥ `near` and inside all cuts.
     #[cold]
-    pub(super) fn rect(&mut self, polygon: &[DVec3], near: f64, cuts: &[Cut], limits: &Rect) -> Rect {
+    pub(crate) fn rect(&mut self, polygon: &[DVec3], near: f64, cuts: &[Cut], limits: &Rect) -> Rect {
         self.corners.clear();
         self.corners.extend_from_slice(polygon);
         if near > 0.0 {
@@ -39,7 +39,7 @@ impl Part {
     }
 
     /// Returns the part of a polygon with n · p ≥ d for all planes.
-    pub(super) fn clipped(
+    pub(crate) fn clipped(
         &mut self,
         polygon: &[DVec3],
         planes: impl Iterator<Item = (DVec3, f64)>,
@@ -74,11 +74,11 @@ impl Part {
 }
 
 #[inline(always)]
-pub(super) fn smaller(a: f64, b: f64) -> f64 {
+pub(crate) fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
 #[inline(always)]
-pub(super) fn greater(a: f64, b: f64) -> f64 {
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 /// A half-plane in screen space: the points at which the edge function a·x + b·y + c is positive, or zero if `owns` is
 /// `true`.
 #[derive(Clone, Copy)]
-pub(super) struct HalfPlane {
+pub(crate) struct HalfPlane {
     a: f64,
     b: f64,
     c: f64,
@@ -17,7 +17,7 @@ pub(super) struct HalfPlane {
 }
 
 impl HalfPlane {
-    pub(super) const NONE: HalfPlane = HalfPlane {
+    pub(crate) const NONE: HalfPlane = HalfPlane {
         a: 0.0,
         b: 0.0,
         c: 0.0,
@@ -30,7 +30,7 @@ impl HalfPlane {
     /// Implements the top-left fill rule: left and top edges own the samples on their line, so exactly one of the two
     /// half-planes of a line owns it.
     #[inline(always)]
-    pub(super) fn new(normal: DVec3) -> HalfPlane {
+    pub(crate) fn new(normal: DVec3) -> HalfPlane {
         let DVec3 { x: a, y: b, z: c } = normal;
         HalfPlane {
             a,
@@ -47,7 +47,7 @@ impl HalfPlane {
     /// The edge is computed from its lexicographically smaller end, so that both faces that share the edge get the same
     /// bits.
     #[inline(always)]
-    pub(super) fn edge(from: DVec3, to: DVec3, side: f64) -> HalfPlane {
+    pub(crate) fn edge(from: DVec3, to: DVec3, side: f64) -> HalfPlane {
         let first = from.x < to.x || (from.x == to.x && (from.y < to.y || (from.y == to.y && from.z < to.z)));
         let normal = if first {
             from.cross(to - from)
@@ -59,34 +59,34 @@ impl HalfPlane {
 
     /// Returns `true` if the point is inside.
     #[inline(always)]
-    pub(super) fn holds(&self, x: f64, y: f64) -> bool {
+    pub(crate) fn holds(&self, x: f64, y: f64) -> bool {
         let value = x * self.a + (y * self.b + self.c);
         if self.owns { value >= 0.0 } else { value > 0.0 }
     }
 
     /// Returns `true` if all coefficients are finite, that is, if computing them did not overflow.
     #[inline(always)]
-    pub(super) fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         self.a.is_finite() && self.b.is_finite() && self.c.is_finite()
     }
 
     /// Returns `true` if the samples inside are always the first or the last ones of a scanline, regardless of
     /// rounding. That holds wherever the crossing with a scanline can be computed.
     #[inline(always)]
-    pub(super) fn is_plain(&self) -> bool {
+    pub(crate) fn is_plain(&self) -> bool {
         self.a == 0.0 || (self.root.is_finite() && self.root != 0.0)
     }
 
     /// Returns the part of the edge function that depends on the columns, for reuse across several rows.
     #[inline(always)]
-    pub(super) fn across<S: Simd>(&self, columns: f64x8<S>) -> f64x8<S> {
+    pub(crate) fn across<S: Simd>(&self, columns: f64x8<S>) -> f64x8<S> {
         columns * self.a
     }
 
     /// Tests samples in the row whose centre is at `y`, given the result of [`HalfPlane::across`]. Gives the same bits
     /// as [`HalfPlane::holds`].
     #[inline(always)]
-    pub(super) fn holds_across<S: Simd>(&self, simd: S, across: f64x8<S>, y: f64) -> mask64x8<S> {
+    pub(crate) fn holds_across<S: Simd>(&self, simd: S, across: f64x8<S>, y: f64) -> mask64x8<S> {
         let value = across + (y * self.b + self.c);
         value.simd_ge(f64x8::splat(simd, self.least()))
     }
@@ -104,7 +104,7 @@ impl HalfPlane {
     /// crossings are clamped to these rather than to the runs that other half-planes left, so that several half-planes
     /// are evaluated in parallel.
     #[inline(always)]
-    pub(super) fn narrow<S: Simd>(
+    pub(crate) fn narrow<S: Simd>(
         &self,
         simd: S,
         rows: f64x8<S>,

@@ -2,7 +2,7 @@
 //!
 //! Results are stored in structure-of-arrays blocks of eight, so that SIMD handles all eight at once. Beside them are
 //! rounded pixel positions for the sieve, and the extent of the whole batch.
-//! Source: original to this library; the map to (X, Y, W) is that of `raster.rs`.
+//! Source: original to this library; the map to (X, Y, W) is that of the rasterizer.
 //! Cost: O(vertices); no allocation once the lists have grown.
 //! The same bits at every SIMD level: no sum is fused or reordered. [`Corner::of`] is the specification.
 

@@ -8,8 +8,8 @@
 //! Exact: the same operations for each sample as [`Row::bits`]; the tests compare the two sample by sample, at every
 //! SIMD level.
 
-use super::samples::{COVERED, OPEN, Sample, lower_half, rev_depth};
-use super::triangle::{Row, Triangle};
+use crate::cover::samples::{COVERED, OPEN, Sample, lower_half, rev_depth};
+use crate::raster::{Row, Triangle};
 
 /// Base-2 logarithm of the number of samples along a tile's side.
 pub(super) const TILE_SHIFT: usize = 3;

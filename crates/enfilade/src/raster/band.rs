@@ -6,23 +6,23 @@ use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 
 /// Rows per band; a band starts at a multiple of eight.
-pub(super) const BAND: usize = 8;
+pub(crate) const BAND: usize = 8;
 
 /// Up to this number of rows, testing each sample is cheaper than computing where an edge crosses each scanline.
 const FEW_ROWS: u16 = 4;
 
 /// Runs of samples in up to eight rows, starting at row `y`, a multiple of eight.
 pub(crate) struct Band {
-    pub(super) y: u16,
+    pub(crate) y: u16,
     /// First column and end column (exclusive) of each row; equal for a row without samples.
-    pub(super) runs: [[u16; 2]; BAND],
+    pub(crate) runs: [[u16; 2]; BAND],
 }
 
 impl Band {
     /// Returns the samples of `rect` inside all half-planes, in the band that starts at row `y`, and their number;
     /// `None` if there are none.
     #[inline(always)]
-    pub(super) fn inside<S: Simd>(simd: S, y: u16, rect: &Rect, planes: &[HalfPlane]) -> Option<(Band, u64)> {
+    pub(crate) fn inside<S: Simd>(simd: S, y: u16, rect: &Rect, planes: &[HalfPlane]) -> Option<(Band, u64)> {
         const ROWS: [f64; BAND] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
         let rows = f64x8::from_slice(simd, &ROWS) + f64::from(y);
         let mut x0 = f64x8::splat(simd, f64::from(rect.x0));
@@ -45,7 +45,7 @@ impl Band {
 
     /// Computes [`Band::inside`] by the cheaper of two equivalent algorithms.
     #[inline(always)]
-    pub(super) fn of<S: Simd>(simd: S, y: u16, rect: &Rect, planes: &[HalfPlane]) -> Option<(Band, u64)> {
+    pub(crate) fn of<S: Simd>(simd: S, y: u16, rect: &Rect, planes: &[HalfPlane]) -> Option<(Band, u64)> {
         let rows = [rect.y0.max(y), rect.y1.min(y + BAND as u16)];
         let is_small = rect.x1 - rect.x0 <= BAND as u16 && rows[1] - rows[0] <= FEW_ROWS;
         if is_small && planes.iter().all(HalfPlane::is_plain) {
@@ -92,7 +92,7 @@ impl Band {
 
     /// Returns the non-empty rows with their runs.
     #[inline(always)]
-    pub(super) fn rows(&self) -> impl Iterator<Item = (u16, [u16; 2])> + '_ {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (u16, [u16; 2])> + '_ {
         (self.y..).zip(self.runs).filter(|(_, [x0, x1])| x0 < x1)
     }
 }

@@ -10,25 +10,34 @@
 //! sample belongs to exactly one of its faces (top-left fill rule). The same bits at every SIMD level: the compiler
 //! only widens the code.
 
-pub(super) use super::band::{BAND, Band};
-use super::batch::Triangles;
-use super::corners::{Corner, Corners};
-use super::half_plane::HalfPlane;
-use super::part::{Part, greater, smaller};
-use super::sieve::{self, Sieve};
-use super::triangle::Triangle;
+mod band;
+mod clip;
+mod corners;
+mod half_plane;
+mod sieve;
+mod triangle;
+mod triangles;
+
+pub(crate) use band::{BAND, Band};
+pub(crate) use clip::{Clipper, greater, smaller};
+pub(crate) use half_plane::HalfPlane;
+pub(crate) use triangle::{Row, Triangle};
+
 use crate::aperture::Rect;
 use crate::faces::{Cut, FaceSource, Faces};
 use crate::passage::{BEYOND, Passage};
 use crate::simd::level;
 use crate::stats::Stats;
+use corners::{Corner, Corners};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
+use sieve::Sieve;
 use std::hint::black_box;
+use triangles::Triangles;
 
 /// Receives the rasterized samples of triangles.
-pub(super) trait Sink {
+pub(crate) trait Sink {
     /// Returns `true` if everything in `rect` no nearer than `nearest` is already hidden; `false` when unsure.
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool;
 
@@ -47,7 +56,7 @@ pub(super) trait Sink {
 }
 
 /// The rasterizer, with its buffers.
-pub(super) struct Raster {
+pub(crate) struct Raster {
     level: Level,
     buffers: Buffers,
 }
@@ -57,7 +66,7 @@ pub(super) struct Raster {
 struct Buffers {
     corners: Corners,
     planes: Vec<HalfPlane>,
-    part: Part,
+    clipper: Clipper,
 }
 
 impl Default for Raster {
@@ -68,7 +77,7 @@ impl Default for Raster {
 
 impl Raster {
     /// Creates a rasterizer for a SIMD level. The level changes the speed only; the results have the same bits.
-    pub(super) fn at(level: Level) -> Raster {
+    pub(crate) fn at(level: Level) -> Raster {
         Raster {
             level,
             buffers: Buffers::default(),
@@ -76,7 +85,7 @@ impl Raster {
     }
 
     /// Rasterizes a batch face by face into `sink`.
-    pub(super) fn run(&mut self, faces: &Faces, passage: &Passage, sink: &mut impl Sink, stats: &mut Stats) {
+    pub(crate) fn run(&mut self, faces: &Faces, passage: &Passage, sink: &mut impl Sink, stats: &mut Stats) {
         stats.batches += 1;
         let buffers = &mut self.buffers;
         dispatch!(self.level, simd => run_batch(simd, buffers, faces, passage, sink, stats));
@@ -95,7 +104,7 @@ fn run_batch<S: Simd>(
     let Buffers {
         corners,
         planes,
-        part,
+        clipper,
     } = buffers;
     let batch = Batch {
         rect: passage.aperture.rect(),
@@ -160,7 +169,7 @@ fn run_batch<S: Simd>(
             let (owner, used) = group[left.trailing_zeros() as usize];
             left &= left - 1;
             let used = [corners.get(used[0]), corners.get(used[1]), corners.get(used[2])];
-            batch.triangle(simd, owner, &used, part, planes, sink, stats);
+            batch.triangle(simd, owner, &used, clipper, planes, sink, stats);
         }
     }
 }
@@ -221,7 +230,7 @@ impl Batch<'_> {
         simd: S,
         owner: u32,
         corners: &[Corner; 3],
-        part: &mut Part,
+        clipper: &mut Clipper,
         all_planes: &mut Vec<HalfPlane>,
         sink: &mut impl Sink,
         stats: &mut Stats,
@@ -243,7 +252,7 @@ impl Batch<'_> {
             };
         }
         let rect = if crosses_near || !self.cuts.is_empty() {
-            part.rect(&[a, b, c], self.near, self.cuts, &self.rect)
+            clipper.rect(&[a, b, c], self.near, self.cuts, &self.rect)
         } else {
             let [p, q, r] = [corners[0].pixel, corners[1].pixel, corners[2].pixel];
             let low = [

@@ -10,11 +10,11 @@ use std::cmp::Ordering;
 pub(crate) struct Triangle {
     /// Reversed depth at the sample in column x, row y is `rev_depth · (x + ½, y + ½, 1)`, clamped to
     /// `least..=greatest`.
-    pub(super) least: f64,
-    pub(super) greatest: f64,
+    pub(crate) least: f64,
+    pub(crate) greatest: f64,
     /// Number of its face.
-    pub(super) owner: u32,
-    pub(super) rev_depth: DVec3,
+    pub(crate) owner: u32,
+    pub(crate) rev_depth: DVec3,
 }
 
 /// Reversed depth along one scanline.
@@ -29,7 +29,7 @@ pub(crate) struct Row {
 impl Triangle {
     /// Returns a triangle of constant reversed depth, parallel to the screen.
     #[inline(always)]
-    pub(super) fn flat(rev_depth: f32) -> Triangle {
+    pub(crate) fn flat(rev_depth: f32) -> Triangle {
         let rev_depth = f64::from(rev_depth);
         Triangle {
             owner: 0,
@@ -41,13 +41,13 @@ impl Triangle {
 
     /// Returns the bits of the largest reversed depth of any sample.
     #[inline(always)]
-    pub(super) fn nearest(&self) -> u32 {
+    pub(crate) fn nearest(&self) -> u32 {
         (self.greatest as f32).to_bits()
     }
 
     /// Returns the reversed depth along row `y`.
     #[inline(always)]
-    pub(super) fn row(&self, y: u16) -> Row {
+    pub(crate) fn row(&self, y: u16) -> Row {
         Row {
             base: self.rev_depth.y * (f64::from(y) + 0.5) + (self.rev_depth.x * 0.5 + self.rev_depth.z),
             step: self.rev_depth.x,
@@ -62,7 +62,7 @@ impl Triangle {
     /// `Greater` if this one is nearer everywhere, `Less` if it is farther everywhere, by more than the rounding of
     /// samples. `None` if neither is certain.
     #[inline(always)]
-    pub(super) fn compare_depth(&self, other: &Triangle, rect: &Rect) -> Option<Ordering> {
+    pub(crate) fn compare_depth(&self, other: &Triangle, rect: &Rect) -> Option<Ordering> {
         const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
         let [mut nearer, mut farther] = [true, true];
         // Both depths are linear, and so is their difference: a comparison that holds at the corners holds everywhere
@@ -87,26 +87,26 @@ impl Triangle {
 impl Row {
     /// Returns the reversed depth at column `x`.
     #[inline(always)]
-    pub(super) fn at(&self, x: u16) -> f64 {
+    pub(crate) fn at(&self, x: u16) -> f64 {
         self.within(self.base + self.step * f64::from(x))
     }
 
     /// Returns the plane's reversed depth at column `x` without clamping, so also outside the triangle.
     #[inline(always)]
-    pub(super) fn beyond(&self, x: u16) -> f64 {
+    pub(crate) fn beyond(&self, x: u16) -> f64 {
         self.base + self.step * f64::from(x)
     }
 
     /// Returns the reversed depth at column `x` as the bits of an f32. The bits of positive floats sort like the
     /// floats.
     #[inline(always)]
-    pub(super) fn bits(&self, x: i32) -> u32 {
+    pub(crate) fn bits(&self, x: i32) -> u32 {
         (self.within(self.base + self.step * f64::from(x)) as f32).to_bits()
     }
 
     /// Returns the bits of the reversed depth at eight columns, starting at `x`.
     #[inline(always)]
-    pub(super) fn eight_bits(&self, x: u16) -> [u32; 8] {
+    pub(crate) fn eight_bits(&self, x: u16) -> [u32; 8] {
         const COLUMNS: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
         let mut bits = [0; 8];
         for (bits, column) in bits.iter_mut().zip(COLUMNS) {

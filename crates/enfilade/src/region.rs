@@ -43,7 +43,7 @@ pub struct Volume {
 
 /// Relative factor by which queries round reversed depth up: larger than the rounding of covers (2⁻²⁴), smaller than
 /// the tolerance of the reference (2⁻¹⁶).
-const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
+pub(crate) const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
 impl Region {
     /// Projects an AABB, given in another space, through `passage`; `None` if no sample of the aperture's rectangle can

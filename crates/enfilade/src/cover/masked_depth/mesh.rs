@@ -5,11 +5,11 @@
 //! Two successive triangles that form a planar convex quad are merged.
 //! Source: order as in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 4.
 //! Cost: O(faces).
-//! Conservative: as [`super::batch`].
+//! Conservative: as [`batch`](super::batch).
 
-use super::MaskedDepth;
-use super::batch::{Block, LANES};
-use super::worker::Worker;
+use super::batch::Worker;
+use super::project::Block;
+use super::{LANES, MaskedDepth};
 use crate::geom::Aabb;
 use crate::passage::Passage;
 use crate::stats::Stats;

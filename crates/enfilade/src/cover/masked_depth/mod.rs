@@ -14,37 +14,40 @@
 //! Conservative: stored depths are never nearer than the true ones, a box is never tested farther than it is, and equal
 //!     depths count as visible.
 
-mod ask;
 mod batch;
-mod coarse;
-mod faces;
-mod fill;
-mod grid;
 mod mesh;
-mod outline;
-mod rows;
-mod show;
+mod occluder;
+mod project;
+mod query;
+mod runs;
+mod setup;
+mod small;
+mod sort;
 #[cfg(test)]
 mod tests;
-mod tile;
-mod worker;
+mod tiles;
+mod wide;
 
-use super::{Cover, Hides};
+use super::{Coarse, Cover, Hides};
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
 use crate::faces::Faces;
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::order::Unsorted;
 use crate::passage::Passage;
+use crate::raster::{BAND, Band, Triangle};
 use crate::region::{Region, Visibility};
 use crate::simd::level;
 use crate::stats::Stats;
+use batch::Worker;
 use fearless_simd::{Level, dispatch};
-use fill::Fill;
-use grid::Grid;
 pub use mesh::OccluderMesh;
-use tile::{COLUMNS, ROWS, Tile};
-use worker::Worker;
+use occluder::{Fill, Slope};
+use tiles::{BandTiles, COLUMNS, Grid, ROWS, Tile};
+
+/// SIMD lanes of a kernel, at every level, and their indices.
+const LANES: usize = 16;
+const COUNT: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Minimum number of samples in a box per face in it for its faces to be rasterized as occluders. With fewer, setting
 /// them up costs more than they hide.
@@ -148,5 +151,40 @@ impl Hides for MaskedDepth {
     fn are_too_fine(triangles: u64, region: &Region) -> bool {
         let Rect { x0, y0, x1, y1 } = region.rect;
         u64::from(x1 - x0) * u64::from(y1 - y0) < WORTH * triangles
+    }
+}
+
+impl Coarse for MaskedDepth {
+    fn clear_cells(&mut self, passage: &Passage) {
+        self.grid.clear(passage);
+        self.near = f64::from(passage.near);
+    }
+
+    fn sees_cells(&mut self, rect: &Rect, nearest: f32) -> bool {
+        let rect = rect.intersection(&self.grid.rect);
+        !rect.is_empty() && self.grid.first_seen(&rect, nearest).is_some()
+    }
+
+    fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool {
+        let slope = self.slope(rev_depth);
+        let across = BandTiles::new(cells);
+        let y = usize::from(cells.y);
+        across.tiles().any(|column| {
+            let most = slope.most_over_band([column * COLUMNS, y]);
+            let tile = &self.grid.tiles[y / ROWS * self.grid.columns + column];
+            tile.sees(y % ROWS / BAND, &across.samples(column), &most)
+        })
+    }
+
+    fn cover_cells(&mut self, cells: &Band, rev_depth: &Triangle) {
+        let slope = self.slope(rev_depth);
+        self.grid.cover(cells, &slope);
+    }
+}
+
+impl MaskedDepth {
+    fn slope(&self, triangle: &Triangle) -> Slope {
+        let between = [triangle.least, triangle.greatest];
+        Slope::new(triangle.rev_depth, between, &self.grid.rect)
     }
 }

@@ -4,9 +4,8 @@
 //! Cost: O(tiles); a tile that is already nearer is rejected by one comparison.
 //! Conservative: as [`Tile::cover`], the scalar specification.
 
-use super::batch::{COUNT, LANES};
-use super::grid::Tiles;
-use super::tile::{ACROSS, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile};
+use super::tiles::{ACROSS, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile, Tiles};
+use super::{COUNT, LANES};
 use crate::raster::{Band, smaller};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u8x64, u32x16};

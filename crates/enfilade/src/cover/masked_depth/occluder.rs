@@ -8,13 +8,15 @@
 //! Conservative: reversed depth is rounded down, and the parts in front of the near plane or the entry plane are
 //!     clipped.
 
-use super::grid::Grid;
-use super::rows::{RunQueue, Slopes};
-use super::tile::{ACROSS, BandTiles, COLUMNS, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND};
+use super::runs::{RunQueue, Slopes};
+use super::tiles::{
+    ACROSS, BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
+};
 use crate::aperture::Rect;
 use crate::occluders::Occluder;
 use crate::passage::Passage;
 use crate::raster::{BAND, Band, Clipper, HalfPlane, greater, smaller};
+use crate::region::ROUND_UP;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
@@ -23,7 +25,7 @@ use glam::DVec3;
 pub(super) struct Fill {
     level: Level,
     planes: Vec<HalfPlane>,
-    part: Clipper,
+    clipper: Clipper,
     run_queue: RunQueue,
 }
 
@@ -40,9 +42,6 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 /// Factor that lowers reversed depth before it is stored: covers rounding to f32 and the multiplication.
 const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 23) as f64;
 
-/// Same as `ROUND_UP` in `region`.
-const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
-
 /// Plane of reversed depth of an occluder on the screen, clamped to a range.
 pub(super) struct Slope {
     /// Reversed depth at the point (x, y) is `at · (x, y, 1)`, accurate to `rounding`.
@@ -58,7 +57,7 @@ impl Fill {
         Fill {
             level,
             planes: Vec::new(),
-            part: Clipper::default(),
+            clipper: Clipper::default(),
             run_queue: RunQueue::default(),
         }
     }
@@ -130,7 +129,7 @@ impl Fill {
         }
         let crosses_near = nearest <= near * BEYOND_NEAR;
         let rect = if crosses_near {
-            self.part.rect(corners, near, &[], limits)
+            self.clipper.rect(corners, near, &[], limits)
         } else {
             Rect::around(low, high, limits)
         };

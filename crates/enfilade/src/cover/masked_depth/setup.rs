@@ -9,9 +9,8 @@
 //! Cost: O(1) for sixteen faces.
 //! Conservative: reversed depth is lowered by its rounding error.
 
-use super::queue::FaceLanes;
-use super::sort::{EXACTNESS, Samples};
-use super::{Frame, ONE, ONE_SHIFT};
+use super::project::{Frame, ONE, ONE_SHIFT};
+use super::sort::{EXACTNESS, FaceLanes, Samples};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16};
 

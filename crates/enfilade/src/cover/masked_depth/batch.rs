@@ -1,0 +1,359 @@
+//! Rasterizes batches of faces as occluders: sixteen faces at a time in SIMD lanes, with an f64 fallback.
+//!
+//! Vertices are projected to fixed point ([`project`]). Faces are back-face culled, classified and queued by kind
+//! ([`sort`](super::sort)) and set up ([`setup`](super::setup)). Small faces are rasterized one per lane ([`small`]),
+//! wide triangles one after the other with rows in the lanes ([`wide`]). Faces with a vertex that fixed point cannot
+//! represent are clipped first ([`project::clip`]). All arithmetic is 32-bit with error bounds: where the error could
+//! change a sample, the face is uncertain and goes to the f64 rasterizer of the exact covers. So this buffer covers the
+//! same samples as they do, and faces that share an edge are watertight: each sample belongs to exactly one of them.
+//! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016; filters as in Shewchuk,
+//!     Adaptive Precision Floating-Point Arithmetic, 1997.
+//! Cost: O(vertices + faces + tiles), and O(tiles it overlaps) for each uncertain face.
+//! Conservative: covers exactly the samples that the exact covers do, and is nowhere nearer than they are.
+
+use super::mesh::{Part, block};
+use super::occluder::Slope;
+use super::project::{Block, Corners, Frame, MAX_CORNERS};
+use super::runs::RunQueue;
+use super::small::Records;
+use super::sort::{Group, Queues};
+use super::tiles::Tiles;
+use super::{LANES, project, small, wide};
+use crate::aperture::Rect;
+use crate::faces::Faces;
+use crate::passage::Passage;
+use crate::raster::{BAND, Band, Clipper, Raster, Sink, Triangle};
+use crate::region::Region;
+use crate::stats::Stats;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use glam::DVec3;
+
+/// Buffers of one rasterizing thread.
+pub(super) struct Worker {
+    batch: Batch,
+    blocks: Vec<Block>,
+    /// Quads and triangles of polygons with more corners, and the front-facing ones of a mesh part.
+    quads: Vec<[u32; 4]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Worker {
+    /// Creates a worker for a SIMD level. The level changes the speed only; the results have the same bits.
+    pub(super) fn at(level: Level) -> Worker {
+        Worker {
+            batch: Batch::at(level),
+            blocks: Vec::new(),
+            quads: Vec::new(),
+            triangles: Vec::new(),
+        }
+    }
+
+    /// Rasterizes a batch of faces as occluders.
+    pub(super) fn hide_batch(
+        &mut self,
+        tiles: &mut Tiles,
+        faces: &Faces,
+        passage: &Passage,
+        stats: &mut Stats,
+    ) {
+        let Worker {
+            batch,
+            blocks,
+            quads,
+            triangles,
+        } = self;
+        blocks.clear();
+        blocks.extend(faces.positions.chunks(LANES).map(block));
+        stats.batches += 1;
+        let mut shapes = Shapes {
+            quads: &[],
+            triangles: faces.corners.as_chunks().0,
+            first_position: faces.first_position,
+        };
+        if faces.starts.is_some() {
+            quads.clear();
+            triangles.clear();
+            faces.for_each(|_, face| fan(face, quads, triangles));
+            shapes.quads = quads;
+            shapes.triangles = triangles;
+        }
+        batch.hide(faces, passage, blocks, shapes, tiles, stats);
+    }
+
+    /// Rasterizes those parts of a mesh, given in the space of the passage's sector, that overlap the tiles.
+    pub(super) fn hide_parts(
+        &mut self,
+        tiles: &mut Tiles,
+        parts: &[Part],
+        passage: &Passage,
+        stats: &mut Stats,
+    ) {
+        let Worker {
+            batch,
+            quads,
+            triangles,
+            ..
+        } = self;
+        let faces = Faces::of_triangles(&[], &[], &passage.screen_from_sector);
+        let eye = passage.eye().map(|at| at as f32);
+        for part in parts {
+            let region = Region::of(passage, &passage.screen_from_sector, &part.bounds);
+            if region.is_none_or(|region| region.rect.intersection(&tiles.rect).is_empty()) {
+                continue;
+            }
+            dispatch!(batch.level, simd => part.quads.keep_facing(simd, eye, quads));
+            dispatch!(batch.level, simd => part.triangles.keep_facing(simd, eye, triangles));
+            let shapes = Shapes {
+                quads,
+                triangles,
+                first_position: 0,
+            };
+            if shapes.triangles() > 0 {
+                batch.hide(&faces, passage, &part.blocks, shapes, tiles, stats);
+            }
+        }
+    }
+}
+
+/// Splits a convex polygon into quads and, if one remains, a triangle.
+fn fan(face: &[u32], quads: &mut Vec<[u32; 4]>, triangles: &mut Vec<[u32; 3]>) {
+    let Some((&first, mut others)) = face.split_first() else {
+        return;
+    };
+    while let Some(&[a, b, c]) = others.first_chunk() {
+        quads.push([first, a, b, c]);
+        others = &others[2..];
+    }
+    if let &[a, b] = others {
+        triangles.push([first, a, b]);
+    }
+}
+
+/// The kernels with their buffers, and the f64 rasterizer.
+struct Batch {
+    level: Level,
+    raster: Raster,
+    corners: Corners,
+    queues: Queues,
+    records: Records,
+    run_queue: RunQueue,
+    clipper: Clipper,
+}
+
+/// Quads and triangles, with corners as indices into positions; the first index is `first_position`.
+#[derive(Clone, Copy)]
+pub(super) struct Shapes<'a> {
+    /// Convex quads; they are numbered before the triangles.
+    pub(super) quads: &'a [[u32; 4]],
+    pub(super) triangles: &'a [[u32; 3]],
+    pub(super) first_position: u32,
+}
+
+impl Shapes<'_> {
+    /// Returns the number of triangles, counting a quad as two.
+    pub(super) fn triangles(&self) -> u64 {
+        (2 * self.quads.len() + self.triangles.len()) as u64
+    }
+
+    /// Returns the corners of the face `number`.
+    pub(super) fn corners(&self, number: usize) -> &[u32] {
+        match self.quads.get(number) {
+            Some(quad) => quad,
+            None => &self.triangles[number - self.quads.len()],
+        }
+    }
+}
+
+impl Batch {
+    fn at(level: Level) -> Batch {
+        Batch {
+            level,
+            raster: Raster::at(level),
+            corners: Corners::default(),
+            queues: Queues::default(),
+            records: Records::default(),
+            run_queue: RunQueue::default(),
+            clipper: Clipper::default(),
+        }
+    }
+
+    /// Rasterizes with the kernels, then those faces one by one in f64 that the kernels are not certain of. `faces` has
+    /// the properties of the faces; its corners are ignored.
+    fn hide(
+        &mut self,
+        faces: &Faces,
+        passage: &Passage,
+        blocks: &[Block],
+        shapes: Shapes,
+        tiles: &mut Tiles,
+        stats: &mut Stats,
+    ) {
+        let frame = Frame::new(faces, passage, tiles);
+        stats.triangles += shapes.triangles();
+        dispatch!(self.level, simd => self.hide_certain(simd, &frame, blocks, shapes, tiles));
+        let Batch {
+            raster,
+            queues: Queues { uncertain, .. },
+            run_queue,
+            ..
+        } = self;
+        if uncertain.is_empty() {
+            return;
+        }
+        // Separate counters, because the batch and its triangles are already counted.
+        let mut alone = Stats::default();
+        for &number in &*uncertain {
+            let corners = shapes.corners(number as usize);
+            let at = |corner: u32| {
+                let place = (corner - shapes.first_position) as usize;
+                blocks[place / LANES].map(|axis| axis[place % LANES])
+            };
+            for last in 2..corners.len() {
+                let three = [corners[0], corners[last - 1], corners[last]].map(at);
+                if !three.as_flattened().iter().all(|value| value.is_finite()) {
+                    continue;
+                }
+                let one = Faces {
+                    positions: &three,
+                    first_position: 0,
+                    corners: &[0, 1, 2],
+                    starts: None,
+                    neighbours: &[],
+                    ..*faces
+                };
+                raster.run(&one, passage, &mut RunSink { tiles, run_queue }, &mut alone);
+            }
+        }
+        stats.triangles_hidden += alone.triangles_hidden;
+        stats.samples += alone.samples;
+        dispatch!(self.level, simd => self.run_queue.cover(simd, tiles));
+    }
+
+    /// Rasterizes faces as occluders, except those that it lists in `queues.uncertain`.
+    #[inline(always)]
+    fn hide_certain<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame,
+        positions: &[Block],
+        shapes: Shapes,
+        tiles: &mut Tiles,
+    ) {
+        self.queues.uncertain.clear();
+        let Shapes {
+            quads,
+            triangles,
+            first_position,
+        } = shapes;
+        if positions.len() * LANES > MAX_CORNERS {
+            let all = 0..(quads.len() + triangles.len()) as u32;
+            self.queues.uncertain.extend(all);
+            return;
+        }
+        project::project(simd, frame, positions, &mut self.corners);
+        let mut last_quads = [[first_position; 4]; LANES];
+        let mut last_triangles = [[first_position; 3]; LANES];
+        let groups_of_quads = quads.len().div_ceil(LANES);
+        let groups = groups_of_quads + triangles.len().div_ceil(LANES);
+        let mut next = 0;
+        loop {
+            if next == groups || self.queues.clipped.count >= LANES {
+                self.queues.queue_clipped(simd, frame);
+            } else if next < groups_of_quads {
+                let group = Group::new(&shapes, quads, next, 0, &mut last_quads);
+                let found = group.project(simd, &self.corners);
+                self.queues.queue_quads(simd, frame, &found);
+                self.queues
+                    .clip(frame, positions, &group, found.to_clip, &mut self.clipper);
+                next += 1;
+            } else {
+                let which = next - groups_of_quads;
+                let group = Group::new(&shapes, triangles, which, quads.len(), &mut last_triangles);
+                let found = group.project(simd, &self.corners);
+                self.queues.queue_triangles(simd, frame, &found);
+                self.queues
+                    .clip(frame, positions, &group, found.to_clip, &mut self.clipper);
+                next += 1;
+            }
+            let done = next == groups && self.queues.clipped.count == 0;
+            if done || self.queues.are_full() {
+                let least = if done { 1 } else { LANES };
+                self.flush(simd, frame, tiles, least);
+            }
+            if done {
+                return;
+            }
+        }
+    }
+
+    /// Rasterizes queued faces, wide ones first, as long as a queue has at least `least`.
+    #[inline(always)]
+    fn flush<S: Simd>(&mut self, simd: S, frame: &Frame, tiles: &mut Tiles, least: usize) {
+        let Batch {
+            queues:
+                Queues {
+                    small,
+                    wide,
+                    quads,
+                    uncertain,
+                    ..
+                },
+            records,
+            run_queue,
+            ..
+        } = self;
+        let mut from = 0;
+        while wide.count >= from + least {
+            let faces = wide.load(simd, from);
+            wide::draw(simd, frame, &faces, tiles, run_queue, uncertain);
+            from += faces.lanes;
+        }
+        run_queue.cover(simd, tiles);
+        wide.discard_before(from);
+        from = 0;
+        while quads.count >= from + least {
+            let faces = quads.load(simd, from);
+            small::draw::<S, 4, 2>(simd, frame, &faces, records, uncertain);
+            records.merge(tiles);
+            from += faces.lanes;
+        }
+        quads.discard_before(from);
+        from = 0;
+        while small.count >= from + least {
+            let faces = small.load(simd, from);
+            small::draw::<S, 3, 1>(simd, frame, &faces, records, uncertain);
+            records.merge(tiles);
+            from += faces.lanes;
+        }
+        small.discard_before(from);
+    }
+}
+
+/// Rasterizer output that queues the runs of the faces.
+struct RunSink<'a> {
+    tiles: &'a Tiles<'a>,
+    run_queue: &'a mut RunQueue,
+}
+
+impl Sink for RunSink<'_> {
+    #[inline(always)]
+    fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
+        self.tiles.hides(rect, nearest)
+    }
+
+    #[inline(always)]
+    fn begin(&mut self, triangle: &Triangle, _corners: &[DVec3; 3]) {
+        let between = [triangle.least, triangle.greatest];
+        let slope = Slope::new(triangle.rev_depth, between, &self.tiles.rect);
+        self.run_queue.begin(&slope.slopes());
+    }
+
+    #[inline(always)]
+    fn band(&mut self, band: &Band, _triangle: &Triangle) {
+        let Rect { y0, y1, .. } = self.tiles.rect;
+        if y0 < band.y + BAND as u16 && band.y < y1 {
+            self.run_queue.push_band(band);
+        }
+    }
+}

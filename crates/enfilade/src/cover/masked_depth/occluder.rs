@@ -184,7 +184,7 @@ impl Grid {
 
     /// Covers the samples of a band, starting at row `y`, in one column of tiles.
     #[inline(always)]
-    pub(super) fn cover_in_tile(&mut self, across: &BandTiles, [column, y]: [usize; 2], slope: &Slope) {
+    fn cover_in_tile(&mut self, across: &BandTiles, [column, y]: [usize; 2], slope: &Slope) {
         let rev_depth = slope.over_band([column * COLUMNS, y]);
         let index = y / ROWS * self.columns + column;
         let mut any_nearer = false;
@@ -234,7 +234,7 @@ impl Slope {
     /// down. If the plane is NaN, returns the lower end of the range, as [`Slope::most_over_band`] returns the upper
     /// one.
     #[inline(always)]
-    pub(super) fn over_band(&self, at: [usize; 2]) -> RevDepth {
+    fn over_band(&self, at: [usize; 2]) -> RevDepth {
         let all = self.at_corners(at, [self.at.x < 0.0, self.at.y < 0.0]);
         let mut rounded = [0.0; SUB_TILES_OF_BAND];
         for (least, rounded) in all.iter().zip(&mut rounded) {

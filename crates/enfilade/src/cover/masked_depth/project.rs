@@ -109,7 +109,7 @@ impl Frame {
 
 /// Column and row (in units from the frame's origin), bits of the reversed depth (positive; 0 if odd), and an outcode:
 /// a bit for each clip plane that an odd vertex is certainly outside.
-pub(super) type Corner = [u32; 4];
+type Corner = [u32; 4];
 
 /// Maximum number of vertices in a batch.
 pub(super) const MAX_CORNERS: usize = 1024;
@@ -125,13 +125,13 @@ impl Default for Corners {
 
 /// A vertex farther from the origin is odd, in units: the limit lets sums and differences of two coordinates fit 32
 /// bits.
-pub(super) const FARTHEST: f64 = (1_u32 << 30) as f64;
+const FARTHEST: f64 = (1_u32 << 30) as f64;
 
 /// A vertex with W above this, or below its inverse, is odd: the limits keep results in f32 finite.
-pub(super) const DEEPEST: f64 = 1e18;
+const DEEPEST: f64 = 1e18;
 
 /// Rounds an f64 to the nearest integer when added, and leaves the integer in the lower half of the bits.
-pub(super) const TO_INTEGER: f64 = 1.5 * (1_u64 << 52) as f64;
+const TO_INTEGER: f64 = 1.5 * (1_u64 << 52) as f64;
 
 /// Sixteen positions: x of each, y of each, z of each.
 pub(in crate::cover::masked_depth) type Block = [[f32; LANES]; 3];

@@ -181,7 +181,7 @@ impl Grid {
     /// Returns `true` if the centre sample of `rect` may show geometry with reversed depth `nearest`. An early out:
     /// most visible rectangles pass it.
     #[inline(always)]
-    pub(super) fn shows_middle_of(&self, rect: &Rect, nearest: f32) -> bool {
+    fn shows_middle_of(&self, rect: &Rect, nearest: f32) -> bool {
         let [x, y] = [
             usize::from(rect.x0.midpoint(rect.x1)),
             usize::from(rect.y0.midpoint(rect.y1)),
@@ -234,7 +234,7 @@ fn sample_at_middle(rect: &Rect, volume: &Volume) -> Option<[usize; 2]> {
 }
 
 /// Silhouette and front faces of a box.
-pub(super) struct Outline {
+struct Outline {
     lines: [HalfPlane; 6],
     line_count: usize,
     /// Planes of the front faces: reversed depth is at most `front · (x, y, 1)` for each.
@@ -251,7 +251,7 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
 impl Outline {
     /// Returns the outline of a box; `None` if the box crosses the near plane or may contain the eye.
     #[inline(always)]
-    pub(super) fn of(volume: &Volume, near: f64, limits: &Rect) -> Option<Outline> {
+    fn of(volume: &Volume, near: f64, limits: &Rect) -> Option<Outline> {
         let [mut xs, mut ys] = [[0.0; 8], [0.0; 8]];
         let mut nearest = f64::INFINITY;
         let mut reach = 0.0;
@@ -353,13 +353,13 @@ impl Outline {
 
     /// Returns the half-planes of the silhouette.
     #[inline(always)]
-    pub(super) fn lines(&self) -> &[HalfPlane] {
+    fn lines(&self) -> &[HalfPlane] {
         &self.lines[..self.line_count]
     }
 
     /// Returns an upper bound of the box's reversed depth at a point of the screen; negative outside the silhouette.
     #[inline(always)]
-    pub(super) fn rev_depth_at(&self, [x, y]: [f64; 2]) -> f64 {
+    fn rev_depth_at(&self, [x, y]: [f64; 2]) -> f64 {
         let mut rev_depth = f64::INFINITY;
         for front in &self.fronts[..self.front_count] {
             rev_depth = smaller(x * front.x + (y * front.y + front.z), rev_depth);
@@ -377,7 +377,7 @@ impl Outline {
     /// Returns an upper bound, clamped to `nearest`, of the box's reversed depth at the samples of `rect` in each
     /// sub-tile of a band, in the tile at column and row `at`.
     #[inline(always)]
-    pub(super) fn over_tile(&self, at: [usize; 2], rect: &Rect, nearest: f32) -> RevDepth {
+    fn over_tile(&self, at: [usize; 2], rect: &Rect, nearest: f32) -> RevDepth {
         let mut all = [0.0; SUB_TILES_OF_BAND];
         for (sub, most) in all.iter_mut().enumerate() {
             let [x0, y0] = [

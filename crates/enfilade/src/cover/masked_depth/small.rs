@@ -131,7 +131,7 @@ const MAX_RECORDS: usize = LANES * DOWN * ACROSS;
 
 /// Records of covered sub-tiles.
 pub(super) struct Records {
-    pub(super) count: usize,
+    count: usize,
     /// Index of the tile times sixteen, plus the index of the sub-tile in it.
     sub_tiles: [u32; MAX_RECORDS + 16],
     masks: [u32; MAX_RECORDS + 16],
@@ -177,7 +177,7 @@ impl Records {
 }
 
 /// Position and depth of the sub-tiles of sixteen small faces.
-pub(super) struct RecordWriter<S: Simd> {
+struct RecordWriter<S: Simd> {
     /// Column and row of the first sub-tile, from the top left corner of the screen.
     column: u32x16<S>,
     row: u32x16<S>,
@@ -191,11 +191,7 @@ pub(super) struct RecordWriter<S: Simd> {
 
 impl<S: Simd> RecordWriter<S> {
     #[inline(always)]
-    pub(super) fn new<const OTHERS: usize>(
-        simd: S,
-        frame: &Frame,
-        lanes: &FaceSetup<S, OTHERS>,
-    ) -> RecordWriter<S> {
+    fn new<const OTHERS: usize>(simd: S, frame: &Frame, lanes: &FaceSetup<S, OTHERS>) -> RecordWriter<S> {
         let zero = f32x16::splat(simd, 0.0);
         // The minimum over a sub-tile is at one of its corners.
         let [by_column, by_row] = lanes.plane.slope;
@@ -220,7 +216,7 @@ impl<S: Simd> RecordWriter<S> {
 
     /// Writes records for the sub-tile `right` columns and `down` rows from the first.
     #[inline(always)]
-    pub(super) fn write(
+    fn write(
         &self,
         simd: S,
         [right, down]: [usize; 2],

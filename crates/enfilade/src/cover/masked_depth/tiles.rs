@@ -35,7 +35,7 @@ pub(super) const SUB_TILES: usize = 16;
 pub(super) const SUB_TILES_OF_BAND: usize = SUB_TILES / 2;
 
 /// Coverage masks of the sub-tiles in one band: bit 8·y + x for each sample.
-pub(super) type Masks = [u32; SUB_TILES_OF_BAND];
+type Masks = [u32; SUB_TILES_OF_BAND];
 
 /// Reversed depths of the sub-tiles in one band.
 pub(super) type RevDepth = [f32; SUB_TILES_OF_BAND];
@@ -59,7 +59,7 @@ pub(super) struct Tile {
 
 impl Tile {
     /// A tile without open samples.
-    pub(super) const CLOSED: Tile = Tile {
+    const CLOSED: Tile = Tile {
         mask: [0; SUB_TILES],
         reference: [f32::INFINITY.to_bits(); SUB_TILES],
         working: [f32::INFINITY.to_bits(); SUB_TILES],
@@ -137,7 +137,7 @@ impl Tile {
     }
 
     /// Returns `true` if the sample belongs to the working layer.
-    pub(super) fn is_working(&self, x: usize, y: usize) -> bool {
+    fn is_working(&self, x: usize, y: usize) -> bool {
         self.mask[sub_tile(x, y)] & bit(x, y) != 0
     }
 

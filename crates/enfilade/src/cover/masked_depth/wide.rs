@@ -203,7 +203,7 @@ fn crossing<S: Simd>(simd: S, edge: &[[f32; LANES]; 3], lane: usize, y: f32x16<S
 }
 
 /// Edges of a triangle: at most two bound its rows on each side.
-pub(super) struct HugeEdges {
+struct HugeEdges {
     left: [HugeEdge; 2],
     right: [HugeEdge; 2],
 }
@@ -218,7 +218,7 @@ struct HugeEdge {
 
 impl HugeEdges {
     /// Creates the edges from vertices in units; crossings are relative to `origin`, in samples.
-    pub(super) fn new(corners: [[i32; 2]; 3], origin: [i32; 2]) -> HugeEdges {
+    fn new(corners: [[i32; 2]; 3], origin: [i32; 2]) -> HugeEdges {
         let at = |[x, y]: [i32; 2]| {
             let pixels = |place: i32, from: i32| f64::from(place) / f64::from(ONE) - f64::from(from);
             [pixels(x, origin[0]), pixels(y, origin[1])]
@@ -261,7 +261,7 @@ impl HugeEdges {
     /// Returns the first column and the end column (exclusive) of each of sixteen rows from `row` on, clamped to
     /// `between`; each as a lower and an upper bound.
     #[inline(always)]
-    pub(super) fn ends<S: Simd>(&self, simd: S, row: i32, between: [f64; 2]) -> [[f32x16<S>; 2]; 2] {
+    fn ends<S: Simd>(&self, simd: S, row: i32, between: [f64; 2]) -> [[f32x16<S>; 2]; 2] {
         let below = self.eight(simd, row, between);
         let above = self.eight(simd, row + LANES as i32 / 2, between);
         [

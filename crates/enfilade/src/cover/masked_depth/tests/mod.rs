@@ -4,7 +4,6 @@ mod agree;
 mod cases;
 mod meshes;
 mod oracle;
-mod quads;
 
 use super::*;
 use crate::aperture::Rect;

@@ -311,22 +311,8 @@ impl Batch {
         }
         run_queue.cover(simd, tiles);
         wide.discard_before(from);
-        from = 0;
-        while quads.count >= from + least {
-            let faces = quads.load(simd, from);
-            small::draw::<S, 4, 2>(simd, frame, &faces, records, uncertain);
-            records.merge(tiles);
-            from += faces.lanes;
-        }
-        quads.discard_before(from);
-        from = 0;
-        while small.count >= from + least {
-            let faces = small.load(simd, from);
-            small::draw::<S, 3, 1>(simd, frame, &faces, records, uncertain);
-            records.merge(tiles);
-            from += faces.lanes;
-        }
-        small.discard_before(from);
+        small::draw_queued::<S, 4, 2>(simd, frame, quads, least, records, tiles, uncertain);
+        small::draw_queued::<S, 3, 1>(simd, frame, small, least, records, tiles, uncertain);
     }
 }
 
@@ -344,8 +330,7 @@ impl Sink for RunSink<'_> {
 
     #[inline(always)]
     fn begin(&mut self, triangle: &Triangle, _corners: &[DVec3; 3]) {
-        let between = [triangle.least, triangle.greatest];
-        let slope = Slope::new(triangle.rev_depth, between, &self.tiles.rect);
+        let slope = Slope::of(triangle, &self.tiles.rect);
         self.run_queue.begin(&slope.slopes());
     }
 

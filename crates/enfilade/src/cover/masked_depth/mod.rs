@@ -156,8 +156,7 @@ impl Hides for MaskedDepth {
 
 impl Coarse for MaskedDepth {
     fn clear_cells(&mut self, passage: &Passage) {
-        self.grid.clear(passage);
-        self.near = f64::from(passage.near);
+        self.clear(passage);
     }
 
     fn sees_cells(&mut self, rect: &Rect, nearest: f32) -> bool {
@@ -166,7 +165,7 @@ impl Coarse for MaskedDepth {
     }
 
     fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool {
-        let slope = self.slope(rev_depth);
+        let slope = Slope::of(rev_depth, &self.grid.rect);
         let across = BandTiles::new(cells);
         let y = usize::from(cells.y);
         across.tiles().any(|column| {
@@ -177,14 +176,7 @@ impl Coarse for MaskedDepth {
     }
 
     fn cover_cells(&mut self, cells: &Band, rev_depth: &Triangle) {
-        let slope = self.slope(rev_depth);
+        let slope = Slope::of(rev_depth, &self.grid.rect);
         self.grid.cover(cells, &slope);
-    }
-}
-
-impl MaskedDepth {
-    fn slope(&self, triangle: &Triangle) -> Slope {
-        let between = [triangle.least, triangle.greatest];
-        Slope::new(triangle.rev_depth, between, &self.grid.rect)
     }
 }

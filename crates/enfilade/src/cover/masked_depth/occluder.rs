@@ -15,7 +15,7 @@ use super::tiles::{
 use crate::aperture::Rect;
 use crate::occluders::Occluder;
 use crate::passage::Passage;
-use crate::raster::{BAND, Band, Clipper, HalfPlane, greater, smaller};
+use crate::raster::{BAND, Band, Clipper, HalfPlane, Triangle, greater, smaller};
 use crate::region::ROUND_UP;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -205,9 +205,15 @@ impl Grid {
 }
 
 impl Slope {
+    /// Returns the depth plane of a triangle, for columns and rows up to the end of `limits`.
+    #[inline(always)]
+    pub(super) fn of(triangle: &Triangle, limits: &Rect) -> Slope {
+        Slope::new(triangle.rev_depth, [triangle.least, triangle.greatest], limits)
+    }
+
     /// Creates the depth plane `at`, clamped to `least..=greatest`, for columns and rows up to the end of `limits`.
     #[inline(always)]
-    pub(super) fn new(at: DVec3, [least, greatest]: [f64; 2], limits: &Rect) -> Slope {
+    fn new(at: DVec3, [least, greatest]: [f64; 2], limits: &Rect) -> Slope {
         let most = DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0);
         Slope {
             at,

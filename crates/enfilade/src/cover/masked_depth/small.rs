@@ -12,7 +12,7 @@
 use super::LANES;
 use super::project::Frame;
 use super::setup::{Edge, FaceSetup};
-use super::sort::FaceLanes;
+use super::sort::{FaceLanes, Queue};
 use super::tiles::{ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tiles};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
@@ -21,9 +21,31 @@ use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 const DOWN: usize = 8;
 const ACROSS: usize = 4;
 
+/// Rasterizes queued small faces as long as the queue has at least `least`; appends the numbers of uncertain ones to
+/// `uncertain`.
+#[inline(always)]
+pub(super) fn draw_queued<S: Simd, const SIDES: usize, const OTHERS: usize>(
+    simd: S,
+    frame: &Frame,
+    queue: &mut Queue<SIDES>,
+    least: usize,
+    records: &mut Records,
+    tiles: &mut Tiles,
+    uncertain: &mut Vec<u32>,
+) {
+    let mut from = 0;
+    while queue.count >= from + least {
+        let faces = queue.load(simd, from);
+        draw::<S, SIDES, OTHERS>(simd, frame, &faces, records, uncertain);
+        records.merge(tiles);
+        from += faces.lanes;
+    }
+    queue.discard_before(from);
+}
+
 /// Writes records of up to sixteen small faces; appends the numbers of uncertain ones to `uncertain`.
 #[inline(always)]
-pub(super) fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
+fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
     simd: S,
     frame: &Frame,
     faces: &FaceLanes<S, SIDES>,
@@ -154,7 +176,7 @@ impl Default for Records {
 impl Records {
     /// Merges all records into the tiles and removes them.
     #[inline(always)]
-    pub(super) fn merge(&mut self, tiles: &mut Tiles) {
+    fn merge(&mut self, tiles: &mut Tiles) {
         let count = self.count.min(MAX_RECORDS);
         // Prefetch all sub-tiles at once, so that the cache misses overlap.
         for &sub_tile in &self.sub_tiles[..count] {

@@ -73,7 +73,7 @@ impl HalfPlane {
     /// Returns `true` if the samples inside are always the first or the last ones of a scanline, regardless of
     /// rounding. That holds wherever the crossing with a scanline can be computed.
     #[inline(always)]
-    pub(crate) fn is_plain(&self) -> bool {
+    pub(super) fn is_plain(&self) -> bool {
         self.a == 0.0 || (self.root.is_finite() && self.root != 0.0)
     }
 
@@ -86,7 +86,7 @@ impl HalfPlane {
     /// Tests samples in the row whose centre is at `y`, given the result of [`HalfPlane::across`]. Gives the same bits
     /// as [`HalfPlane::holds`].
     #[inline(always)]
-    pub(crate) fn holds_across<S: Simd>(&self, simd: S, across: f64x8<S>, y: f64) -> mask64x8<S> {
+    pub(super) fn holds_across<S: Simd>(&self, simd: S, across: f64x8<S>, y: f64) -> mask64x8<S> {
         let value = across + (y * self.b + self.c);
         value.simd_ge(f64x8::splat(simd, self.least()))
     }

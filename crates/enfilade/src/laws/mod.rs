@@ -28,7 +28,7 @@ mod tree;
 mod truth;
 mod walks;
 
-pub use contracts::{Broken, Contestants};
+pub use contracts::{Broken, Contestants, Law, Report, check, check_custom};
 pub use layers::{LayerPicture, LayerVerdict, Layers};
 pub use owners::OwnerPicture;
 pub use reference::Reference;

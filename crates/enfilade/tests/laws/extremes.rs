@@ -1,7 +1,7 @@
 //! The contracts hold at every scale and throughout the coordinate range.
 
-use crate::every_method_keeps_its_contract;
-use crate::subject::{LIMIT, Subject, limits, subject};
+use crate::subject::{LIMIT, limits, subject};
+use crate::the_laws_hold;
 use enfilade::laws::Contestants;
 use enfilade::{
     Aabb, Attributes, ConvexPolygon, GeometryBuilder, ItemId, MAX_COORDINATE, Mesh, Part, SceneBuilder,
@@ -101,7 +101,7 @@ fn reach(built: &BuiltIn) -> f32 {
 
 fn holds_on(name: &'static str, scale: f32, shift: [f32; 3]) {
     let built = moved(&subject(name).built, scale, shift);
-    every_method_keeps_its_contract(&Subject::new(name, built), SIZE);
+    the_laws_hold(name, &built, SIZE);
 }
 
 /// The near distance, a centimetre, is most of a room there: the doorway is nearer, and the geometry behind it is not.

@@ -7,8 +7,6 @@ mod aabb;
 mod apart;
 mod bsp;
 mod bvh;
-#[cfg(test)]
-mod changes;
 mod cross;
 mod kd_tree;
 mod octree;
@@ -17,6 +15,8 @@ mod polygon;
 mod runs;
 mod slabs;
 mod transform;
+#[cfg(test)]
+mod tree_laws;
 
 pub(crate) use aabb::is_in_range;
 pub use aabb::{Aabb, MAX_COORDINATE};

@@ -20,7 +20,10 @@ fn geometry(field: &HeightField) -> Geometry {
     let blocks = builder
         .terrain("ground", field.clone(), MaterialId(0), Transform::IDENTITY)
         .expect("few faces");
-    assert_eq!(blocks.end.0 - blocks.start.0, field.blocks().iter().product());
+    assert_eq!(
+        blocks.end.0 - blocks.start.0,
+        field.blocks().iter().product::<u32>()
+    );
     builder.build().expect("sound blocks")
 }
 

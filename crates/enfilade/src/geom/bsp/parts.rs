@@ -215,13 +215,14 @@ impl Sizes {
 #[cfg(test)]
 mod tests {
     use super::super::build::whole;
-    use super::super::tests::{Random, jumble};
+    use super::super::tests::jumble;
     use super::*;
+    use crate::chance::Dice;
 
     #[test]
     fn a_tree_in_parts_is_the_one_that_is_built_in_turn() {
         for seed in 0..6 {
-            let polygons = jumble(&mut Random(seed), 900);
+            let polygons = jumble(&mut Dice::new(seed), 900);
             let options = BspOptions::default();
             let input = InputPlanes::of(&polygons);
             let in_turn = whole(&polygons, &input, &options);

@@ -2,31 +2,23 @@
 
 use super::tree::{Leaf, Room};
 use super::{BakedCells, CellId, CellNode, CellSide, CellTree};
+use crate::chance::Dice;
 use crate::geom::Aabb;
 use glam::DVec3;
 use std::collections::BTreeSet;
 
-/// A pseudo-random number generator with a fixed sequence.
-struct Dice(u64);
-
-impl Dice {
-    /// Returns a number from −1 to 1; often a multiple of ¼, so that points are exactly in planes.
-    fn unit(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        let value = (self.0 >> 33) as f64 / (1_u64 << 30) as f64 - 1.0;
-        if self.0 >> 32 & 1 == 0 {
-            value
-        } else {
-            (value * 4.0).round() / 4.0
-        }
+/// Returns a number from −1 to 1; often a multiple of ¼, so that points are exactly in planes.
+fn unit(dice: &mut Dice) -> f64 {
+    let value = dice.within(1.0);
+    if dice.below(2) == 0 {
+        value
+    } else {
+        (value * 4.0).round() / 4.0
     }
+}
 
-    fn point(&mut self) -> DVec3 {
-        DVec3::new(self.unit(), self.unit(), self.unit())
-    }
+fn point(dice: &mut Dice) -> DVec3 {
+    DVec3::new(unit(dice), unit(dice), unit(dice))
 }
 
 /// Returns a tree of random planes, in which every leaf is a separate cell.
@@ -41,13 +33,13 @@ fn random_cells(dice: &mut Dice, size: f64) -> BakedCells {
         CellSide::Cell(CellId(next_cell - 1))
     };
     let nodes = (0..NODES).map(|number| {
-        let mut normal = dice.point();
+        let mut normal = point(dice);
         if normal.length() < 0.1 {
             normal = DVec3::X;
         }
         CellNode {
             normal: normal.to_array(),
-            distance: size * normal.dot(dice.point()),
+            distance: size * normal.dot(point(dice)),
             front: side(2 * number + 1),
             back: side(2 * number + 2),
         }
@@ -63,14 +55,14 @@ fn random_cells(dice: &mut Dice, size: f64) -> BakedCells {
 
 #[test]
 fn every_cell_that_a_point_of_a_triangle_is_in_is_touched_and_few_others() {
-    let mut dice = Dice(1);
+    let mut dice = Dice::new(1);
     let [mut in_cells, mut touched, mut in_hulls] = [0; 3];
     for round in 0..400 {
         let size = [1.0, 1e-3, 1e6, 1e30][round % 4];
         let cells = random_cells(&mut dice, size);
         let mut room = Room::default();
         for _ in 0..20 {
-            let corners = [dice.point(), dice.point(), dice.point()].map(|corner| corner * size);
+            let corners = [point(&mut dice), point(&mut dice), point(&mut dice)].map(|corner| corner * size);
             let mut found: [BTreeSet<CellId>; 2] = Default::default();
             for (is_hull, found) in found.iter_mut().enumerate() {
                 if is_hull == 1 {
@@ -89,7 +81,7 @@ fn every_cell_that_a_point_of_a_triangle_is_in_is_touched_and_few_others() {
             }
             let mut really = BTreeSet::new();
             for _ in 0..200 {
-                let [a, b] = [dice.unit().abs(), dice.unit().abs()];
+                let [a, b] = [unit(&mut dice).abs(), unit(&mut dice).abs()];
                 let [a, b] = if a + b > 1.0 { [1.0 - a, 1.0 - b] } else { [a, b] };
                 let point = corners[0] + (corners[1] - corners[0]) * a + (corners[2] - corners[0]) * b;
                 really.extend(cells.cell_at(point.to_array()));
@@ -114,13 +106,13 @@ fn every_cell_that_a_point_of_a_triangle_is_in_is_touched_and_few_others() {
 
 #[test]
 fn all_that_a_box_reaches_into_is_below_what_is_around_it() {
-    let mut dice = Dice(2);
+    let mut dice = Dice::new(2);
     let mut below = 0;
     for _ in 0..200 {
         let cells = random_cells(&mut dice, 1.0);
         for _ in 0..20 {
-            let corner = dice.point().as_vec3();
-            let bounds = Aabb::of([corner, corner + dice.point().as_vec3() * 0.1].map(Into::into));
+            let corner = point(&mut dice).as_vec3();
+            let bounds = Aabb::of([corner, corner + point(&mut dice).as_vec3() * 0.1].map(Into::into));
             let top = cells.around(&bounds);
             below += usize::from(top != cells.tree().root);
             let mut room = Room::default();
@@ -143,7 +135,7 @@ fn all_that_a_box_reaches_into_is_below_what_is_around_it() {
 
 #[test]
 fn what_is_no_number_is_everywhere() {
-    let cells = random_cells(&mut Dice(3), 1.0);
+    let cells = random_cells(&mut Dice::new(3), 1.0);
     let mut room = Room::default();
     for bad in [f64::NAN, f64::INFINITY] {
         room.outline([DVec3::ZERO, DVec3::X, DVec3::new(bad, 0.0, 0.0)]);

@@ -11,12 +11,12 @@ fn room(dice: &mut Dice, double_sided: bool) -> Geometry {
             let stretch: [f32; 3] = match copy % 4 {
                 0 => [1.0; 3],
                 1 => [-1.0, 2.0, 0.5],
-                2 => dice.point(3.0).map(|value| value as f32),
+                2 => dice.point(3.0).as_vec3().into(),
                 _ => [3.0, 0.0, 1.0],
             };
-            let axis = dice.point(1.0).map(|value| value as f32);
+            let axis = dice.point(1.0).as_vec3().into();
             let (turn, reach) = (dice.between(0.0, 6.0), if copy % 5 == 0 { 5.0 } else { 60.0 });
-            let place = dice.point(reach).map(|value| value as f32);
+            let place = dice.point(reach).as_vec3().into();
             Transform::translation(place) * Transform::rotation(axis, turn) * Transform::scaling(stretch)
         })
         .collect();
@@ -25,12 +25,12 @@ fn room(dice: &mut Dice, double_sided: bool) -> Geometry {
 
 #[test]
 fn the_chosen_are_the_best_of_all() {
-    let mut dice = Dice(5);
+    let mut dice = Dice::new(5);
     let mut choice = OccluderSelection::default();
     for round in 0..60 {
         let geometry = room(&mut dice, round % 2 == 0);
         let set = OccluderSet::build(&geometry);
-        let mut passage = passage(dice.point(20.0), dice.point(20.0));
+        let mut passage = passage(dice.point(20.0).into(), dice.point(20.0).into());
         if round % 3 == 0 {
             passage.entry = Some((DVec3::new(0.0, 0.0, 1.0), 15.0));
         }
@@ -55,13 +55,13 @@ fn the_chosen_are_the_best_of_all() {
 
 #[test]
 fn the_chosen_stand_in_order_on_the_screen_also_where_mirrored() {
-    let mut dice = Dice(6);
+    let mut dice = Dice::new(6);
     let (mut choice, mut room_for_one) = (OccluderSelection::default(), OccluderRoom::default());
     let mut seen = 0;
     for round in 0..20 {
         let geometry = room(&mut dice, round % 2 == 0);
         let set = OccluderSet::build(&geometry);
-        let mut passage = passage(dice.point(20.0), dice.point(20.0));
+        let mut passage = passage(dice.point(20.0).into(), dice.point(20.0).into());
         if round % 4 == 0 {
             passage.screen_from_sector *= Transform::scaling([-1.0, 1.0, 1.0]).0;
         }

@@ -38,8 +38,8 @@ fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize 
         let normal = set.polygons[place as usize].normal;
         for _ in 0..6 {
             // From a distance, from nearby and at a grazing angle.
-            let aside = DVec3::from(dice.point(1.0)).reject_from(normal) * size;
-            let height = size * 10_f64.powf(dice.between(-5.0, 1.0)) * (dice.next() - 0.3).signum();
+            let aside = dice.point(1.0).reject_from(normal) * size;
+            let height = size * 10_f64.powf(dice.between(-5.0, 1.0)) * (dice.roll() - 0.3).signum();
             let eye = (middle + aside + normal * height).as_vec3().as_dvec3();
             let passage = passage(eye.to_array(), middle.to_array());
             let chosen = SelectedOccluder::for_tests(place);
@@ -59,7 +59,7 @@ fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize 
                 .collect();
             for _ in 0..40 {
                 // A point behind it, in most cases close to an edge.
-                let weights: Vec<f64> = occluder.corners.iter().map(|_| dice.next().powi(8)).collect();
+                let weights: Vec<f64> = occluder.corners.iter().map(|_| dice.roll().powi(8)).collect();
                 let whole: f64 = weights.iter().sum();
                 let ray: DVec3 = occluder
                     .corners
@@ -85,7 +85,7 @@ fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize 
 
 #[test]
 fn what_an_occluder_hides_is_hidden_by_faces() {
-    let mut dice = Dice(1);
+    let mut dice = Dice::new(1);
     let mut held = 0;
     for round in 0..60 {
         for (what, wall) in walls(&mut dice) {
@@ -94,7 +94,7 @@ fn what_an_occluder_hides_is_hidden_by_faces() {
                 0 => Transform::IDENTITY,
                 1 => {
                     Transform::translation([3.3, 0.7, 0.1])
-                        * Transform::rotation([0.0, 0.0, 1.0], dice.next())
+                        * Transform::rotation([0.0, 0.0, 1.0], dice.roll())
                 }
                 _ => anywhere(&mut dice),
             };
@@ -106,7 +106,7 @@ fn what_an_occluder_hides_is_hidden_by_faces() {
 
 #[test]
 fn a_plain_wall_becomes_one_rectangle() {
-    let mut dice = Dice(2);
+    let mut dice = Dice::new(2);
     for round in 0..40 {
         let (columns, rows) = (1 + dice.below(20), 1 + dice.below(12));
         let to = if round % 2 == 0 {
@@ -130,7 +130,7 @@ fn a_plain_wall_becomes_one_rectangle() {
 
 #[test]
 fn a_wall_with_a_window_is_covered_around_it() {
-    let mut dice = Dice(3);
+    let mut dice = Dice::new(3);
     for round in 0..40 {
         let to = if round % 2 == 0 {
             Transform::IDENTITY
@@ -155,8 +155,8 @@ fn a_wall_with_a_window_is_covered_around_it() {
 #[test]
 fn many_bad_faces_take_bounded_time() {
     // 180,000 triangles in one plane with every tenth square missing; a checkerboard; and many faces at one position.
-    let mut dice = Dice(4);
-    let holes: Vec<bool> = (0..90_000).map(|_| dice.next() < 0.1).collect();
+    let mut dice = Dice::new(4);
+    let holes: Vec<bool> = (0..90_000).map(|_| dice.roll() < 0.1).collect();
     let holed = Wall::of_squares(300, 300, |x, y| !holes[y * 300 + x]);
     let checkered = Wall::of_squares(300, 300, |x, y| (x + y) % 2 == 0);
     let mut heap = Wall::of_squares(2, 2, |_, _| true);

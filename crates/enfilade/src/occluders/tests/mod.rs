@@ -4,36 +4,12 @@ mod choosing;
 mod hiding;
 
 use super::*;
+use crate::chance::Dice;
 use crate::geom::Transform;
 use crate::geometry::{GeometryBuilder, Material, MaterialId};
 use crate::passage::Passage;
 use crate::scene::SectorId;
 use crate::view::View;
-
-/// Deterministic pseudo-random numbers.
-struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, least: f64, greatest: f64) -> f64 {
-        least + (greatest - least) * self.next()
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() * end as f64) as usize
-    }
-
-    fn point(&mut self, reach: f64) -> [f64; 3] {
-        std::array::from_fn(|_| self.between(-reach, reach))
-    }
-}
 
 /// A triangle mesh as plain arrays: positions and corners.
 #[derive(Clone, Default)]
@@ -133,8 +109,8 @@ impl Wall {
 }
 
 fn anywhere(dice: &mut Dice) -> Transform {
-    let axis = dice.point(1.0).map(|value| value as f32);
-    Transform::translation(dice.point(50.0).map(|value| value as f32))
+    let axis = dice.point(1.0).as_vec3().into();
+    Transform::translation(dice.point(50.0).as_vec3().into())
         * Transform::rotation(axis, dice.between(0.0, 6.0))
         * Transform::scaling([dice.between(0.01, 30.0) as f32; 3])
 }
@@ -147,7 +123,7 @@ fn passage(eye: [f64; 3], toward: [f64; 3]) -> Passage {
 /// Returns the walls of all test cases.
 fn walls(dice: &mut Dice) -> Vec<(&'static str, Wall)> {
     let (columns, rows) = (2 + dice.below(9), 2 + dice.below(7));
-    let holes: Vec<bool> = (0..columns * rows).map(|_| dice.next() < 0.2).collect();
+    let holes: Vec<bool> = (0..columns * rows).map(|_| dice.roll() < 0.2).collect();
     let mut twice = Wall::of_squares(3, 2, |_, _| true);
     twice.triangles.extend_from_within(..5);
     let mut slivers = Wall::of_squares(4, 3, |column, row| column != 1 || row != 1);

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::aperture::CellRoom;
+use crate::chance::Dice;
 use crate::cover::Cover;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, ItemId, Material, MaterialId};
@@ -52,18 +53,6 @@ impl Coarse for CellArray {
                 *known = known.max(rev_depth.row(y).at(x) as f32);
             }
         }
-    }
-}
-
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as f64 / f64::from(1_u32 << 31)
     }
 }
 
@@ -171,7 +160,7 @@ fn a_surface_that_turns_over_is_open_where_it_does() {
 fn what_covers_a_cell_is_at_every_place_in_it_and_no_farther() {
     let (mut held, mut faces) = (0, 0);
     for seed in 0..48 {
-        let mut dice = Dice(seed);
+        let mut dice = Dice::new(seed);
         let parts: Vec<_> = (0..1 + seed % 3)
             .map(|_| {
                 let [a, b, c, d] = [(); 4].map(|()| 4.0 * dice.roll() - 2.0);

@@ -84,7 +84,7 @@ fn a_triangle_covers_the_samples_that_it_owns() {
         let distance = dice.by_ratio(0.02, 100.0);
         let reach = distance * dice.by_ratio(0.003, 100.0);
         let center = DVec3::new(dice.between(-1.0, 1.0), dice.between(-0.6, 0.6), -1.0) * distance;
-        let mut corners = [(); 3].map(|()| center + dice.unit() * dice.roll() * reach);
+        let mut corners = [(); 3].map(|()| center + dice.direction() * dice.roll() * reach);
         if total.roll() < 0.2 {
             // A sliver.
             corners[2] = corners[0] + (corners[1] - corners[0]) * dice.between(-0.5, 1.5);
@@ -108,7 +108,7 @@ fn a_polygon_of_many_corners_covers_the_samples_that_it_owns() {
     let mut covered = 0;
     for round in 0..2000 {
         let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [80, 50]);
-        view.toward = (DVec3::NEG_Z + 0.8 * dice.unit()).as_vec3().to_array();
+        view.toward = (DVec3::NEG_Z + 0.8 * dice.direction()).as_vec3().to_array();
         let passage = Passage::at_the_eye(&view, SectorId(0), false);
         let count = 3 + round % 8;
         let distance = -dice.by_ratio(0.05, 20.0) as f32;
@@ -144,7 +144,7 @@ fn triangles(dice: &mut Dice, count: usize) -> Geometry {
         let center =
             DVec3::new(dice.between(-1.0, 1.0), dice.between(-0.6, 0.6), -1.0) * dice.by_ratio(0.5, 20.0);
         let reach = dice.by_ratio(0.1, 10.0);
-        let mut corners = [(); 3].map(|()| (center + dice.unit() * reach).as_vec3().to_array());
+        let mut corners = [(); 3].map(|()| (center + dice.direction() * reach).as_vec3().to_array());
         // An edge neighbour or a duplicate: both have the same depth where they meet.
         corners[..i % 4].copy_from_slice(&last[..i % 4]);
         last = corners;

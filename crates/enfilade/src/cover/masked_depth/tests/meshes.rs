@@ -45,7 +45,7 @@ fn soup(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f32; 3]>, Vec
     let mut positions: Vec<[f32; 3]> = Vec::new();
     let mut corners = Vec::new();
     for _ in 0..count {
-        let at = eye + dice.unit() * dice.by_ratio(0.05, 40.0);
+        let at = eye + dice.direction() * dice.by_ratio(0.05, 40.0);
         let size = dice.by_ratio(1e-3, 30.0);
         for _ in 0..3 {
             let known = positions.len();
@@ -54,7 +54,7 @@ fn soup(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f32; 3]>, Vec
                 continue;
             }
             let squash = if dice.roll() < 0.1 { 1e-4 } else { 1.0 };
-            let corner = at + size * dice.unit() * DVec3::new(1.0, squash, 1.0);
+            let corner = at + size * dice.direction() * DVec3::new(1.0, squash, 1.0);
             corners.push(known as u32);
             positions.push(corner.to_array().map(|value| value as f32));
         }
@@ -69,7 +69,7 @@ fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
     }
     let mut view = View::new(
         [0.5, 1.0, 2.0],
-        dice.unit().to_array().map(|v| v as f32),
+        dice.direction().to_array().map(|v| v as f32),
         [701, 333],
     );
     view.near = dice.by_ratio(1e-3, 0.5) as f32;
@@ -284,7 +284,7 @@ fn worlds_as_small_as_atoms_and_as_large_as_the_sky_are_held_as_others() {
         let mut covered = 0;
         for seed in 0..6 {
             let mut dice = Dice::new(seed + 10 * number as u64 + 5000);
-            let mut view = View::new([0.0; 3], dice.unit().to_array().map(|v| v as f32), [160, 90]);
+            let mut view = View::new([0.0; 3], dice.direction().to_array().map(|v| v as f32), [160, 90]);
             view.near = 0.05 * scale;
             let passage = Passage::at_the_eye(&view, SectorId(0), false);
             let (positions, corners) = soup(&mut dice, &passage, 60);
@@ -312,16 +312,16 @@ fn quads(dice: &mut Dice, passage: &Passage, count: usize) -> (Vec<[f32; 3]>, Ve
     let mut positions: Vec<[f32; 3]> = Vec::new();
     let mut corners = Vec::new();
     for _ in 0..count {
-        let at = eye + dice.unit() * dice.by_ratio(0.05, 40.0);
+        let at = eye + dice.direction() * dice.by_ratio(0.05, 40.0);
         let size = dice.by_ratio(1e-3, 10.0);
-        let [across, down] = [size * dice.unit(), size * dice.unit()];
+        let [across, down] = [size * dice.direction(), size * dice.direction()];
         let first = positions.len() as u32;
         // A strip of two quads, which share two corners.
         for corner in 0..6 {
             let column = f64::from(corner % 3);
             let mut place = at + across * column + down * f64::from(corner / 3) * (1.0 + 0.2 * column);
             if dice.roll() < 0.03 {
-                place += size * dice.unit();
+                place += size * dice.direction();
             }
             positions.push(place.to_array().map(|value| value as f32));
         }
@@ -363,7 +363,7 @@ fn a_small_flat_quad_is_as_near_as_its_triangles_but_for_what_each_ends_at() {
         let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [640, 360]);
         let passage = Passage::at_the_eye(&view, SectorId(0), false);
         let at = DVec3::new(dice.roll() - 0.5, dice.roll() - 0.5, -2.0 - dice.roll());
-        let [across, down] = [0.06 * dice.unit(), 0.06 * dice.unit()];
+        let [across, down] = [0.06 * dice.direction(), 0.06 * dice.direction()];
         let corners = [at, at + across, at + across + down, at + down].map(|at| at.as_vec3().to_array());
         let either = |face: [u32; 4]| {
             let quad = OccluderMesh::quads(&corners, &face);

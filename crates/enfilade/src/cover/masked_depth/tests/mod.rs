@@ -158,9 +158,9 @@ fn boxes_asked_about_together_are_seen_where_their_rectangles_are() {
         let eye = DVec3::from(passage.eye());
         let boxes: Vec<Aabb> = (0..301)
             .map(|_| {
-                let at = eye + dice.unit() * dice.by_ratio(4.0, 60.0);
+                let at = eye + dice.direction() * dice.by_ratio(4.0, 60.0);
                 let size = dice.by_ratio(0.01, 4.0);
-                let corners = [at, at + size * dice.unit()];
+                let corners = [at, at + size * dice.direction()];
                 Aabb::of(corners.map(|corner| corner.to_array().map(|value| value as f32)))
             })
             .collect();

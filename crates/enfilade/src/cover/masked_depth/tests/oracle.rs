@@ -2,38 +2,9 @@
 
 use super::*;
 use crate::aperture::Rows;
+pub(super) use crate::chance::Dice;
 use crate::geom::Aabb;
 use crate::geom::ConvexPolygon;
-
-/// Pseudo-random numbers from 0 to 1; deterministic for each seed.
-pub(super) struct Dice(u64);
-
-impl Dice {
-    pub(super) fn new(seed: u64) -> Dice {
-        Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-    }
-
-    pub(super) fn roll(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.roll()
-    }
-
-    /// Returns a number from `low` to `high`, uniform on a logarithmic scale.
-    pub(super) fn by_ratio(&mut self, low: f64, high: f64) -> f64 {
-        low * (high / low).powf(self.roll())
-    }
-
-    pub(super) fn unit(&mut self) -> DVec3 {
-        let point = DVec3::new(self.roll(), self.roll(), self.roll()) - 0.5;
-        point.normalize_or(DVec3::X)
-    }
-}
 
 /// A convex polygon in the space of a passage, as corners and plane.
 #[derive(Clone, Debug)]
@@ -64,7 +35,7 @@ impl Polygon {
 
     /// A regular polygon with some shortened sides.
     pub(super) fn random(dice: &mut Dice, passage: &Passage, center: DVec3, radius: f64) -> Polygon {
-        let [u, v] = [dice.unit(), dice.unit()];
+        let [u, v] = [dice.direction(), dice.direction()];
         let v = u.cross(v).normalize_or(u.any_orthonormal_vector());
         let u = v.cross(u).normalize_or_zero();
         let count = 3 + (4.0 * dice.roll()) as usize;
@@ -253,7 +224,7 @@ pub(super) fn region_of(passage: &Passage, sector_from_cube: &DAffine3) -> Optio
 pub(super) fn random_box(dice: &mut Dice) -> DAffine3 {
     let distance = dice.by_ratio(0.05, 80.0);
     let at = DVec3::new(dice.between(-1.2, 1.2), dice.between(-0.7, 0.7), -1.0) * distance;
-    let turn = DAffine3::from_axis_angle(dice.unit(), dice.between(0.0, 6.0));
+    let turn = DAffine3::from_axis_angle(dice.direction(), dice.between(0.0, 6.0));
     let mut size = DVec3::from([(); 3].map(|()| distance * dice.by_ratio(0.005, 0.6)));
     if dice.roll() < 0.2 {
         size.x = 0.0;

@@ -74,7 +74,7 @@ fn what_is_as_thin_as_rounding_is_kept_but_neither_cuts_nor_is_cut() {
 
 #[test]
 fn where_memory_ends_the_rest_stays_together() {
-    let polygons = jumble(&mut Random(3), 200);
+    let polygons = jumble(&mut Dice::new(3), 200);
     let whole = BspTree::build(&polygons, &BspOptions::default());
     let limit_bytes = whole.bytes() / 3;
     let options = BspOptions {
@@ -106,7 +106,7 @@ fn nothing_makes_an_empty_tree() {
 
 #[test]
 fn the_same_polygons_give_the_same_tree() {
-    let polygons = jumble(&mut Random(4), 300);
+    let polygons = jumble(&mut Dice::new(4), 300);
     let [a, b] = [(); 2].map(|()| BspTree::build(&polygons, &BspOptions::default()));
     assert_eq!(format!("{a:?}"), format!("{b:?}"));
 }

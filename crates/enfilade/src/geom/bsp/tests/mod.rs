@@ -3,25 +3,8 @@
 mod hard;
 
 use super::*;
+use crate::chance::Dice;
 use std::collections::BTreeSet;
-
-/// Deterministic pseudo-random numbers.
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    fn below(&mut self, end: u32) -> u32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        ((self.0 >> 33) % u64::from(end)) as u32
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * f64::from(self.below(1 << 24)) / f64::from(1 << 24)
-    }
-
-    fn point(&mut self, reach: f64) -> DVec3 {
-        DVec3::from([0; 3].map(|_| self.between(-reach, reach)))
-    }
-}
 
 fn polygons<const N: usize>(list: impl IntoIterator<Item = [DVec3; N]>) -> Polygons {
     let mut polygons = Polygons {
@@ -45,7 +28,7 @@ fn corners(polygons: &Polygons, polygon: u32) -> Vec<DVec3> {
 }
 
 /// Returns randomly oriented, intersecting triangles, and squares on a coarse grid, many of them coplanar.
-pub(super) fn jumble(random: &mut Random, size: u32) -> Polygons {
+pub(super) fn jumble(random: &mut Dice, size: u32) -> Polygons {
     let mut all = Polygons {
         starts: vec![0],
         ..Polygons::default()
@@ -54,10 +37,9 @@ pub(super) fn jumble(random: &mut Random, size: u32) -> Polygons {
         let corners = if i % 2 == 0 {
             vec![random.point(4.0), random.point(4.0), random.point(4.0)]
         } else {
-            let axis = random.below(3) as usize;
-            let [u, v] =
-                [1, 2].map(|turn| DVec3::AXES[(axis + turn) % 3] * (1.0 + f64::from(random.below(4))));
-            let at = DVec3::from([0; 3].map(|_| f64::from(random.below(6)) - 3.0));
+            let axis = random.below(3);
+            let [u, v] = [1, 2].map(|turn| DVec3::AXES[(axis + turn) % 3] * (1.0 + random.below(4) as f64));
+            let at = DVec3::from([0; 3].map(|_| random.below(6) as f64 - 3.0));
             vec![at, at + u, at + u + v, at + v]
         };
         all.corners
@@ -114,7 +96,7 @@ fn hit(corners: &[DVec3], eye: DVec3, toward: DVec3) -> Option<f64> {
 
 /// Checks that along many rays each hit belongs to exactly one piece and that the hits come in traversal order. Returns
 /// the number of hits tested.
-fn rays_agree(polygons: &Polygons, tree: &BspTree, random: &mut Random, tolerance: f64) -> usize {
+fn rays_agree(polygons: &Polygons, tree: &BspTree, random: &mut Dice, tolerance: f64) -> usize {
     let mut looked_at = 0;
     for view in 0..12 {
         // Some eyes are in planes of the grid.
@@ -191,7 +173,7 @@ fn rays_agree(polygons: &Polygons, tree: &BspTree, random: &mut Random, toleranc
 
 #[test]
 fn along_any_ray_pieces_come_in_the_order_of_the_walk() {
-    let mut random = Random(1);
+    let mut random = Dice::new(1);
     let mut looked_at = 0;
     for size in [1, 2, 3, 5, 8, 13, 21, 34, 55] {
         let polygons = jumble(&mut random, size);
@@ -217,7 +199,7 @@ fn along_any_ray_pieces_come_in_the_order_of_the_walk() {
 
 #[test]
 fn from_far_is_from_near_turned_round() {
-    let mut random = Random(2);
+    let mut random = Dice::new(2);
     let tree = BspTree::build(&jumble(&mut random, 40), &BspOptions::default());
     let runs = |near_first: bool| {
         let mut runs: Vec<Vec<u32>> = Vec::new();

@@ -3,7 +3,6 @@
 mod moving;
 
 use super::*;
-use crate::geom::changes::hard_boxes;
 
 const FEW: u32 = 6;
 
@@ -49,32 +48,6 @@ fn every_thing_stands_in_one_leaf_whose_boxes_hold_it() {
     bounds[17] = Aabb::EMPTY;
     let depth = check(&bounds);
     assert!((8..20).contains(&depth), "{depth}");
-}
-
-#[test]
-fn few_things_or_none_make_a_tree() {
-    for count in 0..10 {
-        check(&cubes((0..count).map(|i| [f32::from(i as u8); 3]), 1.0));
-    }
-    check(&[Aabb::EMPTY; 3]);
-}
-
-#[test]
-fn things_that_coincide_or_are_huge_or_tiny_make_a_tree() {
-    check(&cubes((0..5000).map(|_| [1.0; 3]), 0.0));
-    check(&cubes((0..300).map(|i| [1.2_f32.powi(i); 3]), 1.0));
-    check(&cubes((0..300).map(|i| [1e-38 * i as f32; 3]), 1e-39));
-    let [low, high] = [[-3e38; 3], [3e38; 3]];
-    check(&cubes([low, high, [0.0; 3], low, [1e-20; 3]].into_iter(), 1e37));
-}
-
-/// Each level of a tree costs O(n) to build, so the depth bounds the cost of building.
-#[test]
-fn trees_over_a_hundred_thousand_boxes_that_are_hard_to_separate_are_shallow() {
-    for (what, boxes) in hard_boxes(100_000) {
-        let depth = check(&boxes);
-        assert!(depth <= MAX_LEVELS, "{what}: {depth} levels");
-    }
 }
 
 #[test]

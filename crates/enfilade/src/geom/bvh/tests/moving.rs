@@ -1,13 +1,11 @@
 //! Insertion, removal and movement of primitives in a BVH.
 
 use super::*;
-use crate::geom::changes::{
-    DynamicTree, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
-    whatever_changes_is_found,
-};
+use crate::geom::tree_laws::DynamicTree;
 
 impl DynamicTree for Bvh {
     const COPIES: bool = false;
+    const MAX_LEVELS: u32 = super::super::build::MAX_LEVELS;
 
     fn over(bounds: &[Aabb]) -> Bvh {
         Bvh::build(bounds, FEW)
@@ -68,21 +66,6 @@ impl DynamicTree for Bvh {
             self.things.len()
         );
     }
-}
-
-#[test]
-fn whatever_changes_is_found_in_nested_boxes() {
-    whatever_changes_is_found::<Bvh>();
-}
-
-#[test]
-fn nested_boxes_that_were_emptied_can_be_filled_again() {
-    what_was_emptied_can_be_filled_again::<Bvh>();
-}
-
-#[test]
-fn a_long_life_leaves_nested_boxes_as_good_as_new() {
-    a_long_life_leaves_it_as_good_as_new::<Bvh>();
 }
 
 #[test]

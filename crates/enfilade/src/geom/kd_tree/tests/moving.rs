@@ -1,15 +1,13 @@
 //! Insertion, removal and movement of primitives in a kd-tree.
 
 use super::*;
-use crate::geom::changes::{
-    DynamicTree, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
-    whatever_changes_is_found,
-};
+use crate::geom::tree_laws::{DynamicTree, World, placed};
 
 const FEW: usize = 6;
 
 impl DynamicTree for KdTree {
     const COPIES: bool = true;
+    const MAX_LEVELS: u32 = super::super::MAX_DEPTH;
 
     fn over(bounds: &[Aabb]) -> KdTree {
         KdTree::build(bounds, FEW)
@@ -101,25 +99,10 @@ impl DynamicTree for KdTree {
 }
 
 #[test]
-fn whatever_changes_is_found_in_a_kd_tree() {
-    whatever_changes_is_found::<KdTree>();
-}
-
-#[test]
-fn a_kd_tree_that_was_emptied_can_be_filled_again() {
-    what_was_emptied_can_be_filled_again::<KdTree>();
-}
-
-#[test]
-fn a_long_life_leaves_a_kd_tree_as_good_as_new() {
-    a_long_life_leaves_it_as_good_as_new::<KdTree>();
-}
-
-#[test]
 fn giants_that_come_take_no_more_memory_than_they_would_have_from_the_start() {
     let mut world = World::<KdTree>::town(3000);
     let giants: Vec<(u32, Aabb)> = (0..200)
-        .map(|thing| (thing, cube([-1.0 - thing as f32; 3], 300.0)))
+        .map(|thing| (thing, placed([-1.0 - thing as f32; 3], [300.0; 3])))
         .collect();
     world.change(&giants);
     assert!(world.tree.held > COPIES * 3000);

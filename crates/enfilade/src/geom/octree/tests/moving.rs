@@ -1,15 +1,14 @@
 //! Insertion, removal and movement of primitives in an octree.
 
 use super::*;
-use crate::geom::changes::{
-    DynamicTree, Random, World, a_long_life_leaves_it_as_good_as_new, what_was_emptied_can_be_filled_again,
-    whatever_changes_is_found,
-};
+use crate::geom::tree_laws::{DynamicTree, World};
+use fastrand::Rng;
 
 const FEW: usize = 6;
 
 impl DynamicTree for Octree {
     const COPIES: bool = false;
+    const MAX_LEVELS: u32 = super::super::MAX_DEPTH;
 
     fn over(bounds: &[Aabb]) -> Octree {
         Octree::build(bounds, FEW)
@@ -68,34 +67,19 @@ impl DynamicTree for Octree {
 }
 
 #[test]
-fn whatever_changes_is_found_in_eighths() {
-    whatever_changes_is_found::<Octree>();
-}
-
-#[test]
-fn eighths_that_were_emptied_can_be_filled_again() {
-    what_was_emptied_can_be_filled_again::<Octree>();
-}
-
-#[test]
-fn a_long_life_leaves_eighths_as_good_as_new() {
-    a_long_life_leaves_it_as_good_as_new::<Octree>();
-}
-
-#[test]
 fn a_move_touches_at_most_64_nodes() {
     let mut world = World::<Octree>::town(10_000);
-    let mut random = Random(2);
+    let mut random = Rng::with_seed(2);
     let mut most = 0;
     for step in 0..20_000_u32 {
-        let thing = random.below(10_000) as u32;
+        let thing = random.u32(..10_000);
         let to = if step % 2 == 0 {
             thing
         } else {
-            random.below(10_000) as u32
+            random.u32(..10_000)
         };
         // A small step, a jump to the position of another, or into a crowd.
-        let by = 0.2 * random.part();
+        let by = 0.2 * random.f32();
         let corner = if step % 5 == 0 {
             [50.0; 3]
         } else {
@@ -113,10 +97,10 @@ fn a_move_touches_at_most_64_nodes() {
 #[test]
 fn a_world_that_moves_away_or_grows_is_built_anew_and_one_that_mills_about_is_not() {
     let mut world = World::<Octree>::town(1000);
-    let mut random = Random(9);
+    let mut random = Rng::with_seed(9);
     for _ in 0..20 {
         let changes: Vec<(u32, Aabb)> = (0..1000)
-            .map(|thing| (thing, world.bounds[random.below(1000)]))
+            .map(|thing| (thing, world.bounds[random.usize(..1000)]))
             .collect();
         world.change(&changes);
         assert!(!world.tidy());

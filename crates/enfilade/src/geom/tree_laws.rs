@@ -1,13 +1,16 @@
-//! Test support: random worlds of AABBs that change, and the invariants of every dynamic tree over them.
+//! The laws of all trees over boxes, built at once or changed step by step.
 //!
-//! Each tree is checked against brute force and against a tree rebuilt from scratch over the same boxes.
+//! Each tree is compared with brute force and with a tree rebuilt from scratch over the same boxes.
 
-use crate::geom::Aabb;
+use super::{Aabb, Bvh, KdTree, Octree};
+use fastrand::Rng;
 
 /// A tree over indexed AABBs that supports incremental changes.
 pub(super) trait DynamicTree: Sized {
     /// Whether a primitive may be listed in several nodes.
     const COPIES: bool;
+    /// Maximum number of levels. Each costs O(n log n) at most to build, so it bounds the cost of building.
+    const MAX_LEVELS: u32;
 
     fn over(bounds: &[Aabb]) -> Self;
     fn shift(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>);
@@ -53,64 +56,45 @@ pub(super) struct World<T> {
     pub(super) touched: Vec<u32>,
     /// Number of primitives in each node's subtree, updated only for touched nodes.
     held: Vec<usize>,
-    random: Random,
+    random: Rng,
 }
 
-/// Deterministic pseudo-random numbers.
-#[derive(Clone)]
-pub(super) struct Random(pub(super) u64);
+fn point(random: &mut Rng, side: f32) -> [f32; 3] {
+    [0; 3].map(|_| side * random.f32())
+}
 
-impl Random {
-    /// Returns a number from 0 to 1.
-    pub(super) fn part(&mut self) -> f32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1 << 24) as f32
-    }
+/// Returns a box of a town, usually a small one.
+fn thing(random: &mut Rng) -> Aabb {
+    let size = if random.usize(..50) == 0 { 12.0 } else { 1.0 };
+    placed(point(random, 100.0), point(random, size))
+}
 
-    pub(super) fn below(&mut self, count: usize) -> usize {
-        ((self.part() * count as f32) as usize).min(count - 1)
-    }
-
-    fn point(&mut self, side: f32) -> [f32; 3] {
-        [0; 3].map(|_| side * self.part())
-    }
-
-    /// Returns a box of a town, usually a small one.
-    fn thing(&mut self) -> Aabb {
-        let size = if self.below(50) == 0 { 12.0 } else { 1.0 };
-        placed(self.point(100.0), self.point(size))
-    }
-
-    /// Returns a box of any kind: empty, flat, huge, far away, or from the town.
-    fn anything(&mut self) -> Aabb {
-        match self.below(20) {
-            0 => Aabb::EMPTY,
-            1 => placed([50.0; 3], [1.0; 3]),
-            2 => placed([50.0; 3], [0.0; 3]),
-            3 => placed(self.point(3000.0).map(|x| x - 1500.0), self.point(1.0)),
-            4 => placed(self.point(100.0).map(|x| x - 50.0), self.point(300.0)),
-            5 => placed(self.point(100.0), self.point(1e-6)),
-            6 => placed([-2e38, 1e38, 0.0], self.point(1e38)),
-            7 => placed([7.0, self.part(), 7.0], [0.0, 20.0, 3.0]),
-            _ => self.thing(),
-        }
-    }
-
-    /// Returns `was` moved by up to 0.2 units per axis.
-    fn step_from(&mut self, was: &Aabb) -> Aabb {
-        let by = self.point(0.4).map(|x| x - 0.2);
-        let moved = |at: [f32; 3]| [0, 1, 2].map(|axis| at[axis] + by[axis]);
-        Aabb {
-            min: moved(was.min),
-            max: moved(was.max),
-        }
+/// Returns a box of any kind: empty, flat, huge, far away, or from the town.
+fn anything(random: &mut Rng) -> Aabb {
+    match random.u32(..20) {
+        0 => Aabb::EMPTY,
+        1 => placed([50.0; 3], [1.0; 3]),
+        2 => placed([50.0; 3], [0.0; 3]),
+        3 => placed(point(random, 3000.0).map(|x| x - 1500.0), point(random, 1.0)),
+        4 => placed(point(random, 100.0).map(|x| x - 50.0), point(random, 300.0)),
+        5 => placed(point(random, 100.0), point(random, 1e-6)),
+        6 => placed([-2e38, 1e38, 0.0], point(random, 1e38)),
+        7 => placed([7.0, random.f32(), 7.0], [0.0, 20.0, 3.0]),
+        _ => thing(random),
     }
 }
 
-fn placed(at: [f32; 3], size: [f32; 3]) -> Aabb {
+/// Returns `was` moved by up to 0.2 units per axis.
+fn step_from(random: &mut Rng, was: &Aabb) -> Aabb {
+    let by = point(random, 0.4).map(|x| x - 0.2);
+    let moved = |at: [f32; 3]| [0, 1, 2].map(|axis| at[axis] + by[axis]);
+    Aabb {
+        min: moved(was.min),
+        max: moved(was.max),
+    }
+}
+
+pub(super) fn placed(at: [f32; 3], size: [f32; 3]) -> Aabb {
     Aabb {
         min: at,
         max: [0, 1, 2].map(|axis| at[axis] + size[axis]),
@@ -124,7 +108,7 @@ impl<T: DynamicTree> World<T> {
             bounds,
             touched: Vec::new(),
             held: Vec::new(),
-            random: Random(11),
+            random: Rng::with_seed(11),
         };
         world.count_held();
         world
@@ -132,8 +116,8 @@ impl<T: DynamicTree> World<T> {
 
     /// Creates a world of primitives spread over a town.
     pub(super) fn town(count: usize) -> World<T> {
-        let mut random = Random(5);
-        World::new((0..count).map(|_| random.thing()).collect())
+        let mut random = Rng::with_seed(5);
+        World::new((0..count).map(|_| thing(&mut random)).collect())
     }
 
     /// Changes boxes all at once: `boxes` already returns every new box when the tree is updated one by one.
@@ -240,7 +224,7 @@ impl<T: DynamicTree> World<T> {
             assert!(T::COPIES || times <= 1);
         }
         for _ in 0..10 {
-            let query = self.random.anything();
+            let query = anything(&mut self.random);
             let (met, _) = World::met(&self.tree, &self.bounds, &query);
             let all = 0..self.bounds.len() as u32;
             let meets = |&thing: &u32| {
@@ -255,11 +239,11 @@ impl<T: DynamicTree> World<T> {
     /// the sum of box areas weighted by the number of children and primitives tested on entering each node.
     pub(super) fn cost_ratio(&self) -> [f64; 2] {
         let fresh = T::over(&self.bounds);
-        let mut random = Random(3);
+        let mut random = Rng::with_seed(3);
         let mut asked = [0, 0];
         for i in 0..400 {
             let size = [2.0, 10.0, 30.0][i % 3];
-            let query = placed(random.point(100.0), random.point(size));
+            let query = placed(point(&mut random, 100.0), point(&mut random, size));
             for (asked, tree) in asked.iter_mut().zip([&self.tree, &fresh]) {
                 *asked += World::met(tree, &self.bounds, &query).1;
             }
@@ -280,40 +264,97 @@ impl<T: DynamicTree> World<T> {
 
     /// Applies many changes of all kinds one by one: small moves, jumps, removals and insertions.
     pub(super) fn live(&mut self, changes: usize) {
-        let mut random = Random(changes as u64);
+        let mut random = Rng::with_seed(changes as u64);
         for _ in 0..changes {
-            let thing = random.below(self.bounds.len());
-            let was = self.bounds[thing];
-            let now = match random.below(10) {
+            let index = random.usize(..self.bounds.len());
+            let was = self.bounds[index];
+            let now = match random.usize(..10) {
                 0 => Aabb::EMPTY,
-                1 => random.thing(),
-                _ if was.is_empty() => random.thing(),
-                _ => random.step_from(&was),
+                1 => thing(&mut random),
+                _ if was.is_empty() => thing(&mut random),
+                _ => step_from(&mut random, &was),
             };
-            self.change(&[(thing as u32, now)]);
+            self.change(&[(index as u32, now)]);
             self.tidy();
         }
     }
 }
 
+/// Builds a tree and checks that every box that is not empty is in a leaf whose boxes enclose it: in one leaf, or in
+/// several that share it.
+fn every_box_is_held<T: DynamicTree>(what: &str, boxes: &[Aabb]) {
+    let tree = T::over(boxes);
+    let mut times = vec![0; boxes.len()];
+    let mut pending: Vec<(u32, u32)> = tree.root().map(|root| (root, 0)).into_iter().collect();
+    while let Some((node, level)) = pending.pop() {
+        assert!(
+            level <= T::MAX_LEVELS,
+            "{what}: more than {} levels",
+            T::MAX_LEVELS
+        );
+        let outer = tree.bounds(node);
+        for child in tree.children(node) {
+            assert_eq!(outer.union(&tree.bounds(child)), outer, "{what}");
+            pending.push((child, level + 1));
+        }
+        for &thing in tree.things(node) {
+            times[thing as usize] += 1;
+            let bounds = &boxes[thing as usize];
+            let is_held = if T::COPIES {
+                !outer.intersection(bounds).is_empty()
+            } else {
+                outer.union(bounds) == outer
+            };
+            assert!(is_held, "{what}: box {thing} is outside its leaf");
+        }
+    }
+    for (times, bounds) in times.iter().zip(boxes) {
+        assert_eq!(*times > 0, !bounds.is_empty(), "{what}");
+        assert!(T::COPIES || *times <= 1, "{what}");
+    }
+    assert!(
+        tree.node_count() <= 4 * boxes.len() + 8,
+        "{what}: {} nodes",
+        tree.node_count()
+    );
+    assert_eq!(tree.root().is_none(), boxes.iter().all(Aabb::is_empty), "{what}");
+}
+
+fn every_set_of_boxes_is_held<T: DynamicTree>() {
+    for count in [0, 1, 2, 3, 7, 10] {
+        every_box_is_held::<T>("few", &World::<T>::town(count).bounds);
+    }
+    every_box_is_held::<T>("none", &[Aabb::EMPTY; 9]);
+    every_box_is_held::<T>("a town", &World::<T>::town(5000).bounds);
+    let growing = (0..300).map(|i| placed([1.2_f32.powi(i); 3], [1.0; 3]));
+    every_box_is_held::<T>("growing", &growing.collect::<Vec<_>>());
+    let corners = [[-3e38; 3], [3e38; 3], [0.0; 3], [-3e38; 3], [1e-20; 3]];
+    let mut huge = corners.map(|at| placed(at, [1e37; 3]));
+    huge[2] = Aabb::EMPTY;
+    every_box_is_held::<T>("huge", &huge);
+    for (what, boxes) in hard_boxes(100_000) {
+        every_box_is_held::<T>(what, &boxes);
+    }
+}
+
 /// After thousands of changes, one by one and many at once, queries find the same as in a rebuilt tree.
-pub(super) fn whatever_changes_is_found<T: DynamicTree>() {
+fn whatever_changes_is_found<T: DynamicTree>() {
     for count in [1, 3, 40, 700] {
-        let mut random = Random(count as u64);
-        let first = (0..count).map(|_| random.anything()).collect();
+        let mut random = Rng::with_seed(count as u64);
+        let first = (0..count).map(|_| anything(&mut random)).collect();
         let mut world = World::<T>::new(first);
         world.check();
         for round in 0..60 {
             let many = if round % 2 == 0 { 1 } else { 1 + count / 3 };
             for _ in 0..1 + 20 / many {
                 let mut changes: Vec<(u32, Aabb)> = (0..many)
-                    .map(|_| (random.below(count) as u32, random.anything()))
+                    .map(|_| (random.usize(..count) as u32, anything(&mut random)))
                     .collect();
                 changes.sort_by_key(|&(thing, _)| thing);
                 changes.dedup_by_key(|&mut (thing, _)| thing);
                 for (thing, now) in &mut changes {
                     if round % 3 == 0 {
-                        *now = random.step_from(&world.bounds[*thing as usize]);
+                        *now = step_from(&mut random, &world.bounds[*thing as usize]);
                     }
                 }
                 world.change(&changes);
@@ -328,7 +369,7 @@ pub(super) fn whatever_changes_is_found<T: DynamicTree>() {
 }
 
 /// A tree from which everything is removed is empty and can be filled again.
-pub(super) fn what_was_emptied_can_be_filled_again<T: DynamicTree>() {
+fn what_was_emptied_can_be_filled_again<T: DynamicTree>() {
     let mut world = World::<T>::town(300);
     let full = world.bounds.clone();
     for _ in 0..3 {
@@ -357,7 +398,7 @@ pub(super) fn what_was_emptied_can_be_filled_again<T: DynamicTree>() {
 }
 
 /// After a hundred thousand changes a tree is about as fast and as small as a rebuilt one.
-pub(super) fn a_long_life_leaves_it_as_good_as_new<T: DynamicTree>() {
+fn a_long_life_leaves_it_as_good_as_new<T: DynamicTree>() {
     let mut world = World::<T>::town(10_000);
     world.live(100_000);
     world.check();
@@ -365,4 +406,32 @@ pub(super) fn a_long_life_leaves_it_as_good_as_new<T: DynamicTree>() {
     assert!(cost_ratio.into_iter().all(|by| by < 1.3), "{cost_ratio:?}");
     let [old, new] = [&world.tree, &T::over(&world.bounds)].map(|tree| tree.bytes());
     assert!(2 * old < 5 * new, "{old} bytes, not {new}");
+}
+
+#[test]
+fn every_box_is_in_a_leaf_that_holds_it_however_hard_to_separate() {
+    every_set_of_boxes_is_held::<Octree>();
+    every_set_of_boxes_is_held::<Bvh>();
+    every_set_of_boxes_is_held::<KdTree>();
+}
+
+#[test]
+fn queries_find_whatever_has_changed() {
+    whatever_changes_is_found::<Octree>();
+    whatever_changes_is_found::<Bvh>();
+    whatever_changes_is_found::<KdTree>();
+}
+
+#[test]
+fn a_tree_that_was_emptied_can_be_filled_again() {
+    what_was_emptied_can_be_filled_again::<Octree>();
+    what_was_emptied_can_be_filled_again::<Bvh>();
+    what_was_emptied_can_be_filled_again::<KdTree>();
+}
+
+#[test]
+fn a_tree_is_as_good_as_new_after_a_hundred_thousand_changes() {
+    a_long_life_leaves_it_as_good_as_new::<Octree>();
+    a_long_life_leaves_it_as_good_as_new::<Bvh>();
+    a_long_life_leaves_it_as_good_as_new::<KdTree>();
 }

@@ -1,10 +1,11 @@
-//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `public-api`, `ci-long` and `charts`.
+//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `public-api`, `ci-long`, `charts` and `lines`.
 #![forbid(unsafe_code)]
 
 mod charts;
 mod ci_long;
 mod fingerprint;
 mod fuzz_scenes;
+mod lines;
 mod public_api;
 mod verify;
 
@@ -26,6 +27,8 @@ enum Task {
     CiLong(ci_long::Args),
     /// Measures every method on every scene, and draws the book's charts of it; takes half an hour
     Charts(charts::Args),
+    /// Counts the lines of code of each crate, without blank lines, comments, docs and tests
+    Lines(lines::Args),
 }
 
 fn main() -> anyhow::Result<()> {
@@ -39,5 +42,6 @@ fn main() -> anyhow::Result<()> {
         Task::PublicApi(args) => public_api::run(&args),
         Task::CiLong(args) => ci_long::run(&args),
         Task::Charts(args) => charts::run(&args),
+        Task::Lines(args) => lines::run(&args),
     }
 }

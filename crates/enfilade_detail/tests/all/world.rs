@@ -1,9 +1,10 @@
 //! A hall for items with levels, and balls as such items.
 
 use enfilade::{
-    Aabb, DetailSource, Details, GeometryBuilder, Material, MaterialId, Mesh, Method, RefineStats, Scene,
-    SceneBuilder, SectorId, Transform, View, Viewer, VisibleSet,
+    Aabb, GeometryBuilder, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Transform,
+    View, Viewer, VisibleSet,
 };
+use enfilade_detail::{DetailSource, Details, RefineStats};
 use std::error::Error;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -8,7 +8,7 @@
 //! The depth is log₂ n for any boxes. Queries count the nodes that they test in vain; once those exceed the cost of
 //! building, the tree is rebuilt.
 
-use crate::geom::Aabb;
+use enfilade::Aabb;
 
 /// AABB tree over boxes that are identified by slot.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,8 @@
 //! Overlapping pairs of boxes that move, appear and disappear.
 
-use enfilade::{Aabb, BoxError, Pairs};
+use enfilade::Aabb;
 use enfilade_scenes::Random;
+use enfilade_walk::{BoxError, Pairs};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns all pairs by brute force.

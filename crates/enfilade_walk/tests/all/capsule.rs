@@ -2,10 +2,11 @@
 
 use crate::{CUBE_SIDES, affine, triangles};
 use enfilade::{
-    Aabb, Capsule, ConvexPolygon, Geometry, GeometryBuilder, Location, Material, MaterialId, Mesh, Method,
-    OpeningId, PortalId, Scene, SceneBuilder, SectorId, Transform,
+    Aabb, ConvexPolygon, Geometry, GeometryBuilder, Location, Material, MaterialId, Mesh, Method, OpeningId,
+    PortalId, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in};
+use enfilade_walk::Capsule;
 use glam::DVec3;
 
 fn block() -> Mesh {
@@ -113,7 +114,7 @@ fn walk(
         if step % 7 == 0 {
             course = chance.point(1.0).map(|value| value * longest);
         }
-        let slid = scene.slide(place, capsule, course);
+        let slid = capsule.slide(&scene, place, course);
         assert!(
             slid.complete && slid.crossed.is_empty(),
             "step {step}: {course:?} from {place:?}: {slid:?}"
@@ -181,7 +182,7 @@ fn it_slides_along_a_wall_into_a_corner_and_stands_on_the_floor() {
         position: [1.0, 1.5, 5.0],
     };
     let capsule = Capsule::new(0.3, 1.8);
-    let slid = scene.slide(from, capsule, [-3.0, -3.0, 1.0]);
+    let slid = capsule.slide(&scene, from, [-3.0, -3.0, 1.0]);
     let [x, y, z] = slid.location.position;
     assert!(
         (x - 0.3).abs() < 1e-3 && (y - 0.9).abs() < 1e-3 && (z - 6.0).abs() < 1e-3,
@@ -195,7 +196,7 @@ fn it_slides_along_a_wall_into_a_corner_and_stands_on_the_floor() {
         .map(|normal| normal.map(|part| part.round()))
         .collect();
     assert_eq!(normals, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]);
-    let slid = scene.slide(slid.location, capsule, [-3.0, 1.0, -30.0]);
+    let slid = capsule.slide(&scene, slid.location, [-3.0, 1.0, -30.0]);
     let [x, y, z] = slid.location.position;
     assert!(
         (x - 0.3).abs() < 2e-3 && (y - 1.9).abs() < 1e-3 && (z - 0.3).abs() < 1e-3,
@@ -227,7 +228,7 @@ fn it_climbs_steps_that_are_low_enough_and_no_higher_ones() {
             position: [0.0, 0.95, 0.0],
         };
         for _ in 0..40 {
-            place = scene.slide(place, capsule, [0.1, -0.02, 0.01]).location;
+            place = capsule.slide(&scene, place, [0.1, -0.02, 0.01]).location;
         }
         let risen = place.position[1] - 0.9;
         assert_eq!(
@@ -258,7 +259,7 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
                 course = chance.point(1.0).map(|value| 0.3 * value);
                 course[1] *= 0.1;
             }
-            let slid = scene.slide(place, capsule, course);
+            let slid = capsule.slide(&scene, place, course);
             crossings += slid.crossed.len();
             course = slid.there_from_here.direction(course);
             // Like a ray from centre to centre: no wall is between them.
@@ -297,20 +298,20 @@ fn what_is_no_step_or_no_capsule_goes_nowhere() {
         (Capsule::new(f32::NAN, 1.0), [1.0; 3]),
         (lying, [1.0; 3]),
     ] {
-        let slid = scene.slide(from, capsule, step);
+        let slid = capsule.slide(&scene, from, step);
         assert_eq!((slid.location, slid.touched.len()), (from, 0));
     }
-    let still = scene.slide(from, sound, [0.0; 3]);
+    let still = sound.slide(&scene, from, [0.0; 3]);
     assert_eq!(still.location, from);
     // If it starts in a wall, it is pushed out.
     let inside = Location {
         position: [0.1, 1.5, 5.0],
         ..from
     };
-    let pushed = scene.slide(inside, sound, [0.0; 3]).location.position;
+    let pushed = sound.slide(&scene, inside, [0.0; 3]).location.position;
     assert!((pushed[0] - 0.3).abs() < 1e-3, "{pushed:?}");
     // A step longer than the maximum: it is reported, or a wall stops it.
-    let far = scene.slide(from, sound, [3e30, 0.0, 0.0]);
+    let far = sound.slide(&scene, from, [3e30, 0.0, 0.0]);
     assert!(far.location.position[0] < 9.8);
 }
 
@@ -351,14 +352,14 @@ fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_i
     let capsule = Capsule::new(0.3, 1.8);
     // An obstacle of this room behind its own door is not in the room beyond.
     for behind in [[-0.2, 0.0, -1.0], [-0.2, 0.0, -0.6]] {
-        let slid = two_rooms(behind, AWAY).slide(from, capsule, [0.0, 0.0, -3.0]);
+        let slid = capsule.slide(&two_rooms(behind, AWAY), from, [0.0, 0.0, -3.0]);
         assert_eq!((slid.location.sector, slid.crossed.len()), (SectorId(1), 1));
         assert!(
             (slid.location.position[2] + 2.0).abs() < 1e-3 && slid.touched.is_empty(),
             "{slid:?}"
         );
         // An obstacle in the other room counts, before and after the capsule's centre has passed the door.
-        let slid = two_rooms(AWAY, behind).slide(from, capsule, [0.0, 0.0, -3.0]);
+        let slid = capsule.slide(&two_rooms(AWAY, behind), from, [0.0, 0.0, -3.0]);
         let stopped = behind[2] + 0.5 + 0.3;
         assert!((slid.location.position[2] - stopped).abs() < 1e-3, "{slid:?}");
         assert_eq!(slid.location.sector.0, u32::from(stopped < 0.0));
@@ -368,11 +369,11 @@ fn in_a_doorway_it_is_stopped_by_what_stands_beyond_and_not_by_what_lies_there_i
         let scene = two_rooms(AWAY, AWAY);
         let position = [x, 0.95, 1.0];
         let course = [0.0, 0.0, -1.0];
-        let slid = scene.slide(Location { position, ..from }, capsule, course);
+        let slid = capsule.slide(&scene, Location { position, ..from }, course);
         assert_eq!(slid.touched.is_empty(), through, "{slid:?}");
     }
     let mut scene = two_rooms(AWAY, AWAY);
     scene.set_open(PortalId(0), false);
-    let slid = scene.slide(from, capsule, [0.0, 0.0, -3.0]);
+    let slid = capsule.slide(&scene, from, [0.0, 0.0, -3.0]);
     assert!((slid.location.position[2] - 0.3).abs() < 1e-3 && slid.crossed.is_empty());
 }

@@ -8,10 +8,10 @@
 //! Faces beyond an opening are clipped at its plane; the part in front of it is ignored.
 
 use super::body::Body;
-use crate::geom::{Aabb, ConvexPolygon, Step, Transform, nearest_points};
-use crate::geometry::{Geometry, ItemId, OpeningId};
-use crate::query::location::{Location, corners, slack};
-use crate::scene::{Scene, SectorId};
+use enfilade::geom::{Step, nearest_points};
+use enfilade::{
+    Aabb, ConvexPolygon, Geometry, ItemId, Location, OpeningId, PortalId, Scene, SectorId, Transform,
+};
 use glam::{DAffine3, DVec3};
 
 /// Triangles around a capsule, in the space of the sector that contains its centre.
@@ -69,11 +69,12 @@ impl Obstacles {
             let Some(here_from_there) = present.there_from_here.inverse() else {
                 continue;
             };
+            let affine = DAffine3::from(here_from_there);
             let entered = holes_on_the_way(scene, place.sector, &present.crossed);
             let came = present.crossed.last();
             let sector = present.location.sector;
             let left = scene
-                .ways_out(sector)
+                .open_portals(sector)
                 .filter(|&(portal, _)| !came.is_some_and(|&came| scene.leads_back(came, portal)))
                 .map(|(_, outline)| Hole::of(outline, &here_from_there));
             obstacles.sides.push(Side {
@@ -81,7 +82,7 @@ impl Obstacles {
                 entered,
             });
             if let Some(geometry) = scene.geometry(sector) {
-                obstacles.add_faces(geometry, &here_from_there.0, &near);
+                obstacles.add_faces(geometry, &affine, &near);
             }
             if scene.is_flat() {
                 continue;
@@ -90,10 +91,7 @@ impl Obstacles {
                 let portal = scene.portal_of(sector, OpeningId(number));
                 if !portal.is_some_and(|id| scene.portals()[id.0 as usize].open) {
                     let corners = corners(&opening.outline);
-                    obstacles.add(
-                        corners.into_iter().map(|c| here_from_there.0.transform_point3(c)),
-                        &near,
-                    );
+                    obstacles.add(corners.into_iter().map(|c| affine.transform_point3(c)), &near);
                 }
             }
         }
@@ -109,7 +107,7 @@ impl Obstacles {
         };
         let there = here.placed(&here_from_there.inverse());
         geometry.items_in_box(&there, |item: ItemId| {
-            let here_from_item = *here_from_there * geometry.item(item).transform().0;
+            let here_from_item = *here_from_there * DAffine3::from(geometry.item(item).transform());
             let mesh = geometry.mesh_of(item);
             mesh.walk([0.0; 3], |step| match step {
                 Step::Node(bounds) => bounds.placed(&here_from_item).meets(&here),
@@ -199,15 +197,14 @@ impl Side {
 
 impl Hole {
     fn of(outline: &ConvexPolygon, here_from_there: &Transform) -> Hole {
-        let place = |corner: DVec3| here_from_there.0.transform_point3(corner);
+        let affine = DAffine3::from(*here_from_there);
+        let place = |corner: DVec3| affine.transform_point3(corner);
         let corners: Vec<DVec3> = corners(outline).into_iter().map(place).collect();
-        let normal = here_from_there
-            .0
-            .transform_vector3(DVec3::from(outline.normal().map(f64::from)));
+        let normal = affine.transform_vector3(DVec3::from(outline.normal().map(f64::from)));
         Hole {
             corners,
             normal: normal.normalize_or_zero(),
-            slack: slack(outline) * here_from_there.scale(),
+            slack: outline.slack() * here_from_there.scale(),
         }
     }
 
@@ -251,7 +248,7 @@ impl Hole {
 }
 
 /// Returns the openings of a chain of portals, in the space of the first sector.
-fn holes_on_the_way(scene: &Scene, from: SectorId, crossed: &[crate::scene::PortalId]) -> Vec<Hole> {
+fn holes_on_the_way(scene: &Scene, from: SectorId, crossed: &[PortalId]) -> Vec<Hole> {
     debug_assert!(
         crossed
             .first()
@@ -268,6 +265,12 @@ fn holes_on_the_way(scene: &Scene, from: SectorId, crossed: &[crate::scene::Port
         }
     }
     holes
+}
+
+/// Returns the corners of an outline in f64.
+fn corners(outline: &ConvexPolygon) -> Vec<DVec3> {
+    let corners = outline.corners().iter();
+    corners.map(|corner| DVec3::from(corner.map(f64::from))).collect()
 }
 
 /// Returns `true` if two boxes, each [minimum, maximum], share a point.

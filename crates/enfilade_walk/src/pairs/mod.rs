@@ -7,7 +7,7 @@
 
 mod tree;
 
-use crate::geom::Aabb;
+use enfilade::Aabb;
 use std::collections::HashMap;
 use thiserror::Error;
 use tree::Tree;
@@ -17,7 +17,8 @@ use tree::Tree;
 /// Set the boxes that moved, then call [`Pairs::update`]:
 ///
 /// ```
-/// use enfilade::{Aabb, Pairs};
+/// use enfilade::Aabb;
+/// use enfilade_walk::Pairs;
 ///
 /// let at = |x: f32| Aabb { min: [x, 0.0, 0.0], max: [x + 1.0, 1.0, 1.0] };
 /// let mut pairs = Pairs::new();
@@ -26,7 +27,7 @@ use tree::Tree;
 /// assert_eq!(pairs.update().began, [[3, 7]]);
 /// pairs.set(3, at(9.0))?;
 /// assert_eq!(pairs.update().ended, [[3, 7]]);
-/// # Ok::<(), enfilade::BoxError>(())
+/// # Ok::<(), enfilade_walk::BoxError>(())
 /// ```
 #[doc(alias = "broad phase")]
 #[doc(alias = "overlap")]

@@ -7,9 +7,10 @@ mod world;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Contract, ConvexPolygon, DetailOptions, Details, GeometryBuilder, Limits, Method, Scene, SceneBuilder,
-    SectorId, Transform, View, Viewer,
+    Contract, ConvexPolygon, GeometryBuilder, Limits, Method, Scene, SceneBuilder, SectorId, Transform, View,
+    Viewer,
 };
+use enfilade_detail::{DetailOptions, Details};
 use std::sync::Arc;
 use world::{Ball, HALL, at, hall, names, settle, square, straight, wall_at};
 
@@ -321,7 +322,7 @@ fn an_adopted_item_is_what_it_was_again_when_it_is_near() {
     edit.set_occluder(HALL, items[1], false).expect("it is there");
     edit.finish().expect("little");
     let mut details = Details::new(DetailOptions::default());
-    let [a, b]: [Arc<dyn enfilade::DetailSource>; 2] = [Ball::new(), Ball::new()];
+    let [a, b]: [Arc<dyn enfilade_detail::DetailSource>; 2] = [Ball::new(), Ball::new()];
     details
         .adopt(&mut scene, [(HALL, items[0], a), (HALL, items[1], b)])
         .expect("they are there");

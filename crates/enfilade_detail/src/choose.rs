@@ -1,11 +1,7 @@
 //! LOD selection by screen-space error.
 
-use super::{Details, Key};
-use crate::geom::Aabb;
-use crate::geometry::ItemId;
-use crate::passage::Passage;
-use crate::scene::Scene;
-use crate::visible::VisibleSet;
+use crate::{Details, Key};
+use enfilade::{Aabb, ItemId, Passage, Scene, VisibleSet};
 use std::collections::BTreeMap;
 
 /// The level that an item should have.
@@ -69,7 +65,7 @@ impl Details {
     }
 
     /// Returns the coarsest level whose error is within the tolerance. Switches to a coarser level than the current one
-    /// only with the margin given by [`DetailOptions::hysteresis`](super::DetailOptions::hysteresis).
+    /// only with the margin given by [`DetailOptions::hysteresis`](crate::DetailOptions::hysteresis).
     fn level_for(&self, key: Key, pixels: f64) -> u32 {
         let held = &self.items[&key];
         let levels = &self.sources[&held.source];

@@ -10,10 +10,8 @@
 //! A body that starts free never passes through a face: it keeps its radius from every face, up to f32 rounding.
 
 use super::obstacles::{Contact, Obstacles};
-use crate::geom::Transform;
-use crate::query::location::Location;
-use crate::scene::{PortalId, Scene};
-use glam::DVec3;
+use enfilade::{Location, PortalId, Scene, Transform};
+use glam::{DAffine3, DVec3};
 
 /// A capsule in the space of the sector that contains its centre.
 #[derive(Clone, Copy, Debug)]
@@ -193,7 +191,7 @@ impl Mover<'_> {
             return false;
         }
         let map = walked.there_from_here;
-        let carried = |vector: DVec3| map.0.transform_vector3(vector);
+        let carried = |vector: DVec3| DAffine3::from(map).transform_vector3(vector);
         *rest = carried(*rest);
         self.body = Body {
             radius: self.body.radius * map.scale(),

@@ -1,10 +1,8 @@
 //! Sources that fail: their items keep their boxes, the error is reported once, and later looks work.
 
 use crate::world::{Ball, HALL, at, empty, settle, square, straight};
-use enfilade::{
-    Aabb, DetailError, DetailOptions, DetailSource, Details, ItemId, MaterialId, Mesh, Method, SectorId,
-    Transform, Viewer,
-};
+use enfilade::{Aabb, ItemId, MaterialId, Mesh, Method, SectorId, Transform, Viewer};
+use enfilade_detail::{DetailError, DetailOptions, DetailSource, Details};
 use std::error::Error;
 use std::sync::Arc;
 

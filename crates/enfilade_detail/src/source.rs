@@ -1,9 +1,7 @@
 //! Sources of levels, and the levels built from each.
 
-use super::DetailError;
-use crate::geom::Aabb;
-use crate::geometry::MaterialId;
-use crate::mesh::Mesh;
+use crate::DetailError;
+use enfilade::{Aabb, MAX_COORDINATE, MaterialId, Mesh};
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -31,7 +29,7 @@ pub trait DetailSource: Send + Sync {
     ///
     /// # Errors
     /// Any error: the item keeps its current level and the error is reported in
-    /// [`RefineStats::failed`](super::RefineStats::failed). A panic, a mesh without faces, and a mesh that exceeds the
+    /// [`RefineStats::failed`](crate::RefineStats::failed). A panic, a mesh without faces, and a mesh that exceeds the
     /// bounds count as errors too.
     fn build(&self, level: u32) -> Result<Arc<Mesh>, Box<dyn Error + Send + Sync>>;
 }
@@ -60,7 +58,8 @@ impl Levels {
         };
         let (bounds, material, mut errors) = catch_unwind(AssertUnwindSafe(ask))
             .map_err(|panic| DetailError::Panicked(words(&*panic).to_owned()))?;
-        if bounds.is_empty() || !bounds.is_in_range() {
+        let is_in_range = |value: &f32| value.abs() <= MAX_COORDINATE;
+        if bounds.is_empty() || !bounds.min.iter().chain(&bounds.max).all(is_in_range) {
             return Err(DetailError::NoBounds);
         }
         // Makes errors monotonic: a level is assumed no better than any finer one. NaN and negative errors count as

@@ -9,10 +9,8 @@
 mod steps;
 mod weave;
 
-use super::DetailSource;
-use crate::geom::Aabb;
-use crate::geometry::MaterialId;
-use crate::mesh::Mesh;
+use crate::DetailSource;
+use enfilade::{Aabb, MaterialId, Mesh};
 use glam::DVec3;
 use std::error::Error;
 use std::sync::Arc;

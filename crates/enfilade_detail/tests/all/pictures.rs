@@ -2,10 +2,10 @@
 
 use crate::world::{Ball, HALL, at, empty, settle};
 use enfilade::{
-    BezierPatch, BezierSurface, Canvas, DetailOptions, DetailSource, Details, Geometry, GeometryBuilder,
-    ItemId, Material, MaterialId, Method, Passage, PassageId, Scene, SceneBuilder, Span, Transform, View,
-    Viewer,
+    Canvas, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Method, Passage, PassageId, Scene,
+    SceneBuilder, Span, Transform, View, Viewer,
 };
+use enfilade_detail::{BezierPatch, BezierSurface, DetailOptions, DetailSource, Details};
 use std::sync::Arc;
 
 /// Resolution of the compared pictures relative to the view, per axis.

@@ -9,13 +9,11 @@
 mod body;
 mod obstacles;
 
-use super::location::Location;
-use crate::geom::Transform;
-use crate::scene::{PortalId, Scene};
 use body::{Body, Mover};
-use glam::DVec3;
+use enfilade::{Location, PortalId, Scene, Transform};
+use glam::{DAffine3, DVec3};
 
-/// Capsule for [`Scene::slide`]: a cylinder with hemispherical ends.
+/// Capsule that slides along obstacles ([`Capsule::slide`]): a cylinder with hemispherical ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Capsule {
@@ -31,7 +29,7 @@ pub struct Capsule {
     pub climb: f32,
 }
 
-/// Result of [`Scene::slide`].
+/// Result of [`Capsule::slide`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SlideResult {
@@ -64,22 +62,7 @@ impl Capsule {
         }
     }
 
-    fn body(&self) -> Option<Body> {
-        let [radius, height] = [self.radius, self.height].map(f64::from);
-        let up = DVec3::from(self.up.map(f64::from)).try_normalize()?;
-        (radius > 0.0 && radius.is_finite() && height.is_finite()).then_some(Body {
-            radius,
-            half: (0.5 * height - radius).max(0.0),
-            up,
-        })
-    }
-}
-
-/// Cosine of the maximum slope of ground.
-const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
-impl Scene {
-    /// Moves a capsule with its centre at `from` by `step`, sliding along obstacles and through open portals.
+    /// Moves the capsule with its centre at `from` by `step`, sliding along obstacles and through open portals.
     ///
     /// Returns where it ends, what it touched and which portals it crossed. `step` is in the space of `from`, in scene
     /// units.
@@ -95,10 +78,10 @@ impl Scene {
     #[doc(alias = "character controller")]
     #[doc(alias = "kinematic")]
     #[doc(alias = "move and slide")]
-    pub fn slide(&self, from: Location, capsule: Capsule, step: [f32; 3]) -> SlideResult {
+    pub fn slide(self, scene: &Scene, from: Location, step: [f32; 3]) -> SlideResult {
         let unmoved = SlideResult {
             location: from,
-            capsule,
+            capsule: self,
             there_from_here: Transform::IDENTITY,
             crossed: Vec::new(),
             touched: Vec::new(),
@@ -106,11 +89,11 @@ impl Scene {
             complete: true,
         };
         let finite = from.position.iter().chain(&step).all(|value| value.is_finite());
-        let Some(body) = capsule.body().filter(|_| finite) else {
+        let Some(body) = self.body().filter(|_| finite) else {
             return unmoved;
         };
         let start = Mover {
-            scene: self,
+            scene,
             location: from,
             body,
             there_from_here: Transform::IDENTITY,
@@ -121,22 +104,22 @@ impl Scene {
         let step = DVec3::from(step.map(f64::from));
         let mut moved = start.clone();
         moved.go(step, true);
-        if capsule.climb > 0.0
+        if self.climb > 0.0
             && moved
                 .touched
                 .iter()
                 .any(|normal| is_steep(normal.dot(moved.body.up)))
         {
-            moved = climbed(&start, step, f64::from(capsule.climb), &moved).unwrap_or(moved);
+            moved = climbed(&start, step, f64::from(self.climb), &moved).unwrap_or(moved);
         }
         let scale = moved.body.radius / body.radius;
         SlideResult {
             location: moved.location,
             capsule: Capsule {
                 radius: moved.body.radius as f32,
-                height: (f64::from(capsule.height) * scale) as f32,
+                height: (f64::from(self.height) * scale) as f32,
                 up: moved.body.up.as_vec3().into(),
-                climb: (f64::from(capsule.climb) * scale) as f32,
+                climb: (f64::from(self.climb) * scale) as f32,
             },
             there_from_here: moved.there_from_here,
             touched: moved
@@ -149,7 +132,20 @@ impl Scene {
             crossed: moved.crossed,
         }
     }
+
+    fn body(&self) -> Option<Body> {
+        let [radius, height] = [self.radius, self.height].map(f64::from);
+        let up = DVec3::from(self.up.map(f64::from)).try_normalize()?;
+        (radius > 0.0 && radius.is_finite() && height.is_finite()).then_some(Body {
+            radius,
+            half: (0.5 * height - radius).max(0.0),
+            up,
+        })
+    }
 }
+
+/// Cosine of the maximum slope of ground.
+const STEEPEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Returns `true` if the slope is too steep for ground, given the up component of the unit normal.
 fn is_steep(up: f64) -> bool {
@@ -160,7 +156,7 @@ fn is_steep(up: f64) -> bool {
 /// slope, or the edge of one, as on stairs.
 fn ground(mover: &Mover, up: DVec3) -> Option<f64> {
     const FROM_ABOVE: f64 = 0.1;
-    let here_from_there = mover.there_from_here.inverse()?.0;
+    let here_from_there = DAffine3::from(mover.there_from_here.inverse()?);
     let contacts = mover.contacts_here().into_iter().filter(|contact| {
         let [leans, rises] = [contact.normal, contact.of_face].map(|normal| normal.dot(mover.body.up));
         leans >= FROM_ABOVE && rises >= STEEPEST
@@ -189,11 +185,8 @@ fn climbed<'a>(start: &Mover<'a>, step: DVec3, climb: f64, plain: &Mover) -> Opt
     let down = tried.body.up * (-scale * risen);
     tried.go(down, false);
     let far = |mover: &Mover| {
-        let here = mover
-            .there_from_here
-            .inverse()?
-            .0
-            .transform_point3(mover.middle());
+        let here_from_there = DAffine3::from(mover.there_from_here.inverse()?);
+        let here = here_from_there.transform_point3(mover.middle());
         Some((here - start.middle()).dot(level.normalize_or_zero()))
     };
     let further = far(&tried)? > far(plain)? + 1e-3 * start.body.radius;

@@ -12,6 +12,8 @@
 //! Visible sets refer to the current levels, not to the true surface: an item is visible if its current level is. A
 //! coarse level can be hidden where a finer one would show past its occluder; only the box contains every level. A
 //! level with an error above 0 is no occluder and hides nothing.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+#![forbid(unsafe_code)]
 
 mod bezier;
 mod choose;
@@ -20,12 +22,8 @@ mod source;
 pub use bezier::{BezierError, BezierPatch, BezierSurface};
 pub use source::DetailSource;
 
-use crate::geom::{MAX_COORDINATE, Transform};
-use crate::geometry::ItemId;
-use crate::mesh::Mesh;
-use crate::scene::{EditError, Scene, SceneError, SectorId};
-use crate::visible::VisibleSet;
 use choose::WantedLevel;
+use enfilade::{EditError, ItemId, MAX_COORDINATE, Mesh, Scene, SceneError, SectorId, Transform, VisibleSet};
 use source::Levels;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,4 +1,5 @@
-//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `public-api`, `ci-long`, `charts` and `lines`.
+//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `public-api`, `ci-long`, `charts`, `lines` and
+//! `scenes`.
 #![forbid(unsafe_code)]
 
 mod charts;
@@ -7,6 +8,7 @@ mod fingerprint;
 mod fuzz_scenes;
 mod lines;
 mod public_api;
+mod scenes;
 mod verify;
 
 use clap::Parser;
@@ -29,6 +31,8 @@ enum Task {
     Charts(charts::Args),
     /// Counts the lines of code of each crate, without blank lines, comments, docs and tests
     Lines(lines::Args),
+    /// Lists the real scenes, where they are published, and checks a folder of them
+    Scenes(scenes::Args),
 }
 
 fn main() -> anyhow::Result<()> {
@@ -43,5 +47,6 @@ fn main() -> anyhow::Result<()> {
         Task::CiLong(args) => ci_long::run(&args),
         Task::Charts(args) => charts::run(&args),
         Task::Lines(args) => lines::run(&args),
+        Task::Scenes(args) => scenes::run(&args),
     }
 }

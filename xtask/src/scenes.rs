@@ -27,7 +27,7 @@ struct RealScene {
     sha256: &'static str,
 }
 
-const SCENES: [RealScene; 16] = [
+const SCENES: [RealScene; 17] = [
     RealScene {
         file: "blender_villa.glb",
         what: "a villa of 8 rooms with portals, a mirror, lights and textures, exported by Blender 3.4",
@@ -134,8 +134,15 @@ const SCENES: [RealScene; 16] = [
         sha256: "408d5e0d81c76ea5a65a716f5c0122845286caad63f927f7b236a10890107227",
     },
     RealScene {
+        file: "terrain_jacksboro.json",
+        what: "the description of the same heights in terrain_jacksboro_u16le.raw",
+        published: "as terrain_jacksboro.glb",
+        licence: "public domain believed, USGS elevation",
+        sha256: "b32d4f52e893b6d875afa71abfe5b73ae8b578fee46d7f45edee62e861a6f1e4",
+    },
+    RealScene {
         file: "terrain_jacksboro_u16le.raw",
-        what: "the same heights, as the height map that terrain_jacksboro.json describes",
+        what: "the same heights, in 16 bits each",
         published: "as terrain_jacksboro.glb",
         licence: "public domain believed, USGS elevation",
         sha256: "0c7e9f894eb7c8d444ca4475e64249e060d96c90ab63fdf439a0381c590ed502",

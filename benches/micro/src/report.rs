@@ -1,10 +1,9 @@
-//! The report of `bench --micro`, as text and as JSON. The JSON keys are a stable interface.
+//! The report, as text and as JSON. The JSON keys are a stable interface.
 
 use super::ceilings::{Ceiling, Ceilings};
 use super::{Row, SIZE, Verification};
-use crate::report::rounded;
-use crate::text::table;
 use serde::Serialize;
+use std::fmt::Write;
 
 /// All rows, in the order of the table.
 #[derive(Debug, Serialize)]
@@ -160,4 +159,34 @@ fn short(value: f64) -> String {
         v if v < 100.0 => format!("{v:.1}"),
         v => format!("{v:.0}"),
     }
+}
+
+/// Rounds to four decimals.
+fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}
+
+/// Formats a table with a header; the first column is left-aligned, the others right-aligned.
+fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        let cells = rows.iter().map(|row| row[column].chars().count());
+        cells.chain([header[column].chars().count()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..header.len()).map(width).collect();
+    let header: Vec<String> = header.iter().map(|&cell| cell.to_owned()).collect();
+    let mut text = String::new();
+    for row in std::iter::once(&header).chain(rows) {
+        let mut line = String::new();
+        for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+            // Writing to a String cannot fail.
+            let _ = if column == 0 {
+                write!(line, "  {cell:<width$}")
+            } else {
+                write!(line, "  {cell:>width$}")
+            };
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
 }

@@ -54,7 +54,7 @@ impl Ceilings {
 
     /// Returns the median of the measurements, in GB/s.
     pub(super) fn gb_s(&self, ceiling: Ceiling) -> f64 {
-        crate::measure::median(&self.measured[ceiling as usize])
+        crate::median(&self.measured[ceiling as usize])
     }
 }
 

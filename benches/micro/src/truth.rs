@@ -1,4 +1,4 @@
-//! The reference of `bench --micro`: depth of the nearest face at each sample, in f64, by code that shares nothing with
+//! The reference of this benchmark: depth of the nearest face at each sample, in f64, by code that shares nothing with
 //! the engine.
 //!
 //! Tests each face with five rays per sample, at its centre and at (±δ, ±δ) around it, in homogeneous coordinates, so

@@ -51,7 +51,7 @@ struct Walk {
 pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<Row>> {
     let survey_views = enfilade::survey(scene, VIEWS).views;
     if survey_views.is_empty() {
-        bail!("the survey found no open space; run `bench --micro` without a scene to omit its rows");
+        bail!("the survey found no open space; run without a scene to omit its rows");
     }
     let mut parts = Vec::new();
     for sector in scene.sectors() {

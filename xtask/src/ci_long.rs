@@ -17,7 +17,7 @@ pub(crate) struct Args {
 /// Runs the other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
-    let steps: [&[&str]; 4] = [
+    let steps: [&[&str]; 5] = [
         &["xtask", "fuzz-scenes", &scenes],
         &["xtask", "verify", "--views", &views, "--strict-views", &views],
         &["test", "--release", "--workspace", "--", "--ignored"],
@@ -29,6 +29,18 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             "enfilade_import",
             "--features",
             "levels",
+        ],
+        &[
+            "test",
+            "--release",
+            "-p",
+            "enfilade_import",
+            "--features",
+            "levels",
+            "--lib",
+            "levels::",
+            "--",
+            "--ignored",
         ],
     ];
     let mut failed = Vec::new();

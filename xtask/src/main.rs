@@ -1,11 +1,14 @@
-//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `public-api`, `ci-long` and `charts`.
+//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `public-api`, `ci-long`, `charts`, `lines` and
+//! `scenes`.
 #![forbid(unsafe_code)]
 
 mod charts;
 mod ci_long;
 mod fingerprint;
 mod fuzz_scenes;
+mod lines;
 mod public_api;
+mod scenes;
 mod verify;
 
 use clap::Parser;
@@ -26,6 +29,10 @@ enum Task {
     CiLong(ci_long::Args),
     /// Measures every method on every scene, and draws the book's charts of it; takes half an hour
     Charts(charts::Args),
+    /// Counts the lines of code of each crate, without blank lines, comments, docs and tests
+    Lines(lines::Args),
+    /// Lists the real scenes, where they are published, and checks a folder of them
+    Scenes(scenes::Args),
 }
 
 fn main() -> anyhow::Result<()> {
@@ -39,5 +46,7 @@ fn main() -> anyhow::Result<()> {
         Task::PublicApi(args) => public_api::run(&args),
         Task::CiLong(args) => ci_long::run(&args),
         Task::Charts(args) => charts::run(&args),
+        Task::Lines(args) => lines::run(&args),
+        Task::Scenes(args) => scenes::run(&args),
     }
 }

@@ -20,7 +20,14 @@ pub(crate) struct Args {
 }
 
 /// The libraries whose API is listed, each in its `public-api.txt`.
-const CRATES: [&str; 4] = ["enfilade", "enfilade_bake", "enfilade_draw", "enfilade_import"];
+const CRATES: [&str; 6] = [
+    "enfilade",
+    "enfilade_bake",
+    "enfilade_detail",
+    "enfilade_draw",
+    "enfilade_import",
+    "enfilade_walk",
+];
 
 /// Version of rustdoc's JSON that the pinned `public-api` reads.
 const FORMAT: u64 = 57;

@@ -5,7 +5,8 @@ use crate::out;
 use crate::prepare::PreparedScene;
 use crate::text::count;
 use anyhow::Result;
-use enfilade::{DetailOptions, Details, ItemId, Scene, SectorId, View, Viewer};
+use enfilade::{ItemId, Scene, SectorId, View, Viewer};
+use enfilade_detail::{DetailOptions, Details};
 use enfilade_import::details_of;
 
 /// LODs of a scene's large items, and the scene at full detail.

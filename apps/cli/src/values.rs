@@ -1,6 +1,5 @@
 //! Parses option values, with messages that say what is expected.
 
-use crate::bench::row_names;
 use enfilade::{ChoiceGoal, Method, View};
 use enfilade_draw::Show;
 
@@ -59,12 +58,6 @@ pub(crate) fn simd_help() -> String {
         levels.join(", "),
         levels[0]
     )
-}
-
-/// Returns the help of `bench --rows`: the names of the rows.
-pub(crate) fn rows_help() -> String {
-    let names: Vec<&str> = row_names().collect();
-    format!("Measure these rows only, of {}", names.join(", "))
 }
 
 pub(crate) fn aim(text: &str) -> Result<ChoiceGoal, String> {
@@ -190,15 +183,6 @@ pub(crate) fn check(text: &str) -> Result<u32, String> {
     match text.parse::<u32>() {
         Ok(samples @ 1..=64) => Ok(samples),
         _ => Err("expected a number of random samples per pixel from 1 to 64, or nothing".to_owned()),
-    }
-}
-
-/// Parses the name of a row of `bench --micro`.
-pub(crate) fn row(text: &str) -> Result<String, String> {
-    if row_names().any(|name| name == text) {
-        Ok(text.to_owned())
-    } else {
-        Err(among(text, row_names()))
     }
 }
 

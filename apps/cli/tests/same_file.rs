@@ -112,7 +112,6 @@ fn an_output_that_is_an_input_is_refused_on_every_verb() {
             "bench scene.glb --path views.jsonl --json views.jsonl",
             "views.jsonl",
         ),
-        ("bench --micro scene.glb --rounds 1 --json scene.glb", "scene.glb"),
         ("choose scene.glb -o scene.glb", "scene.glb"),
         ("choose scene.glb --json scene.glb", "scene.glb"),
         ("choose valley.json -o valley.raw", "valley.raw"),

@@ -88,7 +88,6 @@ mod canvas;
 mod chance;
 mod choose;
 mod collector;
-mod detail;
 mod entrance;
 mod faces;
 mod geometry;
@@ -117,9 +116,6 @@ pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use choose::{ChoiceGoal, ChoiceOptions, Cost, MethodChoice, SkipReason, Trial, choose_methods};
 pub use collector::Collector;
 pub use cover::OccluderMesh;
-pub use detail::{
-    BezierError, BezierPatch, BezierSurface, DetailError, DetailOptions, DetailSource, Details, RefineStats,
-};
 pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use geometry::{
@@ -140,9 +136,8 @@ pub use occluders::{
 };
 pub use passage::{Passage, PassageId};
 pub use query::{
-    BodyInSector, BoxError, BoxVisibility, Capsule, LightReach, Location, MoveResult, NearItem, NearItems,
-    NearestItem, PairChanges, Pairs, RayCast, RayEnd, SightLine, SlideResult, Survey, SurveyView, survey,
-    survey_hard, survey_in,
+    BodyInSector, BoxVisibility, LightReach, Location, MoveResult, NearItem, NearItems, NearestItem, RayCast,
+    RayEnd, SightLine, Survey, SurveyView, survey, survey_hard, survey_in,
 };
 pub use region::{Region, Visibility};
 pub use scene::{

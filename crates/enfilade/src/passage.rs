@@ -44,7 +44,7 @@ pub struct Passage {
     /// [`Passage::eye_from_sector`] scales by.
     pub near: f32,
     /// Size of the whole screen, in pixels.
-    pub(crate) size: [u32; 2],
+    pub size: [u32; 2],
     /// Whether no portal is followed and openings are empty holes (`Scene::without_portals`).
     pub(crate) flat: bool,
     /// Whether to compute visibility for any sample position in a pixel, not for the pixel centre only.

@@ -84,7 +84,9 @@ fn every_path_on_the_map_exists() {
             "",
             "crates/enfilade",
             CORE,
+            "crates/enfilade_detail/src",
             "crates/enfilade_import/src",
+            "crates/enfilade_walk/src",
             "apps/cli/src",
         ];
         let exists = folders

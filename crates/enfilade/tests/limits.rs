@@ -2,11 +2,12 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Capsule, ConvexPolygon, GeometryBuilder, GeometryError, HeightField, HeightFieldError, Light, Limits,
-    Location, MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Method, MoveResult, PortalId, Ray,
-    RayCast, RayEnd, Scene, SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer,
+    ConvexPolygon, GeometryBuilder, GeometryError, HeightField, HeightFieldError, Light, Limits, Location,
+    MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Method, MoveResult, PortalId, Ray, RayCast,
+    RayEnd, Scene, SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer,
     geom::PolygonError,
 };
+use enfilade_walk::Capsule;
 
 /// A room whose opening fills the view and shows the room itself from the same eye, slightly smaller, so the opening
 /// behind it fills the view too, at any recursion depth.
@@ -125,7 +126,7 @@ fn a_walk_through_a_teleport_that_enlarges_ends_at_a_place_and_reports_that_it_w
         );
         assert!(!walked.complete, "scale {scale}");
         assert!(!walked.crossed.is_empty() && walked.crossed.len() <= MoveResult::MAX_CROSSED);
-        let slid = scene.slide(START, Capsule::new(0.3, 1.8), [1e5, 0.0, 0.0]);
+        let slid = Capsule::new(0.3, 1.8).slide(&scene, START, [1e5, 0.0, 0.0]);
         assert!(
             is_place(slid.location.position),
             "scale {scale}: {:?}",

@@ -4,6 +4,7 @@
 use enfilade::*;
 use enfilade_draw::{Clip, RgbImage, Settings, Stage};
 use enfilade_scenes::{built_in, person};
+use enfilade_walk::Capsule;
 use glam::{Vec3, vec3};
 use image::imageops::replace;
 
@@ -50,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let from = person.place;
             let way = (person.goal - Vec3::from(from.position)).with_y(0.0);
             let step = 0.12 * way.normalize_or_zero() - 0.02 * Vec3::Y;
-            person.place = walls.slide(from, Capsule::new(0.25, 1.9), step.into()).location;
+            person.place = Capsule::new(0.25, 1.9).slide(&walls, from, step.into()).location;
             let here = Vec3::from(person.place.position);
             if person.place.sector != from.sector || here.distance(from.position.into()) < 0.03 {
                 // Walk on to another door of the current room.

@@ -1,9 +1,6 @@
 //! `bench`: times every method over a list of views, and compares each visible set with the expected one.
 
 mod expected;
-mod micro;
-
-pub(crate) use micro::names as row_names;
 
 use crate::Outcome;
 use crate::args::BenchArgs;
@@ -25,9 +22,6 @@ const VIEWS: u32 = 16;
 
 /// Runs `bench`.
 pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
-    if args.micro {
-        return micro::run(&args);
-    }
     let scene = args.scene.as_deref().unwrap_or(OsStr::new("@enfilade"));
     let mut files = RunFiles::of(scene, args.cameras.path.as_deref())?;
     let sink = Sink::new(&args.json, &mut files)?;

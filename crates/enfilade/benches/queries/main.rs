@@ -8,10 +8,11 @@
 mod pairs;
 
 use enfilade::{
-    Aabb, BoxVisibility, Capsule, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh,
-    Method, OccluderSet, Ray, Scene, SceneBuilder, SectorId, Transform, View,
+    Aabb, BoxVisibility, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh, Method,
+    OccluderSet, Ray, Scene, SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::{Random, built_in};
+use enfilade_walk::Capsule;
 use pairs::pairs;
 use parry3d::math::Vector;
 use parry3d::query::RayCast;
@@ -304,7 +305,7 @@ fn capsule(bench: &Bench, place: &str, scene: &Scene, from: Location) {
             course = chance.point(1.0).map(|part| 0.05 * part);
             course[1] = -0.02;
         }
-        let slid = scene.slide(place_now, capsule, course);
+        let slid = capsule.slide(scene, place_now, course);
         course = slid.there_from_here.direction(course);
         touched += u64::from(!slid.touched.is_empty());
         (place_now, capsule) = (slid.location, slid.capsule);

@@ -1,8 +1,9 @@
 //! Overlapping pairs of moving boxes, compared with `parry3d`.
 
 use super::{Bench, cube};
-use enfilade::{Aabb, Pairs};
+use enfilade::Aabb;
 use enfilade_scenes::Random;
+use enfilade_walk::Pairs;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use std::hint::black_box;
 use std::time::Instant;

@@ -71,7 +71,7 @@ impl Aabb {
     }
 
     /// Returns a box that contains this box transformed by `map`, rounded outward to f32.
-    pub(crate) fn placed(&self, map: &DAffine3) -> Aabb {
+    pub fn placed(&self, map: &DAffine3) -> Aabb {
         let [min, max] = [self.min, self.max].map(|corner| DVec3::from(corner.map(f64::from)));
         let [middle, half] = [0.5 * (min + max), 0.5 * (max - min)];
         let matrix = map.matrix3;

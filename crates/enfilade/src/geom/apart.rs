@@ -8,8 +8,8 @@
 
 use glam::DVec3;
 
-/// Returns the closest points: one on the segment, one on the triangle.
-pub(crate) fn nearest_points(segment: [DVec3; 2], triangle: [DVec3; 3]) -> [DVec3; 2] {
+/// Returns the closest points of a segment and a triangle: one on the segment, one on the triangle.
+pub fn nearest_points(segment: [DVec3; 2], triangle: [DVec3; 3]) -> [DVec3; 2] {
     let [a, b, c] = triangle;
     let mut best = of_segments(segment, [a, b]);
     let mut least = best[0].distance_squared(best[1]);

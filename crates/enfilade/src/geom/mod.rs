@@ -20,7 +20,7 @@ mod tree_laws;
 
 pub(crate) use aabb::is_in_range;
 pub use aabb::{Aabb, MAX_COORDINATE};
-pub(crate) use apart::nearest_points;
+pub use apart::nearest_points;
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 pub use bvh::Bvh;
 pub(crate) use cross::cross;

@@ -131,6 +131,15 @@ impl ConvexPolygon {
         DVec3::from(self.normal)
     }
 
+    /// Returns the tolerance for points in front of the polygon, in scene units: the distance by which rounding to f32
+    /// and the flatness of outlines may put them behind it.
+    pub fn slack(&self) -> f64 {
+        let bounds = self.bounds();
+        let farthest =
+            (bounds.min.iter().chain(&bounds.max)).fold(0.0_f32, |most, value| most.max(value.abs()));
+        1e-5 * f64::from(bounds.longest_side()) + 4.0 * f64::from(f32::EPSILON) * f64::from(farthest)
+    }
+
     /// Returns the maximum accepted distance of a corner from the plane, for a polygon of this size and maximum
     /// absolute coordinate.
     pub(crate) fn max_bend(size: f64, greatest_coordinate: f64) -> f64 {

@@ -135,6 +135,12 @@ impl Transform {
     }
 }
 
+impl From<Transform> for DAffine3 {
+    fn from(transform: Transform) -> DAffine3 {
+        transform.0
+    }
+}
+
 impl Mul for Transform {
     type Output = Transform;
 

@@ -4,7 +4,7 @@
 //! Source: RenderWare, Portal culling: lights reach through portals, transformed.
 //! Cost: O(openings) per sector reached, once per chain of portals.
 
-use super::location::{Location, corners, slack};
+use super::location::{Location, corners};
 use crate::geom::{Transform, nearest_in};
 use crate::scene::{PortalId, Scene, SectorId};
 use crate::viewer::Limits;
@@ -75,7 +75,7 @@ impl Scene {
         let mut next = 0;
         while next < all.len() && from.position.iter().all(|value| value.is_finite()) {
             if all[next].crossings < limits.max_crossings {
-                for (portal, _) in self.ways_out(all[next].sector) {
+                for (portal, _) in self.open_portals(all[next].sector) {
                     if all.len() >= limits.max_passages as usize {
                         return all;
                     }
@@ -105,7 +105,7 @@ impl Scene {
         let mut window = corners(&opening.outline);
         let origin = DVec3::from(beam.origin);
         let before = normal.dot(origin - window[0]);
-        if before < -slack(&opening.outline) {
+        if before < -opening.outline.slack() {
             return None;
         }
         for &(normal, distance) in &beam.planes {
@@ -116,8 +116,8 @@ impl Scene {
         }
         let off = nearest_in(&window, origin).distance(origin);
         // A point in the plane of an opening goes through it only if it is inside the outline.
-        let in_plane = before <= slack(&opening.outline);
-        if off > range * beam.there_from_here.scale() || (in_plane && off > slack(&opening.outline)) {
+        let in_plane = before <= opening.outline.slack();
+        if off > range * beam.there_from_here.scale() || (in_plane && off > opening.outline.slack()) {
             return None;
         }
         let there = portal.there_from_here;

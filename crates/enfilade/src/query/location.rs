@@ -104,7 +104,7 @@ impl Scene {
     fn next_crossed(&self, walked: &MoveResult, ends: [DVec3; 2], at: f64) -> Option<(PortalId, Pierced)> {
         let sector = walked.location.sector;
         let mut first: Option<(PortalId, Pierced)> = None;
-        for (portal_id, outline) in self.ways_out(sector) {
+        for (portal_id, outline) in self.open_portals(sector) {
             // A line crosses a plane once, and it has just crossed this one.
             if (walked.crossed.last()).is_some_and(|&came| self.leads_back(came, portal_id)) {
                 continue;
@@ -114,7 +114,7 @@ impl Scene {
             };
             // Rounding may have left the end of the last step slightly behind an opening that it is in front of.
             let starts_here = walked.crossed.is_empty();
-            let before = pierced.from_front || (starts_here && pierced.distance >= -slack(outline));
+            let before = pierced.from_front || (starts_here && pierced.distance >= -outline.slack());
             let ahead = pierced.at >= at - 1e-9;
             let nearer = first.is_none_or(|(_, known)| pierced.at < known.at);
             if before && pierced.to_behind && ahead && nearer {
@@ -124,8 +124,9 @@ impl Scene {
         first
     }
 
-    /// Iterates over the open portals of a sector and the outlines of their openings.
-    pub(crate) fn ways_out(&self, sector: SectorId) -> impl Iterator<Item = (PortalId, &ConvexPolygon)> {
+    /// Iterates over the open portals of a sector and the outlines of their openings. A scene
+    /// [without portals](Scene::without_portals) has none.
+    pub fn open_portals(&self, sector: SectorId) -> impl Iterator<Item = (PortalId, &ConvexPolygon)> {
         let openings = self.sector(sector).openings().iter().zip(0..);
         openings.filter_map(move |(opening, number)| {
             let portal = self.portal_of(sector, crate::geometry::OpeningId(number))?;
@@ -134,8 +135,9 @@ impl Scene {
         })
     }
 
-    /// Returns `true` if `portal` leads back through the opening by which `came` arrived.
-    pub(crate) fn leads_back(&self, came: PortalId, portal: PortalId) -> bool {
+    /// Returns `true` if `portal` leads back through the opening by which `came` arrived, as the other portal of a door
+    /// does.
+    pub fn leads_back(&self, came: PortalId, portal: PortalId) -> bool {
         let [came, portal] = [came, portal].map(|id| &self.portals()[id.0 as usize]);
         if portal.from != came.to || portal.to != came.from {
             return false;
@@ -172,7 +174,7 @@ impl Scene {
             let here = all[next].clone();
             next += 1;
             let middle = DVec3::from(here.location.position.map(f64::from));
-            for (portal_id, outline) in self.ways_out(here.location.sector) {
+            for (portal_id, outline) in self.open_portals(here.location.sector) {
                 let portal = &self.portals()[portal_id.0 as usize];
                 if (here.crossed.last()).is_some_and(|&came| self.leads_back(came, portal_id))
                     || !reaches(outline, middle, f64::from(here.radius))
@@ -208,16 +210,8 @@ const MAX_SECTORS: usize = 64;
 fn reaches(outline: &ConvexPolygon, middle: DVec3, radius: f64) -> bool {
     let corners = corners(outline);
     let normal = DVec3::from(outline.normal().map(f64::from));
-    normal.dot(middle - corners[0]) >= -slack(outline)
+    normal.dot(middle - corners[0]) >= -outline.slack()
         && nearest_in(&corners, middle).distance(middle) < radius
-}
-
-/// Returns the tolerance for points in front of an opening: the distance by which rounding to f32 and the flatness of
-/// outlines may put them behind it.
-pub(crate) fn slack(outline: &ConvexPolygon) -> f64 {
-    let bounds = outline.bounds();
-    let farthest = (bounds.min.iter().chain(&bounds.max)).fold(0.0_f32, |most, value| most.max(value.abs()));
-    1e-5 * f64::from(bounds.longest_side()) + 4.0 * f64::from(f32::EPSILON) * f64::from(farthest)
 }
 
 /// Returns the corners of an outline in f64.

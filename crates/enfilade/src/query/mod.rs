@@ -1,26 +1,22 @@
-//! Scene queries: ray casts, movement through portals, proximity, overlap pairs, light reach and camera placement.
+//! Scene queries: ray casts, movement through portals, proximity, light reach and camera placement.
 
 mod beam;
 mod between;
-mod capsule;
 mod cast;
 mod items;
 mod large_terrain;
 mod location;
 mod near;
 mod nearest;
-mod pairs;
 mod ray;
 mod sees;
 mod survey;
 
 pub use beam::LightReach;
 pub use between::BoxVisibility;
-pub use capsule::{Capsule, SlideResult};
 pub use location::{BodyInSector, Location, MoveResult};
 pub use near::{NearItem, NearItems};
 pub use nearest::NearestItem;
-pub use pairs::{BoxError, PairChanges, Pairs};
 pub use ray::{RayCast, RayEnd};
 pub use sees::SightLine;
 pub use survey::{Survey, SurveyView, survey, survey_hard, survey_in};

@@ -164,7 +164,7 @@ impl Search<'_> {
         let mut searched = self.searched;
         let mut complete = true;
         let mut longer = Vec::new();
-        for (portal_id, outline) in self.scene.ways_out(chain.sector) {
+        for (portal_id, outline) in self.scene.open_portals(chain.sector) {
             if (chain.last).is_some_and(|(_, came)| self.scene.leads_back(came, portal_id)) {
                 continue;
             }

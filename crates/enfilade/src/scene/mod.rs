@@ -259,7 +259,8 @@ impl Scene {
         }
     }
 
-    pub(crate) fn is_flat(&self) -> bool {
+    /// Returns `true` if portals are ignored: the scene is one made by [`Scene::without_portals`].
+    pub fn is_flat(&self) -> bool {
         self.flat
     }
 

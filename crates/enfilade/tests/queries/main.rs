@@ -1,11 +1,9 @@
 //! Spatial queries, each compared with brute force for random queries on several scenes.
 
 mod between;
-mod capsule;
 mod chance;
 mod items;
 mod near;
-mod pairs;
 mod rays;
 mod survey;
 

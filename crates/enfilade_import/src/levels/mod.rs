@@ -13,7 +13,8 @@
 mod measure;
 mod welded;
 
-use enfilade::{Aabb, DetailError, DetailOptions, DetailSource, Details, MaterialId, Mesh, Part, Scene};
+use enfilade::{Aabb, MaterialId, Mesh, Part, Scene};
+use enfilade_detail::{DetailError, DetailOptions, DetailSource, Details};
 use glam::DVec3;
 use measure::within;
 use meshopt::{SimplifyOptions, simplify_with_locks_decoder};

@@ -7,13 +7,9 @@ use enfilade_import::{
 };
 use std::path::PathBuf;
 
-#[allow(clippy::print_stderr, reason = "a skipped test must say so")]
-pub(crate) fn maps() -> Option<PathBuf> {
-    let folder = std::env::var_os("ENFILADE_MAPS").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: ENFILADE_MAPS names no folder of maps");
-    }
-    folder
+pub(crate) fn maps() -> PathBuf {
+    let folder = std::env::var_os("ENFILADE_MAPS");
+    folder.expect("ENFILADE_MAPS names a folder of maps").into()
 }
 
 #[track_caller]
@@ -27,8 +23,9 @@ pub(crate) fn pairs_of(file: &PortalFile) -> VisiblePairs {
 }
 
 #[test]
+#[ignore = "needs ENFILADE_MAPS"]
 fn a_map_is_the_same_in_each_format() {
-    let Some(folder) = maps() else { return };
+    let folder = maps();
     for (plain, other, kind) in [
         ("prt1/dm1.prt", "quake/dm1.prt", PrtKind::Prt2),
         ("prt1/q3_darkzone.prt", "quake3/darkzone.prt", PrtKind::Quake3),
@@ -42,8 +39,9 @@ fn a_map_is_the_same_in_each_format() {
 }
 
 #[test]
+#[ignore = "needs ENFILADE_MAPS"]
 fn every_file_of_portals_is_read() {
-    let Some(folder) = maps() else { return };
+    let folder = maps();
     let mut count = 0;
     for kind in ["prt1", "quake", "quake3"] {
         for entry in std::fs::read_dir(folder.join(kind)).expect("a folder") {
@@ -58,8 +56,9 @@ fn every_file_of_portals_is_read() {
 }
 
 #[test]
+#[ignore = "needs ENFILADE_MAPS"]
 fn lines_of_sight_that_compilers_missed_are_in_the_pairs() {
-    let Some(folder) = maps() else { return };
+    let folder = maps();
     let mut witnesses = 0;
     for entry in std::fs::read_dir(folder.join("witness")).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -83,8 +82,9 @@ fn lines_of_sight_that_compilers_missed_are_in_the_pairs() {
 }
 
 #[test]
+#[ignore = "needs ENFILADE_MAPS"]
 fn no_random_line_through_a_map_shows_a_pair_that_is_missing() {
-    let Some(folder) = maps() else { return };
+    let folder = maps();
     // As many pairs as have been found before, or fewer: more would be a bound that has become looser.
     for (name, most) in [
         ("dm1", 33_756),
@@ -106,8 +106,9 @@ fn no_random_line_through_a_map_shows_a_pair_that_is_missing() {
 }
 
 #[test]
+#[ignore = "needs ENFILADE_MAPS"]
 fn portals_are_known_to_be_those_of_their_map() {
-    let Some(folder) = maps() else { return };
+    let folder = maps();
     let map = |name: &str| std::fs::read(folder.join(name)).expect("a map");
     for name in ["dm1", "end", "e1m1", "lq_e4m4", "lqdm13"] {
         let portals = read(&folder, &format!("quake/{name}.prt"));

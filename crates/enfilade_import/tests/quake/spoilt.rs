@@ -131,8 +131,9 @@ fn spoil(map: &mut [u8], number: &mut impl FnMut(usize) -> usize) {
 }
 
 #[test]
+#[ignore = "needs ENFILADE_MAPS"]
 fn a_real_map_with_a_stretch_of_it_spoilt_is_read_or_refused() {
-    let Some(folder) = maps() else { return };
+    let folder = maps();
     let mut number = numbers(5);
     for name in ["quake/dm1.bsp", "quake3/darkzone.shipped.bsp"] {
         let whole = std::fs::read(folder.join(name)).expect("a map");

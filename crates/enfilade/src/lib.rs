@@ -130,8 +130,8 @@ pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{
     BspFront, BspPainter, Cell, Culled, EditStats, FaceName, FloatingHorizon, HierarchicalS, HierarchicalZ,
-    Masked, Method, Mobsp, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs, Requirement,
-    SBuffer, Svbsp, TerrainUnusable, TooLarge, Unsuited, ZBuffer,
+    Masked, Method, Mobsp, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs, SBuffer,
+    Svbsp, TerrainUnusable, TooLarge, Unsuited, ZBuffer,
 };
 pub use occluders::{
     Occluder, OccluderMeasure, OccluderRoom, OccluderSelection, OccluderSet, OccluderSummary,
@@ -148,7 +148,7 @@ pub use scene::{
     Edit, EditError, ErrorSubject, Light, LightId, LightShape, NestedId, Portal, PortalEnd, PortalId, Scene,
     SceneBuilder, SceneError, SectorId,
 };
-pub use sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
+pub use sector::{BuildStats, Contract, Hit, Ray, Requirement, Sector, Surface};
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
 pub use terrain::{

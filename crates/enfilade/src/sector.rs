@@ -165,6 +165,18 @@ pub enum Contract {
     Exact,
 }
 
+/// Requirement of a [`Method`](crate::Method) on the geometry of a sector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Requirement {
+    /// A PVS baked for convex cells ([`GeometryBuilder::cells`](crate::GeometryBuilder::cells)).
+    BakedCells,
+    /// Faces that bound a convex space: each face has all others on one side.
+    Convex,
+    /// A height field ([`GeometryBuilder::terrain`](crate::GeometryBuilder::terrain)).
+    Terrain,
+}
+
 impl Contract {
     /// Returns `true` if no visible item is ever missing from the set: for all contracts but [`Contract::Approximate`].
     pub fn never_misses(self) -> bool {

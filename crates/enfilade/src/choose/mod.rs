@@ -339,7 +339,7 @@ fn begin(
     }
     let geometry = scene.geometry(sector).ok_or(SkipReason::NotSeen)?;
     let first = through.first().ok_or(SkipReason::NotSeen)?;
-    if method.builds_bsp() {
+    if method.splits_faces() {
         let estimate = sorting(geometry.face_count());
         if estimate > terms.max_build_time {
             return Err(SkipReason::BuildsTooLong(estimate));

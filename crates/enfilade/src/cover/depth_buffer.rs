@@ -36,6 +36,8 @@ pub struct DepthBuffer {
 impl Cover for DepthBuffer {
     type CullNeeds = Unsorted;
 
+    const NAME: &'static str = "DepthBuffer";
+
     fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial
     }

@@ -69,6 +69,8 @@ const LINES: u16 = 8;
 impl Cover for Horizon {
     type CullNeeds = Unsorted;
 
+    const NAME: &'static str = "Horizon";
+
     fn test(&mut self, region: &Region) -> Visibility {
         if self.buffer.hides(&region.rect, region.nearest.to_bits()) {
             Visibility::Hidden

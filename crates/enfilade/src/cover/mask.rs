@@ -49,6 +49,8 @@ const TILE_ROWS: usize = 8;
 impl Cover for Mask {
     type CullNeeds = NearToFar;
 
+    const NAME: &'static str = "Mask";
+
     fn test(&mut self, region: &Region) -> Visibility {
         if self.painted.is_full(&region.rect) {
             Visibility::Hidden

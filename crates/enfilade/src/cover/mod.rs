@@ -49,6 +49,7 @@ use crate::geometry::Owners;
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
+use crate::sector::Contract;
 use crate::stats::Stats;
 use band::Band;
 use glam::DAffine3;
@@ -62,6 +63,9 @@ use triangle::Triangle;
 pub trait Cover: Default + Send + 'static {
     /// Guarantee that a traversal order must give for occlusion queries to cause no false cull.
     type CullNeeds;
+
+    /// Name of the type, for tables and reports.
+    const NAME: &'static str;
 
     /// Returns how much of a box may still be visible.
     ///
@@ -142,6 +146,8 @@ pub trait Paints: Cover {
 
 /// A cover that holds no picture: selected occluders are inserted first, then boxes are tested against them.
 pub trait Hides: Cover + Sync {
+    /// Guarantee of the visible set of a traversal that this cover culls.
+    const CONTRACT: Contract;
     /// Measure by which occluders are selected for this cover.
     const MEASURE: OccluderMeasure;
     /// Default number of occluders to insert.

@@ -36,6 +36,8 @@ struct PaintedSamples(Samples);
 impl Cover for PaintersBuffer {
     type CullNeeds = FarToNear;
 
+    const NAME: &'static str = "PaintersBuffer";
+
     fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial
     }

@@ -3,7 +3,7 @@
 //! Such terrain is a sector of its own and has no choice of method: the items of a geometry have meshes, which every
 //! order, cover and query may read, while these triangles exist only while a look visits their block.
 
-use super::count::Count;
+use super::combined::Count;
 use super::strips::{self, look_in_strips};
 use crate::canvas::Canvas;
 use crate::collector::Collector;

@@ -187,6 +187,9 @@ impl<D: Direction> Order for Bsp<D> {
     type Gives = D;
     type Scratch = BspScratch;
 
+    const NAME: &'static str = "Bsp";
+    const SPLITS_FACES: bool = true;
+
     fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Bsp<D>, Refusal> {
         let options = BspOptions {
             limit_bytes,

@@ -25,6 +25,8 @@ impl Order for BvhOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
+    const NAME: &'static str = "BvhOrder";
+
     fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<BvhOrder, Refusal> {
         let bounds: Vec<Aabb> = geometry.items().iter().map(|item| item.bounds).collect();
         Ok(BvhOrder {

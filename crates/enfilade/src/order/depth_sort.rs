@@ -66,6 +66,10 @@ impl<K: SortKey> Order for DepthSort<K> {
     type Gives = FarToNear;
     type Scratch = SortBuffers;
 
+    const NAME: &'static str = "DepthSort";
+    // By one depth per face, which is wrong where faces overlap in depth.
+    const KEEPS_ORDER: bool = false;
+
     fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<DepthSort<K>, Refusal> {
         Ok(DepthSort(PhantomData))
     }

@@ -33,6 +33,8 @@ impl Order for KdTreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Vec<PendingNode>;
 
+    const NAME: &'static str = "KdTreeOrder";
+
     fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<KdTreeOrder, Refusal> {
         let bounds: Vec<Aabb> = geometry.items().iter().map(|item| item.bounds).collect();
         Ok(KdTreeOrder {

@@ -31,7 +31,7 @@ use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId, MovedItem, Owner};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::BuildStats;
+use crate::sector::{BuildStats, Requirement};
 use glam::DAffine3;
 
 /// Guarantee of an [`Order`]: none.
@@ -93,6 +93,23 @@ pub trait Order: Send + Sync + Sized + 'static {
 
     /// Scratch memory of a traversal, reused by the next one.
     type Scratch: Default + Send + 'static;
+
+    /// Name of the type, for tables and reports.
+    const NAME: &'static str;
+
+    /// What the geometry must have; `None` if the order takes any geometry.
+    const REQUIRES: Option<Requirement> = None;
+
+    /// Whether the faces always come in the order of [`Order::Gives`], not only in simple cases.
+    const KEEPS_ORDER: bool = true;
+
+    /// Whether building sorts all faces into a BSP tree. That splits some, and takes long for many faces.
+    const SPLITS_FACES: bool = false;
+
+    /// Returns `true` if a geometry meets [`Order::REQUIRES`].
+    fn suits(geometry: &Geometry) -> bool {
+        Self::REQUIRES.is_none() || Self::build(geometry, u64::MAX).is_ok()
+    }
 
     /// Builds the order over a geometry.
     ///

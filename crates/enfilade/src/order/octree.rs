@@ -20,6 +20,8 @@ impl Order for OctreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
+    const NAME: &'static str = "OctreeOrder";
+
     fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<OctreeOrder, Refusal> {
         geometry.item_tree();
         Ok(OctreeOrder)

@@ -18,6 +18,7 @@ use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Visibility};
+use crate::sector::Requirement;
 use crate::terrain::Terrain;
 use glam::DAffine3;
 
@@ -42,6 +43,9 @@ struct Level {
 impl Order for TerrainRows {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
+
+    const NAME: &'static str = "TerrainRows";
+    const REQUIRES: Option<Requirement> = Some(Requirement::Terrain);
 
     fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<TerrainRows, Refusal> {
         let terrains = geometry.terrains();

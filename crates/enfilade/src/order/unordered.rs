@@ -17,6 +17,8 @@ impl Order for Unordered {
     type Gives = Unsorted;
     type Scratch = ();
 
+    const NAME: &'static str = "Unordered";
+
     fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<Unordered, Refusal> {
         Ok(Unordered)
     }

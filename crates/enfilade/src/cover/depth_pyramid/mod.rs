@@ -66,6 +66,8 @@ struct Cell {
 impl Cover for DepthPyramid {
     type CullNeeds = Unsorted;
 
+    const NAME: &'static str = "DepthPyramid";
+
     fn test(&mut self, region: &Region) -> Visibility {
         let bits = region.nearest.to_bits();
         if self.depths.sees(&region.rect, bits) {

@@ -50,6 +50,7 @@ use crate::occluders::{Occluder, OccluderMeasure};
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility, Volume};
+use crate::sector::Contract;
 use crate::stats::Stats;
 use above::LinesAbove;
 use by_box::{PendingLink, Query, Start};
@@ -190,6 +191,8 @@ impl BoxTest for ByBox {
 impl<A: BoxTest> Cover for OcclusionTree<A> {
     type CullNeeds = Unsorted;
 
+    const NAME: &'static str = "OcclusionTree";
+
     fn test(&mut self, region: &Region) -> Visibility {
         A::test(self, &region.volume).unwrap_or(Visibility::Hidden)
     }
@@ -228,6 +231,7 @@ impl<A: BoxTest> Cover for OcclusionTree<A> {
 }
 
 impl<A: BoxTest> Hides for OcclusionTree<A> {
+    const CONTRACT: Contract = Contract::Strict;
     const MEASURE: OccluderMeasure = OccluderMeasure::AreaAngle;
     const OCCLUDERS: u32 = 128;
 

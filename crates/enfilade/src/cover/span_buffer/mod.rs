@@ -70,6 +70,8 @@ const ROOM: usize = 1 << 16;
 impl Cover for SpanBuffer {
     type CullNeeds = Unsorted;
 
+    const NAME: &'static str = "SpanBuffer";
+
     fn test(&mut self, region: &Region) -> Visibility {
         if self.rows.sees(&region.rect, region.nearest) {
             Visibility::Partial

@@ -15,7 +15,7 @@ use super::{Order, Refusal, Unsorted, Visit};
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::{BakedCells, Geometry, ItemId, MovedItem, Room};
 use crate::passage::Passage;
-use crate::sector::BuildStats;
+use crate::sector::{BuildStats, Requirement};
 use item_cells::{ItemCells, cells_of_openings};
 use start::cells_at_start;
 use std::sync::Arc;
@@ -78,6 +78,13 @@ fn put(seen: &mut [u64], [first, end]: [u32; 2]) {
 impl Order for BakedCellsOrder {
     type Gives = Unsorted;
     type Scratch = BakedCellsScratch;
+
+    const NAME: &'static str = "BakedCellsOrder";
+    const REQUIRES: Option<Requirement> = Some(Requirement::BakedCells);
+
+    fn suits(geometry: &Geometry) -> bool {
+        geometry.cells().is_some()
+    }
 
     fn build(geometry: &Geometry, limit_bytes: u64) -> Result<BakedCellsOrder, Refusal> {
         let cells = Arc::clone(geometry.cells().ok_or(Refusal::NotBaked)?);

@@ -25,6 +25,7 @@ use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
 use crate::passage::Passage;
 use crate::region::Visibility;
+use crate::sector::Requirement;
 use glam::{DAffine3, DVec3};
 use walls::Walls;
 
@@ -72,6 +73,9 @@ impl Order for ConvexCell {
     // In a convex cell every order is back to front, as long as outer sides come last.
     type Gives = FarToNear;
     type Scratch = ();
+
+    const NAME: &'static str = "ConvexCell";
+    const REQUIRES: Option<Requirement> = Some(Requirement::Convex);
 
     fn build(geometry: &Geometry, limit_bytes: u64) -> Result<ConvexCell, Refusal> {
         let mut walls = Walls::new(geometry, limit_bytes);

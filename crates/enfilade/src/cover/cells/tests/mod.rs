@@ -21,6 +21,8 @@ struct CellArray {
 impl Cover for CellArray {
     type CullNeeds = crate::order::Unsorted;
 
+    const NAME: &'static str = "CellArray";
+
     fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial
     }

@@ -177,6 +177,16 @@ pub enum Requirement {
     Terrain,
 }
 
+impl fmt::Display for Requirement {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Requirement::BakedCells => "baked cells",
+            Requirement::Convex => "convex geometry",
+            Requirement::Terrain => "a height field",
+        })
+    }
+}
+
 impl Contract {
     /// Returns `true` if no visible item is ever missing from the set: for all contracts but [`Contract::Approximate`].
     pub fn never_misses(self) -> bool {

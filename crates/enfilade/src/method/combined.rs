@@ -27,6 +27,8 @@ pub(super) trait Combination: Send + Sync + Sized + 'static {
     const CONTRACT: Contract;
     /// Whether the cover can have another resolution than the screen.
     const TAKES_COVER_SIZE: bool = false;
+    /// Default number of occluders per passage; `None` if the method selects none.
+    const OCCLUDERS: Option<u32> = None;
     /// How the cover divides the screen.
     const COVER_SHAPE: Option<CoverShape>;
 

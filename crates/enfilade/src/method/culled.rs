@@ -44,6 +44,7 @@ where
 
     const COVER: &'static str = C::NAME;
     const CONTRACT: Contract = C::CONTRACT;
+    const OCCLUDERS: Option<u32> = Some(C::OCCLUDERS);
     const COVER_SHAPE: Option<CoverShape> = C::SHAPE;
 
     fn screen_bytes(size: [u32; 2], _cover_size: Option<[u32; 2]>) -> u64 {

@@ -113,6 +113,7 @@ impl<M: CoarseCombination> Combination for InCells<M> {
     const COVER: &'static str = M::COVER;
     const CONTRACT: Contract = M::CONTRACT;
     const TAKES_COVER_SIZE: bool = true;
+    const OCCLUDERS: Option<u32> = M::OCCLUDERS;
     const COVER_SHAPE: Option<CoverShape> = M::COVER_SHAPE;
 
     fn screen_bytes(size: [u32; 2], cover_size: Option<[u32; 2]>) -> u64 {

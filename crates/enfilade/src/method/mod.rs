@@ -103,6 +103,12 @@ impl Method {
         self.row().requires
     }
 
+    /// Returns the default number of occluders per passage ([`Viewer::set_occluders`](crate::Viewer::set_occluders));
+    /// `None` if the method selects none.
+    pub fn occluders(self) -> Option<u32> {
+        self.row().occluders
+    }
+
     /// Returns `true` if building sorts all faces into a BSP tree. That splits some, and takes long for many faces.
     pub(crate) fn splits_faces(self) -> bool {
         self.row().splits_faces

@@ -34,7 +34,7 @@ pub struct DepthBuffer {
 }
 
 impl Cover for DepthBuffer {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
 
     const NAME: &'static str = "DepthBuffer";
 
@@ -48,7 +48,6 @@ impl Cover for DepthBuffer {
 }
 
 impl Paints for DepthBuffer {
-    type DrawNeeds = Unsorted;
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

@@ -67,7 +67,7 @@ struct Horizons {
 const LINES: u16 = 8;
 
 impl Cover for Horizon {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
 
     const NAME: &'static str = "Horizon";
 
@@ -86,7 +86,6 @@ impl Cover for Horizon {
 }
 
 impl Paints for Horizon {
-    type DrawNeeds = Unsorted;
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

@@ -47,7 +47,7 @@ struct MaskedSamples {
 const TILE_ROWS: usize = 8;
 
 impl Cover for Mask {
-    type CullNeeds = NearToFar;
+    type Needs = NearToFar;
 
     const NAME: &'static str = "Mask";
 
@@ -66,7 +66,6 @@ impl Cover for Mask {
 }
 
 impl Paints for Mask {
-    type DrawNeeds = NearToFar;
     const PRIMES: bool = false;
     const KEEPS_DEPTHS: bool = false;
 

@@ -34,7 +34,7 @@ pub struct PaintersBuffer {
 struct PaintedSamples(Samples);
 
 impl Cover for PaintersBuffer {
-    type CullNeeds = FarToNear;
+    type Needs = FarToNear;
 
     const NAME: &'static str = "PaintersBuffer";
 
@@ -48,7 +48,6 @@ impl Cover for PaintersBuffer {
 }
 
 impl Paints for PaintersBuffer {
-    type DrawNeeds = FarToNear;
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

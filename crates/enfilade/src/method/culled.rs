@@ -38,7 +38,7 @@ impl<O, C> Combination for Culled<O, C>
 where
     O: Order,
     C: Hides,
-    O::Gives: Gives<C::CullNeeds>,
+    O::Gives: Gives<C::Needs>,
 {
     type Order = O;
 

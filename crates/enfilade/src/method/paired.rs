@@ -28,7 +28,7 @@ impl<O, C> Combination for Paired<O, C>
 where
     O: Order,
     C: Paints,
-    O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
+    O::Gives: Gives<C::Needs>,
 {
     type Order = O;
 

@@ -10,6 +10,7 @@
 //! Guarantees an exact order, back to front or front to back; geometry must be static.
 
 use super::items::{emit_non_opaque, emit_openings_at_eye};
+use super::sealed::Sealed;
 use super::{FarToNear, NearToFar, Order, Refusal, Visit};
 use crate::faces::{Cut, Faces};
 use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
@@ -37,8 +38,8 @@ struct SharedTree {
     non_opaque: Vec<ItemId>,
 }
 
-/// Direction in which a BSP tree is traversed.
-pub trait Direction: Send + Sync + 'static {
+/// Direction in which a BSP tree is traversed. Sealed, like [`Order`].
+pub trait Direction: Sealed + Send + Sync + 'static {
     /// `true` for front to back, `false` for back to front.
     const NEAR_FIRST: bool;
 }

@@ -8,6 +8,7 @@
 //! `@overlap`, `@cycle` and `@crossing-triangles` show it. Correct for separate objects and faces of similar size.
 
 use super::items::{emit_non_opaque, emit_opening, may_be_visible};
+use super::sealed::Sealed;
 use super::{FarToNear, Order, Refusal, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
@@ -18,8 +19,8 @@ use std::marker::PhantomData;
 /// Faces sorted back to front by the key `K`: [`Min`] or [`Mean`]. Needs no build; a traversal takes O(faces in view).
 pub struct DepthSort<K>(PhantomData<fn() -> K>);
 
-/// Sort key of a face, from the distances of its corners along the viewing direction.
-pub trait SortKey: Send + Sync + 'static {
+/// Sort key of a face, from the distances of its corners along the viewing direction. Sealed, like [`Order`].
+pub trait SortKey: Sealed + Send + Sync + 'static {
     /// Returns the key of a face; a larger key is drawn earlier.
     fn key(distances: impl ExactSizeIterator<Item = f32>) -> f32;
 }

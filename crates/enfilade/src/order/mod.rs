@@ -85,9 +85,33 @@ pub struct NonConvexity {
     pub by: f64,
 }
 
+/// Keeps [`Order`] and its parameters from being implemented elsewhere.
+mod sealed {
+    use super::*;
+
+    pub trait Sealed {}
+    impl Sealed for BakedCellsOrder {}
+    impl<D> Sealed for Bsp<D> {}
+    impl Sealed for BvhOrder {}
+    impl Sealed for ConvexCell {}
+    impl<K> Sealed for DepthSort<K> {}
+    impl Sealed for KdTreeOrder {}
+    impl Sealed for OctreeOrder {}
+    impl Sealed for TerrainRows {}
+    impl Sealed for Unordered {}
+    impl Sealed for FarToNear {}
+    impl Sealed for NearToFar {}
+    impl Sealed for Min {}
+    impl Sealed for Mean {}
+}
+
 /// Traversal order: emits faces in batches in a guaranteed order, and tests each node's visibility before entering it.
+///
+/// Sealed: a cover that relies on [`Order::Gives`] culls visible items if an order breaks it, which the compiler cannot
+/// check, only the laws. So the trait may also gain methods in any version. To compute visibility in another way,
+/// implement [`Sector`](crate::Sector).
 #[doc(alias = "traversal order")]
-pub trait Order: Send + Sync + Sized + 'static {
+pub trait Order: sealed::Sealed + Send + Sync + Sized + 'static {
     /// Guaranteed order: one of [`Unsorted`], [`NodesNearToFar`], [`NearToFar`], [`FarToNear`].
     type Gives;
 

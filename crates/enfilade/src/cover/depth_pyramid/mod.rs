@@ -64,7 +64,7 @@ struct Cell {
 }
 
 impl Cover for DepthPyramid {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
 
     const NAME: &'static str = "DepthPyramid";
 
@@ -90,7 +90,6 @@ impl Cover for DepthPyramid {
 }
 
 impl Paints for DepthPyramid {
-    type DrawNeeds = Unsorted;
     const PRIMES: bool = true;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

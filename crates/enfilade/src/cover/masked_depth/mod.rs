@@ -100,7 +100,7 @@ impl MaskedDepth {
 }
 
 impl Cover for MaskedDepth {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
 
     const NAME: &'static str = "MaskedDepth";
 

@@ -42,6 +42,7 @@ mod show;
 #[cfg(test)]
 mod tests;
 
+use super::sealed::Sealed;
 use super::{Cover, Hides};
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
@@ -165,8 +166,8 @@ struct Edge {
     line: Line,
 }
 
-/// Strategy by which a tree tests a box: [`ByFaces`] or [`ByBox`].
-pub trait BoxTest: Default + Send + Sized + 'static {
+/// Strategy by which a tree tests a box: [`ByFaces`] or [`ByBox`]. Sealed, like [`Cover`].
+pub trait BoxTest: Sealed + Default + Send + Sized + 'static {
     /// Returns how much of a box is visible; `None` if it is outside the view.
     fn test(tree: &mut OcclusionTree<Self>, volume: &Volume) -> Option<Visibility>;
 }
@@ -189,7 +190,7 @@ impl BoxTest for ByBox {
 }
 
 impl<A: BoxTest> Cover for OcclusionTree<A> {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
 
     const NAME: &'static str = "OcclusionTree";
 

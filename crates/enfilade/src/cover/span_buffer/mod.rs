@@ -68,7 +68,7 @@ struct Compaction {
 const ROOM: usize = 1 << 16;
 
 impl Cover for SpanBuffer {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
 
     const NAME: &'static str = "SpanBuffer";
 
@@ -94,7 +94,6 @@ impl Cover for SpanBuffer {
 }
 
 impl Paints for SpanBuffer {
-    type DrawNeeds = Unsorted;
     const PRIMES: bool = true;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

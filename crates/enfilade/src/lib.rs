@@ -98,6 +98,7 @@ mod memory;
 mod mesh;
 mod method;
 mod occluders;
+mod options;
 mod passage;
 mod query;
 mod region;
@@ -137,6 +138,7 @@ pub use occluders::{
     Occluder, OccluderMeasure, OccluderRoom, OccluderSelection, OccluderSet, OccluderSummary,
     SelectedOccluder,
 };
+pub use options::{Limits, ViewerOptions};
 pub use passage::{Passage, PassageId};
 pub use query::{
     BodyInSector, BoxError, BoxVisibility, Capsule, LightReach, Location, MoveResult, NearItem, NearItems,
@@ -155,5 +157,5 @@ pub use terrain::{
     Diagonal, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights, LargeTerrain,
 };
 pub use view::{View, ViewError};
-pub use viewer::{Limits, Viewer};
+pub use viewer::Viewer;
 pub use visible::{VisibleItem, VisibleSet};

@@ -5,7 +5,7 @@
 use enfilade::{
     Aabb, Canvas, Collector, Contract, ConvexPolygon, Geometry, GeometryBuilder, Hit, ItemId, Light,
     Material, MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalEnd, PortalId, Ray, Scene,
-    SceneBuilder, SceneError, Sector, SectorId, Surface, Transform,
+    SceneBuilder, SceneError, Sector, SectorId, Surface, Transform, ViewerOptions,
 };
 use std::sync::Arc;
 
@@ -229,7 +229,7 @@ impl Sector for Void {
     fn openings(&self) -> &[Opening] {
         &[]
     }
-    fn contract(&self) -> Contract {
+    fn contract(&self, _options: &ViewerOptions) -> Contract {
         Contract::Exact
     }
     fn gather(&self, _passage: &Passage, _memory: &mut Memory, _seen: &mut Collector) {}

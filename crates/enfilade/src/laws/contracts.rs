@@ -4,10 +4,11 @@ use super::owners::OwnerPicture;
 use super::reference::Reference;
 use super::truth::Verdict;
 use crate::method::Method;
+use crate::options::Limits;
 use crate::scene::Scene;
 use crate::sector::Contract;
 use crate::view::View;
-use crate::viewer::{Limits, Viewer};
+use crate::viewer::Viewer;
 use std::fmt;
 
 /// A scene built once for each suitable method, each with its own viewer, which keeps its state between views (temporal
@@ -61,7 +62,7 @@ impl Contestants {
         let all = Method::ALL.into_iter().filter(promises).filter_map(|method| {
             let scene = scene.with_method(method, limit_bytes).ok()?;
             let mut viewer = Viewer::new();
-            viewer.set_limits(limits);
+            viewer.options.limits = limits;
             Some((method, scene, viewer))
         });
         Contestants {

@@ -8,6 +8,7 @@ use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Changes, Exchanged, Geometry, ItemId, Opening};
 use crate::memory::{Marks, Memory};
+use crate::options::ViewerOptions;
 use crate::order::{Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
@@ -23,7 +24,7 @@ pub(super) trait Combination: Send + Sync + Sized + 'static {
 
     /// Name of the cover; empty if there is none.
     const COVER: &'static str;
-    /// Guarantee of the visible set.
+    /// Guarantee of the visible set, if the cover has the resolution of the screen; conservative otherwise.
     const CONTRACT: Contract;
     /// Whether the cover can have another resolution than the screen.
     const TAKES_COVER_SIZE: bool = false;
@@ -43,7 +44,7 @@ pub(super) trait Combination: Send + Sync + Sized + 'static {
     fn new(geometry: &Geometry) -> Self;
 
     /// Whether [`Combination::draw`] draws what [`Combination::gather`] reported.
-    fn draws_what_was_gathered(&self, _memory: &Memory) -> bool {
+    fn draws_what_was_gathered(&self, _options: &ViewerOptions) -> bool {
         true
     }
 
@@ -115,12 +116,16 @@ impl<M: Combination> Sector for Combined<M> {
         self.geometry.openings()
     }
 
-    fn contract(&self) -> Contract {
-        M::CONTRACT
+    fn contract(&self, options: &ViewerOptions) -> Contract {
+        if M::TAKES_COVER_SIZE && options.cover_size.is_some() {
+            Contract::Conservative
+        } else {
+            M::CONTRACT
+        }
     }
 
-    fn draws_what_was_gathered(&self, memory: &Memory) -> bool {
-        self.combination.draws_what_was_gathered(memory)
+    fn draws_what_was_gathered(&self, options: &ViewerOptions) -> bool {
+        self.combination.draws_what_was_gathered(options)
     }
 
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {

@@ -131,7 +131,7 @@ impl<O: Order, C: Hides> Culled<O, C> {
     /// Clears a cover and rasterizes the best occluders into it, up to the budget.
     fn fill(&self, geometry: &Geometry, cover: &mut C, passage: &Passage, memory: &mut Memory) {
         cover.clear(passage);
-        let budget = memory.occluders.unwrap_or(C::OCCLUDERS) as usize;
+        let budget = memory.options.occluders.unwrap_or(C::OCCLUDERS) as usize;
         if budget == 0 {
             return;
         }

@@ -18,6 +18,7 @@ use crate::cover::{Coarse, CoarseCoverage, Cover, DepthBuffer};
 use crate::faces::Faces;
 use crate::geometry::{Exchanged, Geometry};
 use crate::memory::Memory;
+use crate::options::ViewerOptions;
 use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
@@ -136,8 +137,8 @@ impl<M: CoarseCombination> Combination for InCells<M> {
         InCells(M::new(geometry))
     }
 
-    fn draws_what_was_gathered(&self, memory: &Memory) -> bool {
-        memory.cover_size.is_some() || self.0.draws_what_was_gathered(memory)
+    fn draws_what_was_gathered(&self, options: &ViewerOptions) -> bool {
+        options.cover_size.is_some() || self.0.draws_what_was_gathered(options)
     }
 
     fn gather(
@@ -148,7 +149,7 @@ impl<M: CoarseCombination> Combination for InCells<M> {
         memory: &mut Memory,
         seen: &mut Collector,
     ) {
-        match memory.cover_size {
+        match memory.options.cover_size {
             Some(cells) => Self::look(order, geometry, cells, passage, memory, seen, None),
             None => self.0.gather(order, geometry, passage, memory, seen),
         }
@@ -163,7 +164,7 @@ impl<M: CoarseCombination> Combination for InCells<M> {
         seen: &mut Collector,
         canvas: &mut dyn Canvas,
     ) {
-        let Some(cells) = memory.cover_size else {
+        let Some(cells) = memory.options.cover_size else {
             return self.0.draw(order, geometry, passage, memory, seen, canvas);
         };
         draw_gathered(geometry, passage, memory, seen, canvas);

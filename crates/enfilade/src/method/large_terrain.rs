@@ -12,6 +12,7 @@ use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{ItemId, Opening};
 use crate::memory::Memory;
+use crate::options::ViewerOptions;
 use crate::order::Visit;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
@@ -85,7 +86,7 @@ impl Sector for LargeTerrain {
         self.holes().openings()
     }
 
-    fn contract(&self) -> Contract {
+    fn contract(&self, _options: &ViewerOptions) -> Contract {
         Contract::Exact
     }
 

@@ -78,24 +78,16 @@ impl Method {
         self.row().cover
     }
 
-    /// Returns the guarantee on the visible set.
+    /// Returns the guarantee on the visible set, with a cover of the screen's resolution
+    /// ([`Method::takes_cover_size`]).
     pub fn contract(self) -> Contract {
         self.row().contract
     }
 
     /// Returns `true` if the cover can have another resolution than the screen
-    /// ([`Viewer::set_cover_size`](crate::Viewer::set_cover_size)). The method is conservative then.
+    /// ([`ViewerOptions::cover_size`](crate::ViewerOptions::cover_size)). The method is conservative then.
     pub fn takes_cover_size(self) -> bool {
         self.row().takes_cover_size
-    }
-
-    /// Returns the guarantee on the visible set if a viewer uses a cover of another resolution than the screen.
-    pub fn contract_in_cells(self) -> Contract {
-        if self.takes_cover_size() {
-            Contract::Conservative
-        } else {
-            self.contract()
-        }
     }
 
     /// Returns what the geometry must have for this method; `None` if it takes any geometry.
@@ -103,7 +95,7 @@ impl Method {
         self.row().requires
     }
 
-    /// Returns the default number of occluders per passage ([`Viewer::set_occluders`](crate::Viewer::set_occluders));
+    /// Returns the default number of occluders per passage ([`ViewerOptions::occluders`](crate::ViewerOptions::occluders));
     /// `None` if the method selects none.
     pub fn occluders(self) -> Option<u32> {
         self.row().occluders
@@ -139,7 +131,7 @@ impl Method {
     }
 
     /// Returns the memory of its screen buffers, in bytes, for a viewport of `size` [width, height] in pixels;
-    /// `cover_size` as in [`Viewer::set_cover_size`](crate::Viewer::set_cover_size).
+    /// `cover_size` as in [`ViewerOptions::cover_size`](crate::ViewerOptions::cover_size).
     pub fn screen_bytes(self, size: [u32; 2], cover_size: Option<[u32; 2]>) -> u64 {
         (self.row().screen_bytes)(size, cover_size)
     }

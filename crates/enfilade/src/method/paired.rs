@@ -8,6 +8,7 @@ use crate::cover::Paints;
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::{Alpha, Geometry, ItemId};
 use crate::memory::{Marks, Memory};
+use crate::options::ViewerOptions;
 use crate::order::{Gives, Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
@@ -48,7 +49,7 @@ where
         Paired(PhantomData)
     }
 
-    fn draws_what_was_gathered(&self, _memory: &Memory) -> bool {
+    fn draws_what_was_gathered(&self, _options: &ViewerOptions) -> bool {
         false
     }
 
@@ -87,7 +88,7 @@ impl<O: Order, C: Paints> Paired<O, C> {
         canvas: Option<&mut dyn Canvas>,
     ) {
         let size = geometry.bounds().longest_side();
-        let primes = C::PRIMES && memory.coherence;
+        let primes = C::PRIMES && memory.options.coherence;
         let last = if primes {
             memory.recall.seen_last(passage, size)
         } else {

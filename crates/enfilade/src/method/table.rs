@@ -83,7 +83,7 @@ pub type HierarchicalS = Paired<OctreeOrder, SpanBuffer>;
 ///
 /// Each 8×4 tile holds two reversed depths and a coverage mask. Faces that the traversal finds visible are rasterized and
 /// hide what comes later. Selected occluders go in first only if
-/// [`Viewer::set_occluders`](crate::Viewer::set_occluders) asks for some.
+/// [`ViewerOptions::occluders`](crate::ViewerOptions::occluders) asks for some.
 ///
 /// Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016.
 #[doc(alias = "masked occlusion culling")]

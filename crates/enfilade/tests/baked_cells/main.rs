@@ -30,7 +30,7 @@ fn by_cells(scene: &Scene) -> Scene {
 /// certainly visible items and of items in the set.
 fn holds(scene: &Scene, reference: &Reference, view: &View, places: u32, place: &str) -> [usize; 2] {
     let mut viewer = Viewer::new();
-    viewer.set_limits(limits());
+    viewer.options.limits = limits();
     let anywhere = reference.see_anywhere(scene, view, &limits(), places, 7);
     assert_eq!(
         anywhere.check(viewer.look(scene, view), None).missed,

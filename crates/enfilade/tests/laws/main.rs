@@ -95,7 +95,7 @@ fn what_was_seen_before_changes_the_cost_but_not_the_answer() {
                 remembers.look(scene, &view);
                 let with = names(scene, remembers.visible());
                 let mut forgets = viewer();
-                forgets.set_coherence(false);
+                forgets.options.coherence = false;
                 forgets.look(scene, &view);
                 assert!(!with.is_empty());
                 assert_eq!(
@@ -165,7 +165,7 @@ fn however_few_or_many_occluders_are_chosen_nothing_is_missed() {
         for (method, scene) in &subject.seen {
             let mut looked = viewer();
             for budget in [0, 1, 8, 100_000] {
-                looked.set_occluders(Some(budget));
+                looked.options.occluders = Some(budget);
                 let verdict = truth.check(looked.look(scene, &view), None);
                 let place = format!("{method} with {budget} on @{}", subject.name);
                 if method.contract().never_misses() {

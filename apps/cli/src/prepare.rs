@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::report::SkippedMethod;
 use crate::values::Choice;
 use anyhow::{Result, anyhow, bail, ensure};
-use enfilade::{ChoiceGoal, Contract, Method, Scene, Unsuited, View, Viewer, ViewerOptions};
+use enfilade::{ChoiceGoal, Contract, Method, Scene, Unsuited, UnsuitedMethod, View, Viewer, ViewerOptions};
 use enfilade_draw::Stage;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -96,10 +96,10 @@ pub(crate) fn prepare(
     if choice != Choice::All {
         let built = build(choice).map_err(|why| {
             // The message itself names a method to use instead.
-            let remedy = match why {
-                Unsuited::NotBaked(_) => " (`enfilade vis` bakes maps)",
+            let remedy = match why.reason {
+                Unsuited::NotBaked => " (`enfilade vis` bakes maps)",
                 Unsuited::NotConvex(_) => ", or split the sector into convex rooms",
-                Unsuited::TerrainUnusable(_) => "",
+                Unsuited::NoTerrain | Unsuited::TerrainEdited => "",
                 _ => "; raise --memory, or use a smaller --size or another --method",
             };
             anyhow!("{}: {why}{remedy}", opened.file)
@@ -206,7 +206,7 @@ fn build(
     choice: Choice,
     how: &HowArgs,
     view: Option<&View>,
-) -> Result<PreparedScene, Unsuited> {
+) -> Result<PreparedScene, UnsuitedMethod> {
     let limit = how.limits.memory();
     let scene = &opened.scene;
     let start = Instant::now();
@@ -241,7 +241,7 @@ fn finish(
     built: BuiltScene,
     how: &HowArgs,
     view: Option<&View>,
-) -> Result<PreparedScene, Unsuited> {
+) -> Result<PreparedScene, UnsuitedMethod> {
     let limit = how.limits.memory();
     let BuiltScene { scene, ms, choices } = built;
     let methods = methods_of(&scene);
@@ -280,7 +280,7 @@ fn finish(
 }
 
 /// Returns the same scene with another method, without a memory limit. Use a method that is cheap to build.
-pub(crate) fn drawn_by(prepared: &PreparedScene, method: Method) -> Result<PreparedScene, Unsuited> {
+pub(crate) fn drawn_by(prepared: &PreparedScene, method: Method) -> Result<PreparedScene, UnsuitedMethod> {
     Ok(PreparedScene {
         method: method.name(),
         contract: method.contract(),

@@ -108,6 +108,7 @@ mod simd;
 mod stats;
 mod terrain;
 mod threads;
+mod unsuited;
 mod view;
 mod viewer;
 mod visible;
@@ -130,9 +131,8 @@ pub use geometry::{
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{
-    BspFront, BspPainter, Cell, Culled, EditStats, FaceName, FloatingHorizon, HierarchicalS, HierarchicalZ,
-    Masked, Method, Mobsp, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs, SBuffer,
-    Svbsp, TerrainUnusable, TooLarge, Unsuited, ZBuffer,
+    BspFront, BspPainter, Cell, Culled, EditStats, FloatingHorizon, HierarchicalS, HierarchicalZ, Masked,
+    Method, Mobsp, Ordered, PainterMean, PainterMin, Paired, Pvs, SBuffer, Svbsp, UnsuitedMethod, ZBuffer,
 };
 pub use occluders::{
     Occluder, OccluderMeasure, OccluderRoom, OccluderSelection, OccluderSet, OccluderSummary,
@@ -156,6 +156,7 @@ pub use stats::{SpanStats, Stats};
 pub use terrain::{
     Diagonal, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights, LargeTerrain,
 };
+pub use unsuited::{FaceName, NotConvex, Unsuited};
 pub use view::{View, ViewError};
 pub use viewer::Viewer;
 pub use visible::{VisibleItem, VisibleSet};

@@ -1,7 +1,6 @@
 //! The sector of a built-in method: one implementation of the sector trait for all ways to use an order.
 
 use super::editable::{EditStats, EditableSector, edit_order};
-use super::{Method, TooLarge, Unsuited};
 use crate::canvas::{Canvas, CoverShape};
 use crate::collector::Collector;
 use crate::faces::Faces;
@@ -13,6 +12,7 @@ use crate::order::{Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
+use crate::unsuited::Unsuited;
 use std::sync::Arc;
 
 /// A way to compute visibility from an order: with a cover that holds the picture ([`Paired`](super::Paired)), with one
@@ -80,27 +80,19 @@ pub(super) trait Combination: Send + Sync + Sized + 'static {
 
 /// A sector with geometry and a method.
 pub(super) struct Combined<M: Combination> {
-    method: Method,
     geometry: Arc<Geometry>,
     order: M::Order,
     combination: M,
 }
 
 impl<M: Combination> Combined<M> {
-    pub(super) fn build(
-        method: Method,
-        geometry: Arc<Geometry>,
-        limit: u64,
-    ) -> Result<Arc<dyn EditableSector>, Unsuited> {
+    pub(super) fn build(geometry: Arc<Geometry>, limit: u64) -> Result<Arc<dyn EditableSector>, Unsuited> {
         let needs_bytes = M::Order::needs_bytes(&geometry) + M::needs_bytes(&geometry);
         if needs_bytes > limit {
-            return Err(TooLarge::new(method, needs_bytes, limit).into());
+            return Err(Unsuited::TooLarge { needs_bytes, limit });
         }
-        let order = M::Order::build(&geometry, limit)
-            .map_err(|refusal| Unsuited::of(method, &geometry, refusal, limit))?;
         Ok(Arc::new(Combined::<M> {
-            method,
-            order,
+            order: M::Order::build(&geometry, limit)?,
             combination: M::new(&geometry),
             geometry,
         }))
@@ -173,12 +165,11 @@ impl<M: Combination> EditableSector for Combined<M> {
 
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited> {
         let Self {
-            method,
             geometry,
             order,
             combination,
         } = self;
-        let (mut edited, done) = edit_order(*method, order, geometry, changes, limit, M::needs_bytes)?;
+        let (mut edited, done) = edit_order(order, geometry, changes, limit, M::needs_bytes)?;
         edited.nodes += combination.follow(geometry, &done);
         Ok(edited)
     }

@@ -13,7 +13,6 @@ mod paired;
 mod shares;
 mod strips;
 mod table;
-mod unsuited;
 
 pub use culled::Culled;
 pub use editable::EditStats;
@@ -21,14 +20,25 @@ pub(crate) use editable::EditableSector;
 pub use ordered::Ordered;
 pub use paired::Paired;
 pub use table::*;
-pub use unsuited::{FaceName, NotBaked, NotConvex, TerrainUnusable, TooLarge, Unsuited};
 
 use crate::canvas::CoverShape;
 use crate::geometry::Geometry;
 use crate::sector::{Contract, Requirement, Sector};
+use crate::unsuited::Unsuited;
 use crate::view::View;
 use std::fmt;
 use std::sync::Arc;
+use thiserror::Error;
+
+/// A method does not fit a geometry.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("method {method} {reason}")]
+pub struct UnsuitedMethod {
+    /// The requested method.
+    pub method: Method,
+    /// Why it does not fit.
+    pub reason: Unsuited,
+}
 
 impl Method {
     /// All methods. Not every geometry meets the [requirement](Method::requires) of each; test with [`Method::suits`]. A
@@ -57,6 +67,10 @@ impl Method {
     /// Returns the method with the given name; `None` if there is none.
     pub fn by_name(name: &str) -> Option<Method> {
         Method::ALL.into_iter().find(|method| method.name() == name)
+    }
+
+    pub(crate) fn unsuited(self, reason: Unsuited) -> UnsuitedMethod {
+        UnsuitedMethod { method: self, reason }
     }
 
     fn row(self) -> &'static Row {
@@ -115,10 +129,9 @@ impl Method {
     /// Builds the method for a geometry.
     ///
     /// # Errors
-    /// Returns [`Unsuited::TooLarge`] if more than `limit_bytes` are needed; [`Unsuited::NotBaked`],
-    /// [`Unsuited::NotConvex`] or [`Unsuited::TerrainUnusable`] if the geometry does not meet the
-    /// [requirement](Method::requires).
-    pub fn build(self, geometry: Arc<Geometry>, limit_bytes: u64) -> Result<Arc<dyn Sector>, Unsuited> {
+    /// Returns [`Unsuited::TooLarge`] if more than `limit_bytes` are needed, another reason if the geometry does not meet
+    /// the [requirement](Method::requires).
+    pub fn build(self, geometry: Arc<Geometry>, limit_bytes: u64) -> Result<Arc<dyn Sector>, UnsuitedMethod> {
         Ok(self.build_editable(geometry, limit_bytes)?)
     }
 
@@ -126,8 +139,9 @@ impl Method {
         self,
         geometry: Arc<Geometry>,
         limit_bytes: u64,
-    ) -> Result<Arc<dyn EditableSector>, Unsuited> {
-        (self.row().build)(self, geometry, limit_bytes)
+    ) -> Result<Arc<dyn EditableSector>, UnsuitedMethod> {
+        let built = (self.row().build)(geometry, limit_bytes);
+        built.map_err(|reason| self.unsuited(reason))
     }
 
     /// Returns the memory of its screen buffers, in bytes, for a viewport of `size` [width, height] in pixels;
@@ -144,16 +158,19 @@ impl Method {
     /// Checks that the screen buffers for a view fit in `limit_bytes`.
     ///
     /// # Errors
-    /// Returns [`TooLarge`] if they do not.
+    /// Returns [`Unsuited::TooLarge`] if they do not.
     pub fn check_screen(
         self,
         view: &View,
         cover_size: Option<[u32; 2]>,
         limit_bytes: u64,
-    ) -> Result<(), TooLarge> {
+    ) -> Result<(), UnsuitedMethod> {
         let needs_bytes = self.screen_bytes(view.size, cover_size);
         if needs_bytes > limit_bytes {
-            return Err(TooLarge::new(self, needs_bytes, limit_bytes));
+            return Err(self.unsuited(Unsuited::TooLarge {
+                needs_bytes,
+                limit: limit_bytes,
+            }));
         }
         Ok(())
     }

@@ -6,7 +6,7 @@
 
 use super::combined::{Combination, Combined};
 use super::in_cells::InCells;
-use super::{Culled, EditableSector, Ordered, Paired, Unsuited};
+use super::{Culled, EditableSector, Ordered, Paired};
 use crate::canvas::CoverShape;
 use crate::cover::{
     ByBox, ByFaces, DepthBuffer, DepthPyramid, Horizon, Mask, MaskedDepth, OcclusionTree, PaintersBuffer,
@@ -18,6 +18,7 @@ use crate::order::{
     OctreeOrder, Order, TerrainRows, Unordered,
 };
 use crate::sector::{Contract, Requirement};
+use crate::unsuited::Unsuited;
 use std::sync::Arc;
 
 /// Painter's algorithm: faces drawn back to front, sorted by their nearest corner.
@@ -200,7 +201,7 @@ pub(super) struct Row {
     pub(super) cover_shape: Option<CoverShape>,
     pub(super) screen_bytes: fn([u32; 2], Option<[u32; 2]>) -> u64,
     pub(super) suits: fn(&Geometry) -> bool,
-    pub(super) build: fn(Method, Arc<Geometry>, u64) -> Result<Arc<dyn EditableSector>, Unsuited>,
+    pub(super) build: fn(Arc<Geometry>, u64) -> Result<Arc<dyn EditableSector>, Unsuited>,
 }
 
 /// Returns the row of a method whose sectors are `Combined<M>`. `source`: the publication that describes it.

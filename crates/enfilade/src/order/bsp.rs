@@ -11,13 +11,14 @@
 
 use super::items::{emit_non_opaque, emit_openings_at_eye};
 use super::sealed::Sealed;
-use super::{FarToNear, NearToFar, Order, Refusal, Visit};
+use super::{FarToNear, NearToFar, Order, Visit};
 use crate::faces::{Cut, Faces};
 use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::geometry::{Alpha, Geometry, ItemId, OpeningId, Owner, Owners};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::BuildStats;
+use crate::unsuited::Unsuited;
 use glam::{DAffine3, DMat3, DVec3};
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -191,14 +192,16 @@ impl<D: Direction> Order for Bsp<D> {
     const NAME: &'static str = "Bsp";
     const SPLITS_FACES: bool = true;
 
-    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Bsp<D>, Refusal> {
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Bsp<D>, Unsuited> {
         let options = BspOptions {
             limit_bytes,
             ..BspOptions::default()
         };
         let shared = geometry.share(|| SharedTree::build(geometry, &options));
         let complete = shared.tree.is_complete();
-        complete.then(|| Bsp::over(shared)).ok_or(Refusal::TooLarge)
+        complete
+            .then(|| Bsp::over(shared))
+            .ok_or_else(|| Unsuited::exceeds(limit_bytes))
     }
 
     fn needs_bytes(geometry: &Geometry) -> u64 {

@@ -9,10 +9,11 @@
 
 use super::items::{emit_non_opaque, emit_opening, may_be_visible};
 use super::sealed::Sealed;
-use super::{FarToNear, Order, Refusal, Visit};
+use super::{FarToNear, Order, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
 use crate::passage::Passage;
+use crate::unsuited::Unsuited;
 use glam::DAffine3;
 use std::marker::PhantomData;
 
@@ -71,7 +72,7 @@ impl<K: SortKey> Order for DepthSort<K> {
     // By one depth per face, which is wrong where faces overlap in depth.
     const KEEPS_ORDER: bool = false;
 
-    fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<DepthSort<K>, Refusal> {
+    fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<DepthSort<K>, Unsuited> {
         Ok(DepthSort(PhantomData))
     }
 

@@ -28,10 +28,11 @@ pub use unordered::Unordered;
 
 use crate::faces::Faces;
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, ItemId, MovedItem, Owner};
+use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::{BuildStats, Requirement};
+use crate::unsuited::Unsuited;
 use glam::DAffine3;
 
 /// Guarantee of an [`Order`]: none.
@@ -54,36 +55,6 @@ impl Gives<NodesNearToFar> for NodesNearToFar {}
 impl Gives<NodesNearToFar> for NearToFar {}
 impl Gives<NearToFar> for NearToFar {}
 impl Gives<FarToNear> for FarToNear {}
-
-/// Reasons why an order cannot be built over a geometry.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Refusal {
-    /// Building needs more than the allowed number of bytes.
-    TooLarge,
-    /// The geometry has no baked cells.
-    NotBaked,
-    /// The geometry is not convex: a face has other geometry on both of its sides.
-    NotConvex(NonConvexity),
-    /// The geometry has no terrain.
-    NoTerrain,
-    /// A block of the terrain was moved or edited.
-    TerrainChanged,
-}
-
-/// A face whose plane has geometry on both sides, and the corner farthest behind it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct NonConvexity {
-    /// The face or opening.
-    pub wall: Owner,
-    /// Face or opening with a corner behind `wall`.
-    pub behind: Owner,
-    /// That corner, in sector space.
-    pub point: [f64; 3],
-    /// Distance of the corner behind the plane of `wall`, in scene units.
-    pub by: f64,
-}
 
 /// Keeps [`Order`] and its parameters from being implemented elsewhere.
 mod sealed {
@@ -138,9 +109,9 @@ pub trait Order: sealed::Sealed + Send + Sync + Sized + 'static {
     /// Builds the order over a geometry.
     ///
     /// # Errors
-    /// A [`Refusal`] if the geometry lacks what the order requires; [`Refusal::TooLarge`] if building turns out to need
+    /// The requirement that the geometry does not meet; [`Unsuited::TooLarge`] if building turns out to need
     /// more than `limit_bytes`.
-    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Self, Refusal>;
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Self, Unsuited>;
 
     /// Returns an upper estimate of the bytes that [`Order::build`] needs, without building.
     fn needs_bytes(geometry: &Geometry) -> u64;

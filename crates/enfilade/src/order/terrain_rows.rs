@@ -13,13 +13,14 @@
 
 use super::items::{emit_item, emit_openings};
 use super::queue::{Queue, begin, go_on};
-use super::{NodesNearToFar, Order, Refusal, Visit};
+use super::{NodesNearToFar, Order, Visit};
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Visibility};
 use crate::sector::Requirement;
 use crate::terrain::Terrain;
+use crate::unsuited::Unsuited;
 use glam::DAffine3;
 
 /// Front-to-back traversal of terrain blocks by a quadtree, interleaved with the geometry's octree over the other
@@ -47,13 +48,13 @@ impl Order for TerrainRows {
     const NAME: &'static str = "TerrainRows";
     const REQUIRES: Option<Requirement> = Some(Requirement::Terrain);
 
-    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<TerrainRows, Refusal> {
+    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<TerrainRows, Unsuited> {
         let terrains = geometry.terrains();
         if terrains.is_empty() {
-            return Err(Refusal::NoTerrain);
+            return Err(Unsuited::NoTerrain);
         }
         if !terrains.iter().all(|terrain| terrain.is_whole(geometry)) {
-            return Err(Refusal::TerrainChanged);
+            return Err(Unsuited::TerrainEdited);
         }
         geometry.item_tree();
         Ok(TerrainRows {

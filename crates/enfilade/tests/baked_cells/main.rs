@@ -323,7 +323,7 @@ fn what_takes_more_memory_than_allowed_is_refused() {
             .expect("it is too little")
             .to_string();
         assert!(
-            why.starts_with("pvs needs about") && why.ends_with("z-buffer needs less"),
+            why.starts_with("method pvs needs about") && why.contains(", above the limit of "),
             "{why}"
         );
     }

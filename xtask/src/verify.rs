@@ -131,7 +131,7 @@ pub(crate) fn open(name: &str) -> Result<Scene> {
 
 fn viewer(args: &Args) -> Viewer {
     let mut viewer = Viewer::new();
-    viewer.set_cover_size(args.cover_size.as_ref().map(|size| [size[0], size[1]]));
+    viewer.options.cover_size = args.cover_size.as_ref().map(|size| [size[0], size[1]]);
     viewer
 }
 
@@ -181,7 +181,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
         }
     }
     let [size, strict_size] = [&args.size, &args.strict_size].map(|size| [size[0], size[1]]);
-    let limits = Viewer::new().limits();
+    let limits = Viewer::new().options.limits;
     let at_first: Vec<usize> = (scene.sectors())
         .map(|id| scene.geometry(id).map_or(0, |geometry| geometry.item_count()))
         .collect();

@@ -41,10 +41,10 @@ pub(crate) fn check(
     let reference = reference(&first.scene)?;
     let progress = Progress::steps("checking", views.len());
     for view in views {
-        let truth = reference.see(&first.scene, view, &viewers[0].limits());
+        let truth = reference.see(&first.scene, view, &viewers[0].options.limits);
         let strict = |prepared: &PreparedScene| samples > 1 && prepared.contract == Contract::Strict;
         let anywhere = prepared.iter().any(strict).then(|| {
-            let limits = viewers[0].limits();
+            let limits = viewers[0].options.limits;
             reference.see_anywhere(&first.scene, view, &limits, samples, 0)
         });
         for ((prepared, viewer), found) in prepared.iter().zip(&mut *viewers).zip(&mut found) {

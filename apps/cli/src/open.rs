@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::run_files::RunFiles;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Method, Scene, SceneError};
+use enfilade::{Method, Scene, SceneError, Unsuited};
 use enfilade_draw::Stage;
 use enfilade_import::{BrokenRule, ImportError, MapSummary, ReadOptions, SourceNodes};
 use std::ffi::OsStr;
@@ -141,10 +141,10 @@ fn open_file(
     };
     let scene = import.scene(method, limits.memory()).map_err(|why| {
         // The message itself names a method to use instead; this one comes from the file.
-        let remedy = match why {
-            SceneError::NotBaked { .. }
-            | SceneError::NotConvex { .. }
-            | SceneError::TerrainUnusable { .. } => "--method overrides the method in the file",
+        let remedy = match &why {
+            SceneError::Unsuited { why, .. } if !matches!(why.reason, Unsuited::TooLarge { .. }) => {
+                "--method overrides the method in the file"
+            }
             _ => "raise --memory, or use another --method",
         };
         anyhow!("{file}: {why}; {remedy}")

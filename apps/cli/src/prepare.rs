@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::report::SkippedMethod;
 use crate::values::Choice;
 use anyhow::{Result, anyhow, bail, ensure};
-use enfilade::{ChoiceGoal, Contract, Method, Scene, Unsuited, View, Viewer};
+use enfilade::{ChoiceGoal, Contract, Method, Scene, Unsuited, UnsuitedMethod, View, Viewer, ViewerOptions};
 use enfilade_draw::Stage;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -21,9 +21,7 @@ pub(crate) struct PreparedScene {
     pub(crate) scene: Scene,
     pub(crate) build_ms: f64,
     stage: Arc<OnceLock<Stage>>,
-    coherence: bool,
-    occluders: Option<u32>,
-    pub(crate) cover_size: Option<[u32; 2]>,
+    pub(crate) options: ViewerOptions,
     /// How `auto` chose the methods; empty otherwise.
     pub(crate) choices: Vec<ChoiceReport>,
 }
@@ -36,11 +34,7 @@ impl PreparedScene {
 
     /// Returns a new viewer, without temporal coherence data yet.
     pub(crate) fn viewer(&self) -> Viewer {
-        let mut viewer = Viewer::new();
-        viewer.set_coherence(self.coherence);
-        viewer.set_occluders(self.occluders);
-        viewer.set_cover_size(self.cover_size);
-        viewer
+        Viewer::with_options(self.options)
     }
 
     /// Returns the method for text output: its name if all sectors use the same.
@@ -62,7 +56,7 @@ impl PreparedScene {
             + self
                 .methods()
                 .iter()
-                .map(|method| method.screen_bytes(size, self.cover_size))
+                .map(|method| method.screen_bytes(size, self.options.cover_size))
                 .sum::<u64>()
     }
 }
@@ -102,10 +96,10 @@ pub(crate) fn prepare(
     if choice != Choice::All {
         let built = build(choice).map_err(|why| {
             // The message itself names a method to use instead.
-            let remedy = match why {
-                Unsuited::NotBaked(_) => " (`enfilade vis` bakes maps)",
+            let remedy = match why.reason {
+                Unsuited::NotBaked => " (`enfilade vis` bakes maps)",
                 Unsuited::NotConvex(_) => ", or split the sector into convex rooms",
-                Unsuited::TerrainUnusable(_) => "",
+                Unsuited::NoTerrain | Unsuited::TerrainEdited => "",
                 _ => "; raise --memory, or use a smaller --size or another --method",
             };
             anyhow!("{}: {why}{remedy}", opened.file)
@@ -212,7 +206,7 @@ fn build(
     choice: Choice,
     how: &HowArgs,
     view: Option<&View>,
-) -> Result<PreparedScene, Unsuited> {
+) -> Result<PreparedScene, UnsuitedMethod> {
     let limit = how.limits.memory();
     let scene = &opened.scene;
     let start = Instant::now();
@@ -247,7 +241,7 @@ fn finish(
     built: BuiltScene,
     how: &HowArgs,
     view: Option<&View>,
-) -> Result<PreparedScene, Unsuited> {
+) -> Result<PreparedScene, UnsuitedMethod> {
     let limit = how.limits.memory();
     let BuiltScene { scene, ms, choices } = built;
     let methods = methods_of(&scene);
@@ -260,14 +254,17 @@ fn finish(
     let cover_size = how
         .cover_size
         .filter(|&cells| view.is_none_or(|view| view.size != cells));
+    let options = ViewerOptions {
+        coherence: !how.no_coherence,
+        occluders: how.occluders,
+        cover_size,
+        ..ViewerOptions::default()
+    };
     Ok(PreparedScene {
         method: name,
         contract: scene
             .sectors()
-            .map(|id| match scene.method(id) {
-                Some(method) if cover_size.is_some() => method.contract_in_cells(),
-                _ => scene.sector(id).contract(),
-            })
+            .map(|id| scene.sector(id).contract(&options))
             .reduce(Contract::combined_with)
             .unwrap_or(Contract::Exact),
         scene: if how.portals.flat {
@@ -277,15 +274,13 @@ fn finish(
         },
         build_ms: ms,
         stage: Arc::clone(&opened.stage),
-        coherence: !how.no_coherence,
-        occluders: how.occluders,
-        cover_size,
+        options,
         choices,
     })
 }
 
 /// Returns the same scene with another method, without a memory limit. Use a method that is cheap to build.
-pub(crate) fn drawn_by(prepared: &PreparedScene, method: Method) -> Result<PreparedScene, Unsuited> {
+pub(crate) fn drawn_by(prepared: &PreparedScene, method: Method) -> Result<PreparedScene, UnsuitedMethod> {
     Ok(PreparedScene {
         method: method.name(),
         contract: method.contract(),

@@ -34,6 +34,28 @@ pub(crate) fn method(text: &str) -> Result<Choice, String> {
     }
 }
 
+/// Returns the help of `--occluders`: the methods that select occluders, and their default numbers.
+pub(crate) fn occluders_help() -> String {
+    let defaults = Method::ALL
+        .iter()
+        .filter_map(|method| Some(format!("{} for {method}", method.occluders()?)));
+    format!(
+        "Select at most N large occluders per passage (portal path), for methods that select occluders; fewer cull \
+         less [default: {}]",
+        defaults.collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// Returns the help of `--cover-size`: the methods that take one.
+pub(crate) fn cover_size_help() -> String {
+    let able = Method::ALL.iter().filter(|method| method.takes_cover_size());
+    format!(
+        "Set the resolution of the covers (occlusion buffers) of {}; a lower one culls less, and is faster only if \
+         much lower, if at all [default: the screen size]",
+        able.map(|method| method.name()).collect::<Vec<_>>().join(", ")
+    )
+}
+
 /// Returns the help of `--method`: all method names.
 pub(crate) fn methods() -> String {
     format!(

@@ -48,11 +48,8 @@ fn without_a_camera_it_is_a_survey_of_sixteen_views() {
 }
 
 #[test]
-fn what_does_not_go_together_is_refused() {
-    let folder = Folder::new();
-    for (arguments, word) in [("bench nowhere.glb", "nowhere.glb")] {
-        let run = folder.run(arguments);
-        assert_eq!(run.code, Some(2), "{arguments}: {}", run.stderr);
-        assert!(run.stderr.contains(word), "{arguments}: {}", run.stderr);
-    }
+fn a_file_that_is_not_there_is_refused() {
+    let run = Folder::new().run("bench nowhere.glb");
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
+    assert!(run.stderr.contains("nowhere.glb"), "{}", run.stderr);
 }

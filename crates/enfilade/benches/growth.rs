@@ -159,7 +159,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 /// Creates a single-threaded viewer: with several threads the number of tests would depend on scheduling.
 fn viewer() -> Viewer {
     let mut viewer = Viewer::new();
-    viewer.set_parallel(false);
+    viewer.options.parallel = false;
     viewer
 }
 

@@ -140,7 +140,7 @@ fn walker(number: u32, moment: u32, side: usize) -> Transform {
 /// Creates a single-threaded viewer: with several threads the number of tests would depend on scheduling.
 fn viewer() -> Viewer {
     let mut viewer = Viewer::new();
-    viewer.set_parallel(false);
+    viewer.options.parallel = false;
     viewer
 }
 

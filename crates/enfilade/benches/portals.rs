@@ -144,7 +144,7 @@ fn ms(mut work: impl FnMut()) -> f64 {
 /// Creates a single-threaded viewer: with several threads the number of tests would depend on scheduling.
 fn viewer() -> Viewer {
     let mut viewer = Viewer::new();
-    viewer.set_parallel(false);
+    viewer.options.parallel = false;
     viewer
 }
 
@@ -363,9 +363,7 @@ fn memory_of_mirrors() {
             let mut passages = 0;
             let taken = measure(|| {
                 let mut viewer = Viewer::new();
-                let mut limits = viewer.limits();
-                limits.max_crossings = 120;
-                viewer.set_limits(limits);
+                viewer.options.limits.max_crossings = 120;
                 passages = viewer.look(&scene, view).passages().len();
                 viewer.draw(&scene, view, &mut Nothing);
             });

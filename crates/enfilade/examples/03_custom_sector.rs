@@ -14,8 +14,8 @@ impl Sector for Lit {
     fn openings(&self) -> &[Opening] {
         self.0.openings()
     }
-    fn contract(&self) -> Contract {
-        self.0.contract()
+    fn contract(&self, options: &ViewerOptions) -> Contract {
+        self.0.contract(options)
     }
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         // The eye is in this room's space, through any chain of portals; the door is at x = 0.

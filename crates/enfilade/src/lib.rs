@@ -97,6 +97,7 @@ mod memory;
 mod mesh;
 mod method;
 mod occluders;
+mod options;
 mod passage;
 mod query;
 mod raster;
@@ -107,6 +108,7 @@ mod simd;
 mod stats;
 mod terrain;
 mod threads;
+mod unsuited;
 mod view;
 mod viewer;
 mod visible;
@@ -126,14 +128,14 @@ pub use geometry::{
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 pub use method::{
-    BspFront, BspPainter, Cell, Culled, EditStats, FaceName, FloatingHorizon, HierarchicalS, HierarchicalZ,
-    Masked, Method, Mobsp, NotBaked, NotConvex, Ordered, PainterMean, PainterMin, Paired, Pvs, Requirement,
-    SBuffer, Svbsp, TerrainUnusable, TooLarge, Unsuited, ZBuffer,
+    BspFront, BspPainter, Cell, Culled, EditStats, FloatingHorizon, HierarchicalS, HierarchicalZ, Masked,
+    Method, Mobsp, Ordered, PainterMean, PainterMin, Paired, Pvs, SBuffer, Svbsp, UnsuitedMethod, ZBuffer,
 };
 pub use occluders::{
     Occluder, OccluderMeasure, OccluderRoom, OccluderSelection, OccluderSet, OccluderSummary,
     SelectedOccluder,
 };
+pub use options::{Limits, ViewerOptions};
 pub use passage::{Passage, PassageId};
 pub use query::{
     BodyInSector, BoxVisibility, LightReach, Location, MoveResult, NearItem, NearItems, NearestItem, RayCast,
@@ -144,12 +146,13 @@ pub use scene::{
     Edit, EditError, ErrorSubject, Light, LightId, LightShape, NestedId, Portal, PortalEnd, PortalId, Scene,
     SceneBuilder, SceneError, SectorId,
 };
-pub use sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
+pub use sector::{BuildStats, Contract, Hit, Ray, Requirement, Sector, Surface};
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
 pub use terrain::{
     Diagonal, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights, LargeTerrain,
 };
+pub use unsuited::{FaceName, NotConvex, Unsuited};
 pub use view::{View, ViewError};
-pub use viewer::{Limits, Viewer};
+pub use viewer::Viewer;
 pub use visible::{VisibleItem, VisibleSet};

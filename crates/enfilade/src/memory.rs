@@ -3,6 +3,7 @@
 use crate::aperture::Rows;
 use crate::collector::{GlassSample, ReportBuffers};
 use crate::geometry::ItemId;
+use crate::options::ViewerOptions;
 use crate::passage::Passage;
 use crate::stats::Stats;
 use crate::threads;
@@ -13,6 +14,7 @@ use std::any::{Any, TypeId};
 /// saw.
 ///
 /// A custom sector can keep its buffers here too: see [`Memory::take`].
+#[derive(Default)]
 pub struct Memory {
     /// One buffer per type. There are only a handful, so search is linear.
     scratch: Vec<(TypeId, Box<dyn Any + Send>)>,
@@ -25,35 +27,10 @@ pub struct Memory {
     pub(crate) spare_report: ReportBuffers,
     /// Counters of the current look.
     pub stats: Stats,
-    /// Whether to test the clusters that were visible in the last look first. Default `true`; affects speed only.
-    pub coherence: bool,
-    /// Maximum number of occluders per passage, for methods that select them; `None`: each method's default.
-    pub(crate) occluders: Option<u32>,
-    /// Columns and rows of the covers if lower than the screen's resolution; `None`: that of the screen.
-    pub(crate) cover_size: Option<[u32; 2]>,
-    /// Whether looks may use all threads of the current pool.
-    pub(crate) parallel: bool,
+    /// Options of the current look. The cover size is `None` if it is that of the screen.
+    pub options: ViewerOptions,
     /// Whether the canvas wants the test counts of covers ([`Canvas::wants_work`](crate::Canvas::wants_work)).
     pub(crate) trace: bool,
-}
-
-impl Default for Memory {
-    fn default() -> Memory {
-        Memory {
-            scratch: Vec::new(),
-            marks: Marks::default(),
-            recall: Recall::default(),
-            spare_rows: Vec::new(),
-            spare_glass: Vec::new(),
-            spare_report: ReportBuffers::default(),
-            stats: Stats::default(),
-            coherence: true,
-            occluders: None,
-            cover_size: None,
-            parallel: true,
-            trace: false,
-        }
-    }
 }
 
 impl Memory {
@@ -71,7 +48,11 @@ impl Memory {
 
     /// Returns the number of threads that may work on a passage.
     pub(crate) fn threads(&self) -> usize {
-        if self.parallel { threads::count() } else { 1 }
+        if self.options.parallel {
+            threads::count()
+        } else {
+            1
+        }
     }
 
     /// Stores a buffer for the next [`Memory::take`] of its type.
@@ -181,10 +162,5 @@ impl Recall {
             back,
             clusters: used,
         });
-    }
-
-    pub(crate) fn forget(&mut self) {
-        self.last.clear();
-        self.now.clear();
     }
 }

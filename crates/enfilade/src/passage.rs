@@ -5,7 +5,7 @@ use crate::entrance::Entrance;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::geometry::{Geometry, OpeningId};
 use crate::opening_view::{OpeningView, may_touch_eye};
-use crate::region::{Region, Volume};
+use crate::region::{Clip, Region, Volume};
 use crate::scene::{Portal, PortalId, SectorId};
 use crate::sector::Contract;
 use crate::view::View;
@@ -226,13 +226,16 @@ impl Passage {
     /// Returns `true` if any part of an AABB, given in another space, may be in the view frustum and behind the entry
     /// plane.
     pub(crate) fn frustum_meets(&self, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
-        let limits = Rect {
-            x0: 0,
-            y0: 0,
-            x1: self.size[0] as u16,
-            y1: self.size[1] as u16,
+        let clip = Clip {
+            rect: Rect {
+                x0: 0,
+                y0: 0,
+                x1: self.size[0] as u16,
+                y1: self.size[1] as u16,
+            },
+            ..self.into()
         };
-        Region::in_rect(self, limits, f64::from(self.near), screen_from_local, bounds).is_some()
+        Region::within(&clip, screen_from_local, bounds).is_some()
     }
 
     /// Returns `true` if any part of an AABB in the space of the sector may be visible through the passage, ignoring
@@ -305,7 +308,11 @@ impl Passage {
                 volume: Volume::new(from_here, bounds),
             });
         }
-        Region::in_rect(self, rect, AT_THE_EYE, from_here, bounds).filter(|region| !region.rect.is_empty())
+        let clip = Clip {
+            near: AT_THE_EYE,
+            ..self.into()
+        };
+        Region::of(clip, from_here, bounds)
     }
 
     /// Whether any part of a region around openings is in front of the near plane: nothing can hide that part, so
@@ -322,6 +329,18 @@ impl Passage {
     /// Returns the transform from an item's space to (X, Y, W).
     pub(crate) fn screen_from(&self, sector_from_item: &Transform) -> DAffine3 {
         self.screen_from_sector * sector_from_item.0
+    }
+}
+
+impl From<&Passage> for Clip {
+    fn from(passage: &Passage) -> Clip {
+        Clip {
+            rect: passage.aperture.rect(),
+            near: f64::from(passage.near),
+            entry: passage.entry,
+            any_place: passage.any_place,
+            level: passage.level,
+        }
     }
 }
 

@@ -6,9 +6,8 @@ pub(crate) use eight::{BOXES, EightBoxes};
 
 use crate::aperture::Rect;
 use crate::geom::Aabb;
-use crate::passage::Passage;
 use fearless_simd::prelude::*;
-use fearless_simd::{dispatch, f64x8};
+use fearless_simd::{Level, dispatch, f64x8};
 use glam::{DAffine3, DVec3};
 
 /// How much of a region is visible.
@@ -41,38 +40,42 @@ pub struct Volume {
     pub(crate) sides: [DVec3; 3],
 }
 
+/// What of a passage a projection needs: the space that boxes are clipped to, and how to compute.
+#[derive(Clone, Copy)]
+pub(crate) struct Clip {
+    /// Samples that may show the box.
+    pub(crate) rect: Rect,
+    /// Near-plane distance along the view direction.
+    pub(crate) near: f64,
+    /// Entry plane: what is in front of it, n · (X, Y, W) < d, is not visible.
+    pub(crate) entry: Option<(DVec3, f64)>,
+    /// Whether a sample may be at any position in its pixel, not at the centre only.
+    pub(crate) any_place: bool,
+    pub(crate) level: Level,
+}
+
 /// Relative factor by which queries round reversed depth up: larger than the rounding of covers (2⁻²⁴), smaller than
 /// the tolerance of the reference (2⁻¹⁶).
 pub(crate) const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
 impl Region {
-    /// Projects an AABB, given in another space, through `passage`; `None` if no sample of the aperture's rectangle can
+    /// Projects an AABB, given in another space, through a passage; `None` if no sample of the aperture's rectangle can
     /// show any part of it.
-    pub(crate) fn of(passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Region> {
-        let near = f64::from(passage.near);
-        Region::in_rect(passage, passage.aperture.rect(), near, screen_from_local, bounds)
-            .filter(|region| !region.rect.is_empty())
+    pub(crate) fn of(clip: impl Into<Clip>, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Region> {
+        Region::within(&clip.into(), screen_from_local, bounds).filter(|region| !region.rect.is_empty())
     }
 
-    /// As [`Region::of`], but clipped to `limits` and `near`, and also returns regions with an empty rectangle.
-    pub(crate) fn in_rect(
-        passage: &Passage,
-        limits: Rect,
-        near: f64,
-        screen_from_local: &DAffine3,
-        bounds: &Aabb,
-    ) -> Option<Region> {
+    /// As [`Region::of`], but also returns regions with an empty rectangle.
+    pub(crate) fn within(clip: &Clip, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Region> {
         if bounds.is_empty() {
             return None;
         }
         let volume = Volume::new(screen_from_local, bounds);
-        let (level, entry) = (passage.level, passage.entry);
-        let ScreenBounds { min, max, nearest } =
-            dispatch!(level, simd => volume.touched(simd, &limits, near, entry))?;
-        let rect = if passage.any_place {
-            Rect::touched(min, max, &limits)
+        let ScreenBounds { min, max, nearest } = dispatch!(clip.level, simd => volume.touched(simd, clip))?;
+        let rect = if clip.any_place {
+            Rect::touched(min, max, &clip.rect)
         } else {
-            Rect::around(min, max, &limits)
+            Rect::around(min, max, &clip.rect)
         };
         Some(Region {
             rect,
@@ -93,16 +96,11 @@ impl Volume {
         }
     }
 
-    /// Returns the screen bounds and the nearest depth; `None` if the box is outside `limits`. Computes all eight
+    /// Returns the screen bounds and the nearest depth; `None` if the box is outside `clip`. Computes all eight
     /// corners at once; the specification is `touched_one_by_one`, in the tests.
     #[inline(always)]
-    fn touched<S: Simd>(
-        &self,
-        simd: S,
-        limits: &Rect,
-        near: f64,
-        entry: Option<(DVec3, f64)>,
-    ) -> Option<ScreenBounds> {
+    fn touched<S: Simd>(&self, simd: S, clip: &Clip) -> Option<ScreenBounds> {
+        let near = clip.near;
         let x = along(
             simd,
             self.origin.x,
@@ -126,7 +124,7 @@ impl Volume {
         );
         let zero = f64x8::splat(simd, 0.0);
         // Relative to the centre of the rectangle, so that its sides are at ±half.
-        let [middle, half] = middle_and_half(limits);
+        let [middle, half] = middle_and_half(&clip.rect);
         let from_middle = [x - w * middle[0], y - w * middle[1]];
         let [right, below] = [w * half[0], w * half[1]];
         if from_middle[0].simd_lt(-right).all_true()
@@ -137,7 +135,7 @@ impl Volume {
         {
             return None;
         }
-        if let Some((normal, d)) = entry {
+        if let Some((normal, d)) = clip.entry {
             let at = x * normal.x + y * normal.y + w * normal.z;
             if at.simd_ge(zero + d * (1.0 - 1e-6)).all_false() {
                 return None;

@@ -5,6 +5,7 @@ use crate::collector::Collector;
 use crate::geom::Aabb;
 use crate::geometry::{Alpha, ItemId, Opening};
 use crate::memory::Memory;
+use crate::options::ViewerOptions;
 use crate::passage::Passage;
 use std::fmt;
 
@@ -25,12 +26,12 @@ pub trait Sector: Send + Sync {
     /// Returns the openings; an [`OpeningId`](crate::OpeningId) is an index into this slice.
     fn openings(&self) -> &[Opening];
 
-    /// Returns the contract that [`Sector::gather`] and [`Sector::draw`] fulfil.
-    fn contract(&self) -> Contract;
+    /// Returns the contract that [`Sector::gather`] and [`Sector::draw`] fulfil in a look with these options.
+    fn contract(&self, options: &ViewerOptions) -> Contract;
 
     /// Whether [`Sector::draw`] draws only the items that [`Sector::gather`] reported just before for the same passage.
     /// Default `false`. Methods that compute which items are visible, but not at which samples, return `true`.
-    fn draws_what_was_gathered(&self, _memory: &Memory) -> bool {
+    fn draws_what_was_gathered(&self, _options: &ViewerOptions) -> bool {
         false
     }
 
@@ -163,6 +164,28 @@ pub enum Contract {
     /// The set holds every item that owns a sample, or is transparent in front of one, and no item that is hidden at
     /// all samples.
     Exact,
+}
+
+/// Requirement of a [`Method`](crate::Method) on the geometry of a sector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Requirement {
+    /// A PVS baked for convex cells ([`GeometryBuilder::cells`](crate::GeometryBuilder::cells)).
+    BakedCells,
+    /// Faces that bound a convex space: each face has all others on one side.
+    Convex,
+    /// A height field ([`GeometryBuilder::terrain`](crate::GeometryBuilder::terrain)).
+    Terrain,
+}
+
+impl fmt::Display for Requirement {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Requirement::BakedCells => "baked cells",
+            Requirement::Convex => "convex geometry",
+            Requirement::Terrain => "a height field",
+        })
+    }
 }
 
 impl Contract {

@@ -5,6 +5,7 @@ use crate::collector::{CollectedItem, CollectedOpening, Collector};
 use crate::geometry::{Alpha, Geometry, Owner};
 use crate::memory::Memory;
 use crate::mesh::Cluster;
+use crate::options::{Limits, ViewerOptions};
 use crate::passage::{Passage, PassageId};
 use crate::region::Region;
 use crate::scene::{PortalId, Scene};
@@ -21,6 +22,8 @@ use crate::visible::{VisibleItem, VisibleSet};
 #[doc(alias = "camera")]
 #[derive(Default)]
 pub struct Viewer {
+    /// Options of the next look.
+    pub options: ViewerOptions,
     memory: Memory,
     set: VisibleSet,
     /// The set of the second pass, where drawing needs one.
@@ -29,86 +32,20 @@ pub struct Viewer {
     /// looks.
     entered: Vec<(PassageId, Collector)>,
     spare: Vec<Collector>,
-    limits: Limits,
-    cover_size: Option<[u32; 2]>,
-}
-
-/// Recursion limits of a look. If one is hit, items may be missing and [`VisibleSet::complete`] returns `false`.
-#[doc(alias = "recursion limit")]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Limits {
-    /// Maximum number of portals in a row from the eye, 0 to 65,535. Default 64.
-    #[doc(alias = "portal depth")]
-    pub max_crossings: u16,
-    /// Maximum number of passages of one look, at least 1. Default 65,536.
-    pub max_passages: u32,
-}
-
-impl Default for Limits {
-    fn default() -> Limits {
-        Limits {
-            max_crossings: 64,
-            max_passages: 65_536,
-        }
-    }
 }
 
 impl Viewer {
-    /// Creates a viewer with default settings and empty buffers.
+    /// Creates a viewer with default options and empty buffers.
     pub fn new() -> Viewer {
         Viewer::default()
     }
 
-    /// Returns the recursion limits.
-    pub fn limits(&self) -> Limits {
-        self.limits
-    }
-
-    /// Sets the recursion limits.
-    pub fn set_limits(&mut self, limits: Limits) {
-        self.limits = limits;
-    }
-
-    /// Sets whether the clusters that were visible in the last look are tested first. Default `true`.
-    ///
-    /// Affects speed only, never the result. Calling this forgets the last look.
-    #[doc(alias = "temporal coherence")]
-    pub fn set_coherence(&mut self, coherence: bool) {
-        self.memory.coherence = coherence;
-        self.memory.recall.forget();
-    }
-
-    /// Sets whether a look may use all threads of the current rayon pool (the one it is called in, else the global
-    /// one). Default `true`.
-    ///
-    /// Has an effect with feature `rayon` and a pool of at least two threads. Affects speed and [`Viewer::stats`],
-    /// never the result.
-    ///
-    /// Turn it off in programs that look by many viewers in parallel, or must not wait for the pool. While a look waits
-    /// for other threads, rayon may run unrelated work of the pool on the calling thread; hold no lock that such work
-    /// takes. The threads' buffers together take about as much memory as those of one thread. Drawing uses the calling
-    /// thread only.
-    pub fn set_parallel(&mut self, parallel: bool) {
-        self.memory.parallel = parallel;
-    }
-
-    /// Sets the maximum number of occluders per passage, for methods that select occluders. Default `None`: a suitable
-    /// number for each method.
-    ///
-    /// Affects the number of hidden items in the set; no visible item is ever missed. With 0, trees cull by the clip
-    /// region only, and the masked depth buffer has only the faces that it finds during traversal.
-    pub fn set_occluders(&mut self, occluders: Option<u32>) {
-        self.memory.occluders = occluders;
-    }
-
-    /// Sets the resolution of the covers, in columns and rows, for methods that can use fewer samples than the screen
-    /// ([`Method::takes_cover_size`](crate::Method::takes_cover_size)). Default `None`: the resolution of the screen.
-    ///
-    /// A lower resolution is faster and reports more hidden items: such a method is conservative. Values are clamped to
-    /// 1 to the screen's size.
-    pub fn set_cover_size(&mut self, cover_size: Option<[u32; 2]>) {
-        self.cover_size = cover_size;
+    /// Creates a viewer with the given options and empty buffers.
+    pub fn with_options(options: ViewerOptions) -> Viewer {
+        Viewer {
+            options,
+            ..Viewer::default()
+        }
     }
 
     /// Computes the visible set of a view.
@@ -121,7 +58,7 @@ impl Viewer {
     #[doc(alias = "occlusion query")]
     #[doc(alias = "determine visibility")]
     pub fn look(&mut self, scene: &Scene, view: &View) -> &VisibleSet {
-        self.shape_covers(view);
+        self.set_options(view);
         self.run(scene, view, None);
         &self.set
     }
@@ -129,9 +66,9 @@ impl Viewer {
     /// Draws a view to `canvas`, and returns its visible set as [`Viewer::look`] does.
     #[doc(alias = "render")]
     pub fn draw(&mut self, scene: &Scene, view: &View, canvas: &mut dyn Canvas) -> &VisibleSet {
-        self.shape_covers(view);
-        let (memory, mut sectors) = (&self.memory, scene.sectors());
-        if sectors.all(|id| !scene.sector(id).draws_what_was_gathered(memory)) {
+        self.set_options(view);
+        let (options, mut sectors) = (&self.memory.options, scene.sectors());
+        if sectors.all(|id| !scene.sector(id).draws_what_was_gathered(options)) {
             self.run(scene, view, Some(canvas));
         } else {
             self.run(scene, view, None);
@@ -159,11 +96,14 @@ impl Viewer {
             .sum()
     }
 
-    fn shape_covers(&mut self, view: &View) {
-        let cells = self
-            .cover_size
-            .map(|size| [0, 1].map(|axis| size[axis].clamp(1, view.size[axis].max(1))));
-        self.memory.cover_size = cells.filter(|&cells| cells != view.size);
+    /// Copies the options to the memory, with the cover size that this view allows.
+    fn set_options(&mut self, view: &View) {
+        let clamp = |size: [u32; 2]| [0, 1].map(|axis| size[axis].clamp(1, view.size[axis].max(1)));
+        let cover_size = self.options.cover_size.map(clamp);
+        self.memory.options = ViewerOptions {
+            cover_size: cover_size.filter(|&cells| cells != view.size),
+            ..self.options
+        };
     }
 
     fn run(&mut self, scene: &Scene, view: &View, canvas: Option<&mut dyn Canvas>) {
@@ -172,7 +112,7 @@ impl Viewer {
         self.memory.recall.begin_look();
         let look = Look {
             scene,
-            limits: self.limits,
+            limits: self.options.limits,
             memory: &mut self.memory,
             set: &mut self.set,
             entered: &mut self.entered,
@@ -191,7 +131,7 @@ impl Viewer {
         by_chain.sort_unstable_by_key(|(_, passage)| passage.chain);
         let look = Look {
             scene,
-            limits: self.limits,
+            limits: self.options.limits,
             memory: &mut self.memory,
             set: &mut self.painted,
             entered: &mut self.entered,
@@ -278,10 +218,7 @@ impl Look<'_> {
     /// Gathers the items visible through a passage, and draws its opaque faces. Its openings are followed next.
     fn pass(&mut self, passage: Passage) {
         let scene = self.scene;
-        let own = match scene.method(passage.sector) {
-            Some(method) if self.memory.cover_size.is_some() => method.contract_in_cells(),
-            _ => scene.sector(passage.sector).contract(),
-        };
+        let own = scene.sector(passage.sector).contract(&self.memory.options);
         let id = PassageId(self.set.passages.len() as u32);
         self.set
             .passages
@@ -293,7 +230,7 @@ impl Look<'_> {
         self.enter(id);
         let passage = self.set.passage(id);
         if let Some(gathered) = &self.gathered
-            && sector.draws_what_was_gathered(self.memory)
+            && sector.draws_what_was_gathered(&self.memory.options)
             && let Some(same) = gathered.id(passage.chain)
         {
             seen.report_again(gathered.set, same);

@@ -1,5 +1,6 @@
 //! Compares ARCHITECTURE.md with the folders, and tests the import rules in it.
 
+use enfilade::Method;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -94,6 +95,34 @@ fn every_path_on_the_map_exists() {
             .any(|folder| root().join(folder).join(path).exists());
         assert!(exists, "ARCHITECTURE.md names `{path}`, which does not exist");
     }
+}
+
+#[test]
+fn the_table_of_methods_on_the_map_is_that_of_the_library() {
+    let map = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("the map");
+    let quoted = |name: &str| match name {
+        "" => String::new(),
+        name => format!("`{name}`"),
+    };
+    let row = |method: Method| {
+        let requires = method
+            .requires()
+            .map_or(String::new(), |needed| needed.to_string());
+        let [order, cover] = [method.order(), method.cover()].map(quoted);
+        let (contract, source) = (method.contract(), method.source());
+        let takes_cover_size = if method.takes_cover_size() { "yes" } else { "" };
+        format!(
+            "| {method} | {order} | {cover} | {contract} | {requires} | {takes_cover_size} | {source} |\n"
+        )
+    };
+    let table: String = Method::ALL.into_iter().map(row).collect();
+    let lines = map.lines().skip_while(|line| !line.starts_with("| method |"));
+    let found = lines.skip(2).take_while(|line| line.starts_with('|'));
+    let found: String = found
+        .map(|line| format!("{}\n", line.replace("|  |", "| |")))
+        .collect();
+    let table = table.replace("|  |", "| |").replace("|  |", "| |");
+    assert!(found == table, "the table in ARCHITECTURE.md should be:\n{table}");
 }
 
 #[test]

@@ -23,8 +23,8 @@ fn limits() -> Limits {
 
 fn viewer(cover_size: [u32; 2]) -> Viewer {
     let mut viewer = Viewer::new();
-    viewer.set_limits(limits());
-    viewer.set_cover_size(Some(cover_size));
+    viewer.options.limits = limits();
+    viewer.options.cover_size = Some(cover_size);
     viewer
 }
 

@@ -27,7 +27,7 @@ fn seen(method: Method, detail: bool, cover_size: Option<[u32; 2]>) -> usize {
     scene.add("world", geometry.build().expect("sound items"), method);
     let scene = scene.build().expect("one sector");
     let mut viewer = Viewer::new();
-    viewer.set_cover_size(cover_size);
+    viewer.options.cover_size = cover_size;
     let view = View::new([0.0, 0.0, 5.0], [0.0; 3], [64, 48]);
     viewer.look(&scene, &view).items().len()
 }

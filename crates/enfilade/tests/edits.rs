@@ -226,7 +226,7 @@ fn an_edit_that_needs_too_much_memory_is_undone_in_every_sector() {
     }
     let refused = edit.finish().expect_err("a BSP tree of two thousand leaves");
     assert!(
-        matches!(&refused, SceneError::TooLarge { sector, .. } if sector == "tree"),
+        matches!(&refused, SceneError::Unsuited { sector, .. } if sector == "tree"),
         "{refused}"
     );
     let after = [open, tree].map(|id| scene.geometry(id).expect("ours"));
@@ -261,7 +261,7 @@ fn a_mesh_too_large_for_its_occluders_to_be_found_is_refused() {
         edit.set_mesh(HALL, ItemId(2), sheet).expect("it may be");
         let refused = edit.finish().expect_err("the limit is small");
         assert!(
-            matches!(refused, SceneError::TooLarge { .. }),
+            matches!(refused, SceneError::Unsuited { .. }),
             "{method}: {refused}"
         );
         assert_eq!(seen(&mut Viewer::new(), &scene).len(), 4, "{method}");

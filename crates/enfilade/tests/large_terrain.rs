@@ -5,7 +5,7 @@ use enfilade::laws::OwnerPicture;
 use enfilade::{
     Contract, ConvexPolygon, Diagonal, GeometryBuilder, HeightBytes, HeightField, HeightFieldError,
     HeightFormat, Heights, LargeTerrain, Material, MaterialId, Mesh, Method, Opening, OpeningId, Ray, Scene,
-    SceneBuilder, Sector, SectorId, Transform, View, Viewer,
+    SceneBuilder, Sector, SectorId, Transform, View, Viewer, ViewerOptions,
 };
 use enfilade_scenes::Random;
 use std::sync::Arc;
@@ -334,7 +334,10 @@ fn a_look_allocates_nothing_and_the_tree_takes_eleven_bytes_a_block() {
     let large = LargeTerrain::new(made, [1.0; 2], COLOR).expect("no holes");
     assert!(large.bytes() < 64 * 32 * 11 + 8192, "{}", large.bytes());
     assert_eq!(
-        (large.contract(), large.build_stats().faces),
+        (
+            large.contract(&ViewerOptions::default()),
+            large.build_stats().faces
+        ),
         (Contract::Exact, 2 * 2048 * 1024)
     );
     let scene = alone(|scene| scene.add_custom("ground", Arc::new(large)));

@@ -43,7 +43,7 @@ fn as_many_portals_in_a_row_are_followed_as_the_limits_allow() {
     for method in [Method::HierarchicalZ, Method::Masked] {
         let scene = scene.with_method(method, Method::DEFAULT_LIMIT).expect("small");
         let mut viewer = Viewer::new();
-        viewer.set_limits(limits);
+        viewer.options.limits = limits;
         viewer.look(&scene, &view);
         let mut picture = OwnerPicture::new(view.size);
         let set = viewer.draw(&scene, &view, &mut picture);

@@ -5,7 +5,7 @@
 use enfilade::{
     Aabb, Canvas, Collector, Contract, ConvexPolygon, Geometry, GeometryBuilder, Hit, ItemId, Light,
     Material, MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalEnd, PortalId, Ray, Scene,
-    SceneBuilder, SceneError, Sector, SectorId, Surface, Transform,
+    SceneBuilder, SceneError, Sector, SectorId, Surface, Transform, Unsuited, ViewerOptions,
 };
 use std::sync::Arc;
 
@@ -207,14 +207,18 @@ fn a_sector_that_needs_too_much_memory() {
         scene.limit_bytes(100);
         scene.add("tower", room(), Method::Bsp);
     });
-    let SceneError::TooLarge { sector, why } = &error else {
+    let SceneError::Unsuited { sector, why } = &error else {
         panic!("{error}");
     };
-    assert_eq!((&**sector, why.limit), ("tower", 100));
+    let limit = match why.reason {
+        Unsuited::TooLarge { limit, .. } => limit,
+        _ => panic!("{error}"),
+    };
+    assert_eq!((&**sector, limit), ("tower", 100));
     let said = error.to_string();
     assert!(
-        said.starts_with("sector `tower`: bsp needs about ")
-            && said.ends_with(", above the limit of 100 bytes; z-buffer needs less"),
+        said.starts_with("sector `tower`: method bsp needs about ")
+            && said.ends_with(", above the limit of 100 bytes"),
         "{said}"
     );
 }
@@ -229,7 +233,7 @@ impl Sector for Void {
     fn openings(&self) -> &[Opening] {
         &[]
     }
-    fn contract(&self) -> Contract {
+    fn contract(&self, _options: &ViewerOptions) -> Contract {
         Contract::Exact
     }
     fn gather(&self, _passage: &Passage, _memory: &mut Memory, _seen: &mut Collector) {}
@@ -314,7 +318,7 @@ fn a_method_is_exchanged_in_one_sector_or_not_at_all() {
         .expect("it needs nothing");
     assert!(matches!(
         scene.set_method(tower, Method::Bsp),
-        Err(SceneError::TooLarge { .. })
+        Err(SceneError::Unsuited { .. })
     ));
     assert_eq!([hall, tower].map(|id| scene.builds(id)), [1, 2]);
     let methods = [hall, tower].map(|id| scene.method(id));

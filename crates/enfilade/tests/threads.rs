@@ -51,7 +51,7 @@ fn viewer() -> Viewer {
     let mut viewer = Viewer::new();
     let mut limits = Limits::default();
     limits.max_crossings = 4;
-    viewer.set_limits(limits);
+    viewer.options.limits = limits;
     viewer
 }
 
@@ -162,7 +162,7 @@ fn a_viewer_that_is_not_parallel_does_what_one_thread_does() {
     for (method, scene) in by_each_method(&town()) {
         let alone = pools[2].install(|| {
             let mut viewer = viewer();
-            viewer.set_parallel(false);
+            viewer.options.parallel = false;
             seen_on_the_way(&mut viewer, &scene, &views)
         });
         let one = pools[0].install(|| seen_on_the_way(&mut viewer(), &scene, &views));
@@ -197,7 +197,7 @@ fn two_threads_and_eight_build_what_one_does() {
                 let scene = self::town().with_method(method, Method::DEFAULT_LIMIT);
                 let scene = scene.expect("it is small");
                 let mut viewer = viewer();
-                viewer.set_parallel(false);
+                viewer.options.parallel = false;
                 let looks = seen_on_the_way(&mut viewer, &scene, &views_of_the_town());
                 (scene.build_stats(), scene.bytes(), looks)
             })

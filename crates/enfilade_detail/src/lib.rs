@@ -195,8 +195,8 @@ impl Details {
     /// `seen` holds the visible sets of looks at the scene in its current state, one per camera.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`] if a method cannot handle a scene this fine, [`SceneError::NotConvex`] if it cannot
-    /// handle the levels that are occluders; the scene is unchanged then.
+    /// [`SceneError::Unsuited`] if a method cannot handle a scene this fine, or the levels that are occluders; the scene
+    /// is unchanged then.
     pub fn refine(&mut self, scene: &mut Scene, seen: &[&VisibleSet]) -> Result<RefineStats, SceneError> {
         self.step += 1;
         let mut refined = RefineStats::default();

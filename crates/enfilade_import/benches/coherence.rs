@@ -103,8 +103,10 @@ fn print_row(file: &str, place: &Place, costs: [Cost; 2], mut saved: Vec<f64>) {
 /// Walks once, without memory and with it. Gives what each cost, and the items seen over all frames.
 fn walk(scene: &Scene, start: &View) -> ([Cost; 2], usize) {
     let mut viewers = [Viewer::new(), Viewer::new()];
-    viewers[0].set_coherence(false);
-    viewers.iter_mut().for_each(|viewer| viewer.set_parallel(false));
+    viewers[0].options.coherence = false;
+    viewers
+        .iter_mut()
+        .for_each(|viewer| viewer.options.parallel = false);
     let (mut costs, mut items) = ([Cost::default(); 2], 0);
     for view in path(start) {
         let seen = [0, 1].map(|number| {

@@ -43,8 +43,8 @@ impl Contender {
 
     fn viewer(&self) -> Viewer {
         let mut viewer = Viewer::new();
-        viewer.set_occluders(self.occluders);
-        viewer.set_cover_size(self.cover_size);
+        viewer.options.occluders = self.occluders;
+        viewer.options.cover_size = self.cover_size;
         viewer
     }
 }

@@ -11,7 +11,7 @@ mod common;
 
 use common::land::{INSIDE, OUTSIDE, house_in_a_valley};
 use common::{Paint, SIZE, folder, in_turn};
-use enfilade::{Contract, ItemId, Method, Scene, SectorId, View, Viewer};
+use enfilade::{Contract, ItemId, Method, Scene, SectorId, View, Viewer, ViewerOptions};
 use std::collections::BTreeSet;
 
 const ROUNDS: usize = 5;
@@ -82,7 +82,7 @@ fn items(scene: &Scene, exact: &Scene, views: &[View]) -> usize {
     let [mut viewer, mut exact_viewer] = [(); 2].map(|()| Viewer::new());
     let is_exact = scene
         .sectors()
-        .all(|id| scene.sector(id).contract() == Contract::Exact);
+        .all(|id| scene.sector(id).contract(&ViewerOptions::default()) == Contract::Exact);
     let mut sum = 0;
     for view in views {
         let [found, must] = [

@@ -203,8 +203,8 @@ impl Import {
     /// that a method builds may take up to `limit_bytes` per room.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`] if a room exceeds `limit_bytes`; [`SceneError::NotConvex`] or [`SceneError::NotBaked`]
-    /// if a room's geometry does not meet the requirements of its method.
+    /// [`SceneError::Unsuited`] if a room exceeds `limit_bytes`, or its geometry does not meet the requirement of its
+    /// method.
     pub fn scene(&self, method: Method, limit_bytes: u64) -> Result<Scene, SceneError> {
         let mut builder = SceneBuilder::new();
         builder.limit_bytes(limit_bytes);

@@ -334,13 +334,9 @@ pub(crate) struct HowArgs {
     /// Disable temporal coherence: forget the previous view before each look
     #[arg(long)]
     pub(crate) no_coherence: bool,
-    /// Select at most N large occluders per passage (portal path) for masked, svbsp and mobsp; fewer cull less
-    /// [default: 128 for svbsp and mobsp, 0 for masked]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help = values::occluders_help())]
     pub(crate) occluders: Option<u32>,
-    /// Set the resolution of the covers (occlusion buffers) of hierarchical-z, hierarchical-s and masked; a lower one
-    /// culls less, and is faster only if much lower, if at all [default: the screen size]
-    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    #[arg(long, value_name = "WxH", help = values::cover_size_help(), value_parser = values::size)]
     pub(crate) cover_size: Option<[u32; 2]>,
     #[command(flatten)]
     pub(crate) portals: PortalArgs,

@@ -27,7 +27,7 @@ pub(super) fn check_sets(
     };
     let baseline = drawn_by(first, Method::ZBuffer)?;
     let mut baseline_viewer = baseline.viewer();
-    let limits = baseline_viewer.limits();
+    let limits = baseline_viewer.options.limits;
     let mut reference = None;
     let progress = Progress::steps("checking", views.len());
     for (number, view) in views.iter().enumerate() {

@@ -158,10 +158,13 @@ fn word(why: &SkipReason) -> &'static str {
         SkipReason::BuildsTooLong(_) => "too long to build",
         SkipReason::Moves => "items move",
         SkipReason::NotSeen => "in no view",
-        SkipReason::Unsuited(Unsuited::TooLarge(_)) => "too large (--memory)",
-        SkipReason::Unsuited(Unsuited::NotBaked(_)) => "not baked",
-        SkipReason::Unsuited(Unsuited::NotConvex(_)) => "not convex",
-        SkipReason::Unsuited(Unsuited::TerrainUnusable(_)) => "no terrain",
+        SkipReason::Unsuited(why) => match why.reason {
+            Unsuited::TooLarge { .. } => "too large (--memory)",
+            Unsuited::NotBaked => "not baked",
+            Unsuited::NotConvex(_) => "not convex",
+            Unsuited::NoTerrain | Unsuited::TerrainEdited => "no terrain",
+            _ => "unsuited",
+        },
         _ => "unsuited",
     }
 }

@@ -105,7 +105,7 @@ mod tests {
         let mut canvas = Neighbours::new(view.size);
         let mut viewer = Viewer::new();
         viewer.draw(&scene, &view, &mut canvas);
-        let limits: Limits = viewer.limits();
+        let limits: Limits = viewer.options.limits;
         let truth = Reference::new(&scene).see(&scene, &view, &limits);
         let verdict = truth.check(viewer.visible(), Some(canvas.owners()));
         assert_eq!((verdict.pixels_contested, verdict.pixels_different), (9, 0));

@@ -130,7 +130,7 @@ fn check_and_draw(
     let mut renderer = ViewRenderer::new(prepared, views)?;
     let progress = Progress::steps("checking and drawing", views.len() * prepared.len());
     for (number, view) in views.iter().enumerate() {
-        let truth = reference.see(&first.scene, view, &viewers[0].limits());
+        let truth = reference.see(&first.scene, view, &viewers[0].options.limits);
         let mut rendering = match number < pictures {
             true => Some(renderer.begin(view, &truth)?),
             false => None,

@@ -17,7 +17,7 @@ mod trial;
 
 use crate::geom::Transform;
 use crate::geometry::{Geometry, ItemId};
-use crate::method::{Method, Unsuited};
+use crate::method::{Method, UnsuitedMethod};
 use crate::passage::Passage;
 use crate::scene::{Scene, SectorId};
 use crate::sector::Contract;
@@ -131,7 +131,7 @@ pub struct Cost {
 pub enum SkipReason {
     /// The geometry does not meet the method's requirements, or its structures exceed the memory limit.
     #[error(transparent)]
-    Unsuited(#[from] Unsuited),
+    Unsuited(#[from] UnsuitedMethod),
     /// The method's contract does not meet [`ChoiceOptions::exact`].
     #[error("its contract is {0}, which does not meet the requirement")]
     Contract(Contract),
@@ -339,7 +339,7 @@ fn begin(
     }
     let geometry = scene.geometry(sector).ok_or(SkipReason::NotSeen)?;
     let first = through.first().ok_or(SkipReason::NotSeen)?;
-    if method.builds_bsp() {
+    if method.splits_faces() {
         let estimate = sorting(geometry.face_count());
         if estimate > terms.max_build_time {
             return Err(SkipReason::BuildsTooLong(estimate));

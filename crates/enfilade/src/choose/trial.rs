@@ -5,7 +5,7 @@ use crate::canvas::{Canvas, Span};
 use crate::collector::Collector;
 use crate::geometry::{Geometry, Owner};
 use crate::memory::Memory;
-use crate::method::{Method, Unsuited};
+use crate::method::{Method, UnsuitedMethod};
 use crate::passage::{Passage, PassageId};
 use crate::sector::Sector;
 use crate::stats::Stats;
@@ -49,11 +49,11 @@ impl MethodTrial {
         size: [u32; 2],
         limit_bytes: u64,
         clock: &dyn Fn() -> Duration,
-    ) -> Result<MethodTrial, Unsuited> {
+    ) -> Result<MethodTrial, UnsuitedMethod> {
         // Built before the clock starts: all methods share the geometry's octree.
         geometry.item_tree();
         let shared = geometry.bytes();
-        let build_once = || -> Result<_, Unsuited> {
+        let build_once = || -> Result<_, UnsuitedMethod> {
             let start = clock();
             let sector = method.build(Arc::clone(&geometry), limit_bytes)?;
             Ok((sector, clock().saturating_sub(start)))
@@ -137,7 +137,7 @@ impl MethodTrial {
 
     fn draw(&mut self, passage: &Passage) {
         self.canvas.enter(PassageId(0), passage);
-        if self.sector.draws_what_was_gathered(&self.memory) {
+        if self.sector.draws_what_was_gathered(&self.memory.options) {
             self.seen.clear(false);
             self.sector.gather(passage, &mut self.memory, &mut self.seen);
             self.seen.keep_items_alone();

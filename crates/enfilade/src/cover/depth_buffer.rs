@@ -33,7 +33,9 @@ pub struct DepthBuffer {
 }
 
 impl Cover for DepthBuffer {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
+
+    const NAME: &'static str = "DepthBuffer";
 
     fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial
@@ -45,7 +47,6 @@ impl Cover for DepthBuffer {
 }
 
 impl Paints for DepthBuffer {
-    type DrawNeeds = Unsorted;
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

@@ -66,7 +66,9 @@ struct Horizons {
 const LINES: u16 = 8;
 
 impl Cover for Horizon {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
+
+    const NAME: &'static str = "Horizon";
 
     fn test(&mut self, region: &Region) -> Visibility {
         if self.buffer.hides(&region.rect, region.nearest.to_bits()) {
@@ -83,7 +85,6 @@ impl Cover for Horizon {
 }
 
 impl Paints for Horizon {
-    type DrawNeeds = Unsorted;
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

@@ -46,7 +46,9 @@ struct MaskedSamples {
 const TILE_ROWS: usize = 8;
 
 impl Cover for Mask {
-    type CullNeeds = NearToFar;
+    type Needs = NearToFar;
+
+    const NAME: &'static str = "Mask";
 
     fn test(&mut self, region: &Region) -> Visibility {
         if self.painted.is_full(&region.rect) {
@@ -63,7 +65,6 @@ impl Cover for Mask {
 }
 
 impl Paints for Mask {
-    type DrawNeeds = NearToFar;
     const PRIMES: bool = false;
     const KEEPS_DEPTHS: bool = false;
 

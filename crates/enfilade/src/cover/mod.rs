@@ -40,17 +40,43 @@ use crate::occluders::{Occluder, OccluderMeasure};
 use crate::passage::Passage;
 use crate::raster::{Band, Triangle};
 use crate::region::{Region, Visibility};
+use crate::sector::Contract;
 use crate::stats::Stats;
 use glam::DAffine3;
+
+/// Keeps [`Cover`] and its parameters from being implemented elsewhere.
+mod sealed {
+    use super::*;
+
+    pub trait Sealed {}
+    impl Sealed for DepthBuffer {}
+    impl Sealed for DepthPyramid {}
+    impl Sealed for Horizon {}
+    impl Sealed for Mask {}
+    impl Sealed for MaskedDepth {}
+    impl<A> Sealed for OcclusionTree<A> {}
+    impl Sealed for PaintersBuffer {}
+    impl Sealed for SpanBuffer {}
+    impl Sealed for ByBox {}
+    impl Sealed for ByFaces {}
+}
 
 /// An occlusion buffer: stores what is already hidden and tests bounding boxes against it.
 ///
 /// All screen coordinates are in pixels, with y pointing down and sample centres at .5. Depths are reversed depths:
 /// larger is nearer.
+///
+/// Sealed, and so are [`Paints`] and [`Hides`]: an answer that is wrong in one sample culls a visible item, which the
+/// compiler cannot check, only the laws. So the traits may also gain methods in any version. To compute visibility in
+/// another way, implement [`Sector`](crate::Sector).
 #[doc(alias = "occlusion buffer")]
-pub trait Cover: Default + Send + 'static {
-    /// Guarantee that a traversal order must give for occlusion queries to cause no false cull.
-    type CullNeeds;
+pub trait Cover: sealed::Sealed + Default + Send + 'static {
+    /// Guarantee that a traversal order must give, so that occlusion queries cause no false cull and the picture, if the
+    /// cover holds one, is correct.
+    type Needs;
+
+    /// Name of the type, for tables and reports.
+    const NAME: &'static str;
 
     /// Returns how much of a box may still be visible.
     ///
@@ -95,8 +121,6 @@ pub trait Cover: Default + Send + 'static {
 /// A cover that holds the picture: it stores an owner for each sample and takes faces in traversal order, without
 /// occluder selection.
 pub trait Paints: Cover {
-    /// Guarantee that a traversal order must give for the picture to be correct.
-    type DrawNeeds;
     /// Whether temporal coherence helps: processing first what was visible in the last frame. Only a cover that accepts
     /// faces in any order can benefit.
     const PRIMES: bool;
@@ -131,6 +155,8 @@ pub trait Paints: Cover {
 
 /// A cover that holds no picture: selected occluders are inserted first, then boxes are tested against them.
 pub trait Hides: Cover + Sync {
+    /// Guarantee of the visible set of a traversal that this cover culls.
+    const CONTRACT: Contract;
     /// Measure by which occluders are selected for this cover.
     const MEASURE: OccluderMeasure;
     /// Default number of occluders to insert.

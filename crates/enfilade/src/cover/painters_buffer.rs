@@ -33,7 +33,9 @@ pub struct PaintersBuffer {
 struct PaintedSamples(Samples);
 
 impl Cover for PaintersBuffer {
-    type CullNeeds = FarToNear;
+    type Needs = FarToNear;
+
+    const NAME: &'static str = "PaintersBuffer";
 
     fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial
@@ -45,7 +47,6 @@ impl Cover for PaintersBuffer {
 }
 
 impl Paints for PaintersBuffer {
-    type DrawNeeds = FarToNear;
     const PRIMES: bool = false;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

@@ -7,11 +7,12 @@ use super::truth::Truth;
 use crate::canvas::{Canvas, Span};
 use crate::geometry::ItemId;
 use crate::method::Method;
+use crate::options::Limits;
 use crate::passage::{Passage, PassageId};
 use crate::scene::{Scene, SectorId};
 use crate::sector::Contract;
 use crate::view::View;
-use crate::viewer::{Limits, Viewer};
+use crate::viewer::Viewer;
 use crate::visible::VisibleSet;
 use std::collections::BTreeSet;
 use std::fmt;
@@ -332,7 +333,7 @@ impl Contestants {
 
 fn viewer(limits: Limits) -> Viewer {
     let mut viewer = Viewer::new();
-    viewer.set_limits(limits);
+    viewer.options.limits = limits;
     viewer
 }
 
@@ -459,7 +460,7 @@ impl Trial<'_> {
     fn occluders(&mut self) {
         for budget in [0, 1, 8, 100_000] {
             let mut viewer = viewer(self.limits);
-            viewer.set_occluders(Some(budget));
+            viewer.options.occluders = Some(budget);
             let set = viewer.look(&self.contestant.scene, self.view);
             let missed = self.truth.check(set, None).missed;
             let promises = contract_of(set).never_misses();
@@ -475,7 +476,7 @@ impl Trial<'_> {
 
     fn cost(&mut self) {
         let mut viewer = viewer(self.limits);
-        viewer.set_parallel(false);
+        viewer.options.parallel = false;
         let scene = &self.contestant.scene;
         viewer.look(scene, self.view);
         let passages = viewer.visible().passages();
@@ -484,7 +485,7 @@ impl Trial<'_> {
                 let all = 0..geometry.items().len() as u32;
                 let clusters = all.map(|item| 1 + geometry.mesh_of(ItemId(item)).clusters().len() as u64);
                 let faces = scene.sector(passage.sector).build_stats().faces;
-                let has_bsp = scene.method(passage.sector).is_some_and(Method::builds_bsp);
+                let has_bsp = scene.method(passage.sector).is_some_and(Method::splits_faces);
                 let in_bsp = if has_bsp { faces } else { 0 };
                 let triangles = scene.triangles_of(passage.sector).max(2 * faces);
                 (triangles, clusters.sum::<u64>() + in_bsp)

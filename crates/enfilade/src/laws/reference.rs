@@ -11,9 +11,9 @@ use super::sector::sector_of_eye;
 use super::tree::{Meeting, MeshTrees, Trees};
 use super::truth::{Possible, RowTruth, Truth};
 use crate::geometry::{ItemId, OpeningId, Owner};
+use crate::options::Limits;
 use crate::scene::{Scene, SectorId};
 use crate::view::View;
-use crate::viewer::Limits;
 use glam::DAffine3;
 use rayon::prelude::*;
 

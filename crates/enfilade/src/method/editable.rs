@@ -1,9 +1,9 @@
 //! Sectors whose items can be edited.
 
-use super::{Method, TooLarge, Unsuited};
 use crate::geometry::{Changes, Exchanged, Geometry};
 use crate::order::Order;
 use crate::sector::Sector;
+use crate::unsuited::Unsuited;
 use std::sync::Arc;
 
 /// A sector with geometry and a built-in method, whose items can be edited.
@@ -39,7 +39,6 @@ impl EditStats {
 /// Applies changes to a geometry and updates its order in place, or rebuilds the order where it cannot be updated. If
 /// that and the bytes returned by `beside` exceed `limit`, or the order cannot be built, nothing changes.
 pub(super) fn edit_order<O: Order>(
-    method: Method,
     order: &mut O,
     geometry: &mut Arc<Geometry>,
     changes: &mut Changes,
@@ -53,9 +52,12 @@ pub(super) fn edit_order<O: Order>(
     let follows = needs <= limit && order.follow(edited, &done.moved, &mut touched);
     if !follows {
         let built = if needs <= limit {
-            O::build(edited, limit).map_err(|refusal| Unsuited::of(method, edited, refusal, limit))
+            O::build(edited, limit)
         } else {
-            Err(TooLarge::new(method, needs, limit).into())
+            Err(Unsuited::TooLarge {
+                needs_bytes: needs,
+                limit,
+            })
         };
         match built {
             Ok(built) => *order = built,

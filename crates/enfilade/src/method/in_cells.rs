@@ -6,36 +6,46 @@
 //!     resolution than the screen, and another rasterizer draws.
 //! Conservative at the screen's samples, and at any position between them.
 
-use super::Unsuited;
-use super::editable::{EditStats, EditableSector};
+use super::combined::Combination;
 use super::enlarged::CellUpscaler;
 use super::found::{OcclusionTest, find};
 use super::gathered::draw_gathered;
+use super::{Culled, Paired};
 use crate::aperture::CellRoom;
-use crate::canvas::Canvas;
+use crate::canvas::{Canvas, CoverShape};
 use crate::collector::Collector;
-use crate::cover::{Coarse, CoarseCoverage, Cover};
+use crate::cover::{Coarse, CoarseCoverage, Cover, DepthBuffer};
 use crate::faces::Faces;
-use crate::geom::Aabb;
-use crate::geometry::{Changes, Geometry, ItemId, Opening};
+use crate::geometry::{Exchanged, Geometry};
 use crate::memory::Memory;
+use crate::options::ViewerOptions;
 use crate::order::Order;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
+use crate::sector::Contract;
 use crate::stats::Stats;
-use std::sync::Arc;
 
 /// A method whose cover can work on cells.
-pub(super) trait CoarseMethod: EditableSector {
-    type Order: Order;
+pub(super) trait CoarseCombination: Combination {
     type Cover: Coarse;
+}
 
-    fn order(&self) -> &Self::Order;
+impl<O: Order, C: Coarse> CoarseCombination for Paired<O, C>
+where
+    Self: Combination<Order = O>,
+{
+    type Cover = C;
+}
+
+impl<O: Order, C: Coarse> CoarseCombination for Culled<O, C>
+where
+    Self: Combination<Order = O>,
+{
+    type Cover = C;
 }
 
 /// A method that uses a low-resolution cover if the viewer has set a cover size, and its normal one otherwise.
-pub(super) struct CoarseAdapter<M>(pub(super) M);
+pub(super) struct InCells<M>(M);
 
 /// Occlusion test against a low-resolution cover, into which faces are rasterized by the cells that they cover fully.
 struct CellCover<'a, C> {
@@ -67,16 +77,16 @@ impl<C: Coarse> OcclusionTest for CellCover<'_, C> {
     }
 }
 
-impl<M: CoarseMethod> CoarseAdapter<M> {
+impl<M: CoarseCombination> InCells<M> {
     fn look(
-        &self,
+        order: &M::Order,
+        geometry: &Geometry,
         cells: [u32; 2],
         whole: &Passage,
         memory: &mut Memory,
         seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        let geometry = self.0.geometry();
         let mut room = memory.take::<CellRoom>();
         let mut cover = memory.take::<M::Cover>();
         let mut surface = memory.take::<CoarseCoverage>();
@@ -87,7 +97,7 @@ impl<M: CoarseMethod> CoarseAdapter<M> {
             cover: &mut *cover,
             surface: &mut surface,
         };
-        find(self.0.order(), geometry, &passage, &mut occlusion, memory, seen);
+        find(order, geometry, &passage, &mut occlusion, memory, seen);
         if let Some(canvas) = canvas {
             cover.show(&passage, &mut CellUpscaler::new(canvas, whole, cells));
         }
@@ -98,69 +108,78 @@ impl<M: CoarseMethod> CoarseAdapter<M> {
     }
 }
 
-impl<M: CoarseMethod> Sector for CoarseAdapter<M> {
-    fn bounds(&self) -> Aabb {
-        self.0.bounds()
-    }
+impl<M: CoarseCombination> Combination for InCells<M> {
+    type Order = M::Order;
 
-    fn openings(&self) -> &[Opening] {
-        self.0.openings()
-    }
+    const COVER: &'static str = M::COVER;
+    const CONTRACT: Contract = M::CONTRACT;
+    const TAKES_COVER_SIZE: bool = true;
+    const OCCLUDERS: Option<u32> = M::OCCLUDERS;
+    const COVER_SHAPE: Option<CoverShape> = M::COVER_SHAPE;
 
-    fn contract(&self) -> Contract {
-        self.0.contract()
-    }
-
-    fn draws_what_was_gathered(&self, memory: &Memory) -> bool {
-        memory.cover_size.is_some() || self.0.draws_what_was_gathered(memory)
-    }
-
-    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
-        match memory.cover_size {
-            Some(cells) => self.look(cells, passage, memory, seen, None),
-            None => self.0.gather(passage, memory, seen),
+    fn screen_bytes(size: [u32; 2], cover_size: Option<[u32; 2]>) -> u64 {
+        match cover_size.filter(|&cells| cells != size) {
+            // The picture is drawn with a z-buffer then.
+            Some(cells) => {
+                M::Cover::needs_bytes(cells)
+                    + CoarseCoverage::needs_bytes(cells)
+                    + DepthBuffer::needs_bytes(size)
+            }
+            None => M::screen_bytes(size, None),
         }
     }
 
-    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
-        let Some(cells) = memory.cover_size else {
-            return self.0.draw(passage, memory, seen, canvas);
+    fn needs_bytes(geometry: &Geometry) -> u64 {
+        M::needs_bytes(geometry)
+    }
+
+    fn new(geometry: &Geometry) -> Self {
+        InCells(M::new(geometry))
+    }
+
+    fn draws_what_was_gathered(&self, options: &ViewerOptions) -> bool {
+        options.cover_size.is_some() || self.0.draws_what_was_gathered(options)
+    }
+
+    fn gather(
+        &self,
+        order: &M::Order,
+        geometry: &Geometry,
+        passage: &Passage,
+        memory: &mut Memory,
+        seen: &mut Collector,
+    ) {
+        match memory.options.cover_size {
+            Some(cells) => Self::look(order, geometry, cells, passage, memory, seen, None),
+            None => self.0.gather(order, geometry, passage, memory, seen),
+        }
+    }
+
+    fn draw(
+        &self,
+        order: &M::Order,
+        geometry: &Geometry,
+        passage: &Passage,
+        memory: &mut Memory,
+        seen: &mut Collector,
+        canvas: &mut dyn Canvas,
+    ) {
+        let Some(cells) = memory.options.cover_size else {
+            return self.0.draw(order, geometry, passage, memory, seen, canvas);
         };
-        draw_gathered(self.0.geometry(), passage, memory, seen, canvas);
+        draw_gathered(geometry, passage, memory, seen, canvas);
         if canvas.wants_cover() {
-            let stats = memory.stats;
-            self.look(cells, passage, memory, &mut Collector::default(), Some(canvas));
+            let (stats, mut unused) = (memory.stats, Collector::default());
+            Self::look(order, geometry, cells, passage, memory, &mut unused, Some(canvas));
             memory.stats = stats;
         }
-    }
-
-    fn cast(&self, ray: &Ray) -> Option<Hit> {
-        self.0.cast(ray)
-    }
-
-    fn surface(&self, item: ItemId, face: u32) -> Surface {
-        self.0.surface(item, face)
-    }
-
-    fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
-        self.0.walk(passage, memory)
-    }
-
-    fn build_stats(&self) -> BuildStats {
-        self.0.build_stats()
     }
 
     fn bytes(&self) -> u64 {
         self.0.bytes()
     }
-}
 
-impl<M: CoarseMethod> EditableSector for CoarseAdapter<M> {
-    fn geometry(&self) -> &Arc<Geometry> {
-        self.0.geometry()
-    }
-
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited> {
-        self.0.edit(changes, limit)
+    fn follow(&mut self, geometry: &Geometry, done: &Exchanged) -> u64 {
+        self.0.follow(geometry, done)
     }
 }

@@ -3,7 +3,7 @@
 //! Such terrain is a sector of its own and has no choice of method: the items of a geometry have meshes, which every
 //! order, cover and query may read, while these triangles exist only while a look visits their block.
 
-use super::count::Count;
+use super::combined::Count;
 use super::strips::{self, look_in_strips};
 use crate::canvas::Canvas;
 use crate::collector::Collector;
@@ -12,6 +12,7 @@ use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{ItemId, Opening};
 use crate::memory::Memory;
+use crate::options::ViewerOptions;
 use crate::order::Visit;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
@@ -85,7 +86,7 @@ impl Sector for LargeTerrain {
         self.holes().openings()
     }
 
-    fn contract(&self) -> Contract {
+    fn contract(&self, _options: &ViewerOptions) -> Contract {
         Contract::Exact
     }
 

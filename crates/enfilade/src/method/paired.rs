@@ -1,24 +1,20 @@
 //! Methods with a cover that holds the picture: faces are rasterized as the order emits them.
 
-use super::count::count_faces;
-use super::editable::{EditStats, EditableSector, edit_order};
-use super::in_cells::CoarseMethod;
+use super::combined::Combination;
 use super::strips::{self, look_in_strips};
-use super::{Method, TooLarge, Unsuited};
-use crate::canvas::Canvas;
+use crate::canvas::{Canvas, CoverShape};
 use crate::collector::Collector;
-use crate::cover::{Coarse, Paints};
+use crate::cover::Paints;
 use crate::faces::{FaceSource, Faces};
-use crate::geom::Aabb;
-use crate::geometry::{Alpha, Changes, Geometry, ItemId, Opening};
+use crate::geometry::{Alpha, Geometry, ItemId};
 use crate::memory::{Marks, Memory};
+use crate::options::ViewerOptions;
 use crate::order::{Gives, Order, Visit};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
+use crate::sector::Contract;
 use crate::stats::Stats;
 use std::marker::PhantomData;
-use std::sync::Arc;
 
 /// Method made of an order and a cover that rasterizes. Incompatible pairs are rejected at compile time:
 ///
@@ -27,44 +23,72 @@ use std::sync::Arc;
 /// fn needs_near_to_far<O: Order>() where O::Gives: Gives<NearToFar> {}
 /// needs_near_to_far::<Unordered>();
 /// ```
-pub struct Paired<O, C> {
-    method: Method,
-    geometry: Arc<Geometry>,
-    order: O,
-    cover: PhantomData<fn() -> C>,
-}
+pub struct Paired<O, C>(PhantomData<fn() -> (O, C)>);
 
-impl<O, C> Paired<O, C>
+impl<O, C> Combination for Paired<O, C>
 where
     O: Order,
     C: Paints,
-    O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
+    O::Gives: Gives<C::Needs>,
 {
-    pub(super) fn build(method: Method, geometry: Arc<Geometry>, limit: u64) -> Result<Self, Unsuited> {
-        let needs_bytes = O::needs_bytes(&geometry);
-        if needs_bytes > limit {
-            return Err(TooLarge::new(method, needs_bytes, limit).into());
-        }
-        let order =
-            O::build(&geometry, limit).map_err(|refusal| Unsuited::of(method, &geometry, refusal, limit))?;
-        Ok(Paired {
-            method,
-            order,
-            geometry,
-            cover: PhantomData,
-        })
+    type Order = O;
+
+    const COVER: &'static str = C::NAME;
+    const CONTRACT: Contract = if O::KEEPS_ORDER {
+        Contract::Exact
+    } else {
+        Contract::Approximate
+    };
+    const COVER_SHAPE: Option<CoverShape> = C::SHAPE;
+
+    fn screen_bytes(size: [u32; 2], _cover_size: Option<[u32; 2]>) -> u64 {
+        C::needs_bytes(size)
     }
 
+    fn new(_geometry: &Geometry) -> Self {
+        Paired(PhantomData)
+    }
+
+    fn draws_what_was_gathered(&self, _options: &ViewerOptions) -> bool {
+        false
+    }
+
+    fn gather(
+        &self,
+        order: &O,
+        geometry: &Geometry,
+        passage: &Passage,
+        memory: &mut Memory,
+        seen: &mut Collector,
+    ) {
+        Self::see(order, geometry, passage, memory, seen, None);
+    }
+
+    fn draw(
+        &self,
+        order: &O,
+        geometry: &Geometry,
+        passage: &Passage,
+        memory: &mut Memory,
+        seen: &mut Collector,
+        canvas: &mut dyn Canvas,
+    ) {
+        Self::see(order, geometry, passage, memory, seen, Some(canvas));
+    }
+}
+
+impl<O: Order, C: Paints> Paired<O, C> {
     /// Reports what is visible. If the cover benefits, last frame's visible clusters are rasterized first.
     fn see(
-        &self,
+        order: &O,
+        geometry: &Geometry,
         passage: &Passage,
         memory: &mut Memory,
         seen: &mut Collector,
         canvas: Option<&mut dyn Canvas>,
     ) {
-        let size = self.geometry.bounds().longest_side();
-        let primes = C::PRIMES && memory.coherence;
+        let size = geometry.bounds().longest_side();
+        let primes = C::PRIMES && memory.options.coherence;
         let last = if primes {
             memory.recall.seen_last(passage, size)
         } else {
@@ -78,22 +102,17 @@ where
             strips::count(passage, memory)
         };
         if strips > 1 {
-            look_in_strips(
-                strips,
-                &*self.geometry,
-                passage,
-                memory,
-                seen,
-                |strip, memory, seen| self.look(strip, &last, memory, seen, None),
-            );
+            look_in_strips(strips, geometry, passage, memory, seen, |strip, memory, seen| {
+                Self::look(order, geometry, strip, &last, memory, seen, None)
+            });
         } else {
-            self.look(passage, &last, memory, seen, canvas);
+            Self::look(order, geometry, passage, &last, memory, seen, canvas);
         }
         memory.stats.samples_owned += seen.samples_owned;
         if primes {
             memory
                 .recall
-                .remember(passage, seen.clusters_of_items(&*self.geometry), last);
+                .remember(passage, seen.clusters_of_items(geometry), last);
         } else {
             memory.recall.give_back(last);
         }
@@ -101,7 +120,8 @@ where
 
     /// Reports what is visible, rasterizing the clusters of `first` first.
     fn look(
-        &self,
+        order: &O,
+        geometry: &Geometry,
         passage: &Passage,
         first: &[(ItemId, u32)],
         memory: &mut Memory,
@@ -112,7 +132,7 @@ where
         let mut work = memory.take::<Work>();
         let mut scratch = memory.take::<O::Scratch>();
         cover.clear(passage, memory.trace);
-        memory.marks.begin(self.geometry.items().len());
+        memory.marks.begin(geometry.items().len());
         let mut walk = Walk {
             passage,
             cover: &mut *cover,
@@ -122,18 +142,18 @@ where
             primed: first,
             canvas: reborrow(&mut canvas),
         };
-        walk.prime(&self.geometry);
-        self.order.visit(&self.geometry, passage, &mut scratch, &mut walk);
+        walk.prime(geometry);
+        order.visit(geometry, passage, &mut scratch, &mut walk);
         for (item, cluster) in work.waiting.drain(..) {
-            let screen_from_item = passage.screen_from(&self.geometry.item(item).transform());
-            let bounds = self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
+            let screen_from_item = passage.screen_from(&geometry.item(item).transform());
+            let bounds = geometry.mesh_of(item).clusters()[cluster as usize].bounds;
             let region = Region::of(passage, &screen_from_item, &bounds);
             if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.test(&region) != Visibility::Hidden) {
-                let faces = Faces::of_cluster(&self.geometry, item, cluster, &screen_from_item);
+                let faces = Faces::of_cluster(geometry, item, cluster, &screen_from_item);
                 cover.look_through(&faces, passage, &mut memory.stats, seen);
             }
         }
-        cover.finish(&*self.geometry, passage, seen, reborrow(&mut canvas));
+        cover.finish(geometry, passage, seen, reborrow(&mut canvas));
         if let Some(canvas) = canvas.filter(|canvas| canvas.wants_cover()) {
             cover.show(passage, canvas);
         }
@@ -222,87 +242,5 @@ impl<C: Paints> Visit for Walk<'_, C> {
         if !primed {
             self.take(faces);
         }
-    }
-}
-
-impl<O, C> Sector for Paired<O, C>
-where
-    O: Order,
-    C: Paints,
-    O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
-{
-    fn bounds(&self) -> Aabb {
-        self.geometry.bounds()
-    }
-
-    fn openings(&self) -> &[Opening] {
-        self.geometry.openings()
-    }
-
-    fn contract(&self) -> Contract {
-        self.method.contract()
-    }
-
-    fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
-        self.see(passage, memory, seen, None);
-    }
-
-    fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
-        self.see(passage, memory, seen, Some(canvas));
-    }
-
-    fn cast(&self, ray: &Ray) -> Option<Hit> {
-        self.geometry.cast(ray)
-    }
-
-    fn surface(&self, item: ItemId, face: u32) -> Surface {
-        self.geometry.surface(item, face)
-    }
-
-    fn walk(&self, passage: &Passage, memory: &mut Memory) -> u64 {
-        count_faces(&self.order, &self.geometry, passage, memory)
-    }
-
-    fn build_stats(&self) -> BuildStats {
-        self.order.build_stats(&self.geometry)
-    }
-
-    fn bytes(&self) -> u64 {
-        self.geometry.bytes() + self.order.bytes()
-    }
-}
-
-impl<O, C> EditableSector for Paired<O, C>
-where
-    O: Order,
-    C: Paints,
-    O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
-{
-    fn geometry(&self) -> &Arc<Geometry> {
-        &self.geometry
-    }
-
-    fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited> {
-        let Self {
-            method,
-            geometry,
-            order,
-            ..
-        } = self;
-        edit_order(*method, order, geometry, changes, limit, |_| 0).map(|(edited, _)| edited)
-    }
-}
-
-impl<O, C> CoarseMethod for Paired<O, C>
-where
-    O: Order,
-    C: Paints + Coarse,
-    O::Gives: Gives<C::CullNeeds> + Gives<C::DrawNeeds>,
-{
-    type Order = O;
-    type Cover = C;
-
-    fn order(&self) -> &O {
-        &self.order
     }
 }

@@ -136,9 +136,9 @@ impl<'a> Chooser<'a> {
 
     /// Computes [`Chooser::bound`] for [`OccluderMeasure::ProjectedArea`].
     fn bound_pixels(&self, screen_from_local: &DAffine3, bounds: &Aabb, area: f64) -> Option<f64> {
-        let (all, near) = (self.passage.aperture.rect(), f64::from(self.passage.near));
-        let region = Region::in_rect(self.passage, all, near, screen_from_local, bounds)?;
-        let nearest = f64::from(region.nearest).min(1.0 / near);
+        let clip = self.passage.into();
+        let region = Region::within(&clip, screen_from_local, bounds)?;
+        let nearest = f64::from(region.nearest).min(1.0 / clip.near);
         // The rectangle counts samples; half a pixel beyond the outermost ones on each side belongs to the area.
         let side = |from: u16, to: u16| f64::from(to.saturating_sub(from)) + 2.0;
         let rect = side(region.rect.x0, region.rect.x1) * side(region.rect.y0, region.rect.y1);

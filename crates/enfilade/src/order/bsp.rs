@@ -10,13 +10,15 @@
 //! Guarantees an exact order, back to front or front to back; geometry must be static.
 
 use super::items::{emit_non_opaque, emit_openings_at_eye};
-use super::{FarToNear, NearToFar, Order, Refusal, Visit};
+use super::sealed::Sealed;
+use super::{FarToNear, NearToFar, Order, Visit};
 use crate::faces::{Cut, Faces};
 use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::geometry::{Alpha, Geometry, ItemId, OpeningId, Owner, Owners};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::BuildStats;
+use crate::unsuited::Unsuited;
 use glam::{DAffine3, DMat3, DVec3};
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -37,8 +39,8 @@ struct SharedTree {
     non_opaque: Vec<ItemId>,
 }
 
-/// Direction in which a BSP tree is traversed.
-pub trait Direction: Send + Sync + 'static {
+/// Direction in which a BSP tree is traversed. Sealed, like [`Order`].
+pub trait Direction: Sealed + Send + Sync + 'static {
     /// `true` for front to back, `false` for back to front.
     const NEAR_FIRST: bool;
 }
@@ -187,14 +189,19 @@ impl<D: Direction> Order for Bsp<D> {
     type Gives = D;
     type Scratch = BspScratch;
 
-    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Bsp<D>, Refusal> {
+    const NAME: &'static str = "Bsp";
+    const SPLITS_FACES: bool = true;
+
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Bsp<D>, Unsuited> {
         let options = BspOptions {
             limit_bytes,
             ..BspOptions::default()
         };
         let shared = geometry.share(|| SharedTree::build(geometry, &options));
         let complete = shared.tree.is_complete();
-        complete.then(|| Bsp::over(shared)).ok_or(Refusal::TooLarge)
+        complete
+            .then(|| Bsp::over(shared))
+            .ok_or_else(|| Unsuited::exceeds(limit_bytes))
     }
 
     fn needs_bytes(geometry: &Geometry) -> u64 {

@@ -7,10 +7,11 @@
 //! Guarantees nodes front to back; single faces may come in any order.
 
 use super::queue::{Queue, Tree, walk};
-use super::{NodesNearToFar, Order, Refusal, Visit};
+use super::{NodesNearToFar, Order, Visit};
 use crate::geom::{Aabb, Bvh};
 use crate::geometry::{Geometry, MovedItem};
 use crate::passage::Passage;
+use crate::unsuited::Unsuited;
 use std::ops::Range;
 
 /// Front-to-back traversal of a bounding volume hierarchy over items.
@@ -25,7 +26,9 @@ impl Order for BvhOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
-    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<BvhOrder, Refusal> {
+    const NAME: &'static str = "BvhOrder";
+
+    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<BvhOrder, Unsuited> {
         let bounds: Vec<Aabb> = geometry.items().iter().map(|item| item.bounds).collect();
         Ok(BvhOrder {
             tree: Bvh::build(&bounds, FEW_ITEMS),

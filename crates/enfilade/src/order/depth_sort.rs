@@ -8,18 +8,20 @@
 //! `@overlap`, `@cycle` and `@crossing-triangles` show it. Correct for separate objects and faces of similar size.
 
 use super::items::{emit_non_opaque, emit_opening, may_be_visible};
-use super::{FarToNear, Order, Refusal, Visit};
+use super::sealed::Sealed;
+use super::{FarToNear, Order, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
 use crate::passage::Passage;
+use crate::unsuited::Unsuited;
 use glam::DAffine3;
 use std::marker::PhantomData;
 
 /// Faces sorted back to front by the key `K`: [`Min`] or [`Mean`]. Needs no build; a traversal takes O(faces in view).
 pub struct DepthSort<K>(PhantomData<fn() -> K>);
 
-/// Sort key of a face, from the distances of its corners along the viewing direction.
-pub trait SortKey: Send + Sync + 'static {
+/// Sort key of a face, from the distances of its corners along the viewing direction. Sealed, like [`Order`].
+pub trait SortKey: Sealed + Send + Sync + 'static {
     /// Returns the key of a face; a larger key is drawn earlier.
     fn key(distances: impl ExactSizeIterator<Item = f32>) -> f32;
 }
@@ -66,7 +68,11 @@ impl<K: SortKey> Order for DepthSort<K> {
     type Gives = FarToNear;
     type Scratch = SortBuffers;
 
-    fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<DepthSort<K>, Refusal> {
+    const NAME: &'static str = "DepthSort";
+    // By one depth per face, which is wrong where faces overlap in depth.
+    const KEEPS_ORDER: bool = false;
+
+    fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<DepthSort<K>, Unsuited> {
         Ok(DepthSort(PhantomData))
     }
 

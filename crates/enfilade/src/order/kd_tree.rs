@@ -7,11 +7,12 @@
 //! Guarantees nodes front to back; an item that a plane cuts is emitted with the first of its leaves.
 
 use super::items::{box_visibility, emit_item, emit_openings, emit_whole};
-use super::{NodesNearToFar, Order, Refusal, Visit};
+use super::{NodesNearToFar, Order, Visit};
 use crate::geom::{Aabb, KdTree};
 use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::Passage;
 use crate::region::Visibility;
+use crate::unsuited::Unsuited;
 
 /// Front-to-back traversal of a kd-tree over items.
 pub struct KdTreeOrder {
@@ -33,7 +34,9 @@ impl Order for KdTreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Vec<PendingNode>;
 
-    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<KdTreeOrder, Refusal> {
+    const NAME: &'static str = "KdTreeOrder";
+
+    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<KdTreeOrder, Unsuited> {
         let bounds: Vec<Aabb> = geometry.items().iter().map(|item| item.bounds).collect();
         Ok(KdTreeOrder {
             tree: KdTree::build(&bounds, FEW_ITEMS),

@@ -28,10 +28,11 @@ pub use unordered::Unordered;
 
 use crate::faces::Faces;
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, ItemId, MovedItem, Owner};
+use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
-use crate::sector::BuildStats;
+use crate::sector::{BuildStats, Requirement};
+use crate::unsuited::Unsuited;
 use glam::DAffine3;
 
 /// Guarantee of an [`Order`]: none.
@@ -55,51 +56,62 @@ impl Gives<NodesNearToFar> for NearToFar {}
 impl Gives<NearToFar> for NearToFar {}
 impl Gives<FarToNear> for FarToNear {}
 
-/// Reasons why an order cannot be built over a geometry.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Refusal {
-    /// Building needs more than the allowed number of bytes.
-    TooLarge,
-    /// The geometry has no baked cells.
-    NotBaked,
-    /// The geometry is not convex: a face has other geometry on both of its sides.
-    NotConvex(NonConvexity),
-    /// The geometry has no terrain.
-    NoTerrain,
-    /// A block of the terrain was moved or edited.
-    TerrainChanged,
-}
+/// Keeps [`Order`] and its parameters from being implemented elsewhere.
+mod sealed {
+    use super::*;
 
-/// A face whose plane has geometry on both sides, and the corner farthest behind it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct NonConvexity {
-    /// The face or opening.
-    pub wall: Owner,
-    /// Face or opening with a corner behind `wall`.
-    pub behind: Owner,
-    /// That corner, in sector space.
-    pub point: [f64; 3],
-    /// Distance of the corner behind the plane of `wall`, in scene units.
-    pub by: f64,
+    pub trait Sealed {}
+    impl Sealed for BakedCellsOrder {}
+    impl<D> Sealed for Bsp<D> {}
+    impl Sealed for BvhOrder {}
+    impl Sealed for ConvexCell {}
+    impl<K> Sealed for DepthSort<K> {}
+    impl Sealed for KdTreeOrder {}
+    impl Sealed for OctreeOrder {}
+    impl Sealed for TerrainRows {}
+    impl Sealed for Unordered {}
+    impl Sealed for FarToNear {}
+    impl Sealed for NearToFar {}
+    impl Sealed for Min {}
+    impl Sealed for Mean {}
 }
 
 /// Traversal order: emits faces in batches in a guaranteed order, and tests each node's visibility before entering it.
+///
+/// Sealed: a cover that relies on [`Order::Gives`] culls visible items if an order breaks it, which the compiler cannot
+/// check, only the laws. So the trait may also gain methods in any version. To compute visibility in another way,
+/// implement [`Sector`](crate::Sector).
 #[doc(alias = "traversal order")]
-pub trait Order: Send + Sync + Sized + 'static {
+pub trait Order: sealed::Sealed + Send + Sync + Sized + 'static {
     /// Guaranteed order: one of [`Unsorted`], [`NodesNearToFar`], [`NearToFar`], [`FarToNear`].
     type Gives;
 
     /// Scratch memory of a traversal, reused by the next one.
     type Scratch: Default + Send + 'static;
 
+    /// Name of the type, for tables and reports.
+    const NAME: &'static str;
+
+    /// What the geometry must have; `None` if the order takes any geometry.
+    const REQUIRES: Option<Requirement> = None;
+
+    /// Whether the faces always come in the order of [`Order::Gives`], not only in simple cases.
+    const KEEPS_ORDER: bool = true;
+
+    /// Whether building sorts all faces into a BSP tree. That splits some, and takes long for many faces.
+    const SPLITS_FACES: bool = false;
+
+    /// Returns `true` if a geometry meets [`Order::REQUIRES`].
+    fn suits(geometry: &Geometry) -> bool {
+        Self::REQUIRES.is_none() || Self::build(geometry, u64::MAX).is_ok()
+    }
+
     /// Builds the order over a geometry.
     ///
     /// # Errors
-    /// A [`Refusal`] if the geometry lacks what the order requires; [`Refusal::TooLarge`] if building turns out to need
+    /// The requirement that the geometry does not meet; [`Unsuited::TooLarge`] if building turns out to need
     /// more than `limit_bytes`.
-    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Self, Refusal>;
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Self, Unsuited>;
 
     /// Returns an upper estimate of the bytes that [`Order::build`] needs, without building.
     fn needs_bytes(geometry: &Geometry) -> u64;

@@ -7,10 +7,11 @@
 //! Guarantees nodes front to back; single faces may come in any order.
 
 use super::queue::{Queue, Tree, walk};
-use super::{NodesNearToFar, Order, Refusal, Visit};
+use super::{NodesNearToFar, Order, Visit};
 use crate::geom::{Aabb, Octree};
 use crate::geometry::{Geometry, MovedItem};
 use crate::passage::Passage;
+use crate::unsuited::Unsuited;
 use std::ops::Range;
 
 /// Front-to-back traversal of the geometry's octree over items.
@@ -20,7 +21,9 @@ impl Order for OctreeOrder {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
-    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<OctreeOrder, Refusal> {
+    const NAME: &'static str = "OctreeOrder";
+
+    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<OctreeOrder, Unsuited> {
         geometry.item_tree();
         Ok(OctreeOrder)
     }

@@ -13,12 +13,14 @@
 
 use super::items::{emit_item, emit_openings};
 use super::queue::{Queue, begin, go_on};
-use super::{NodesNearToFar, Order, Refusal, Visit};
+use super::{NodesNearToFar, Order, Visit};
 use crate::geom::Aabb;
 use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Visibility};
+use crate::sector::Requirement;
 use crate::terrain::Terrain;
+use crate::unsuited::Unsuited;
 use glam::DAffine3;
 
 /// Front-to-back traversal of terrain blocks by a quadtree, interleaved with the geometry's octree over the other
@@ -43,13 +45,16 @@ impl Order for TerrainRows {
     type Gives = NodesNearToFar;
     type Scratch = Queue;
 
-    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<TerrainRows, Refusal> {
+    const NAME: &'static str = "TerrainRows";
+    const REQUIRES: Option<Requirement> = Some(Requirement::Terrain);
+
+    fn build(geometry: &Geometry, _limit_bytes: u64) -> Result<TerrainRows, Unsuited> {
         let terrains = geometry.terrains();
         if terrains.is_empty() {
-            return Err(Refusal::NoTerrain);
+            return Err(Unsuited::NoTerrain);
         }
         if !terrains.iter().all(|terrain| terrain.is_whole(geometry)) {
-            return Err(Refusal::TerrainChanged);
+            return Err(Unsuited::TerrainEdited);
         }
         geometry.item_tree();
         Ok(TerrainRows {

@@ -6,9 +6,10 @@
 //! Guarantees nothing: only covers that require no order accept it.
 
 use super::items::{emit_item, emit_openings};
-use super::{Order, Refusal, Unsorted, Visit};
+use super::{Order, Unsorted, Visit};
 use crate::geometry::{Geometry, ItemId, MovedItem};
 use crate::passage::Passage;
+use crate::unsuited::Unsuited;
 
 /// Items in order of their numbers, culled against the aperture. Needs no build; a traversal takes O(items).
 pub struct Unordered;
@@ -17,7 +18,9 @@ impl Order for Unordered {
     type Gives = Unsorted;
     type Scratch = ();
 
-    fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<Unordered, Refusal> {
+    const NAME: &'static str = "Unordered";
+
+    fn build(_geometry: &Geometry, _limit_bytes: u64) -> Result<Unordered, Unsuited> {
         Ok(Unordered)
     }
 

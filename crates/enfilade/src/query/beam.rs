@@ -6,8 +6,8 @@
 
 use super::location::{Location, corners};
 use crate::geom::{Transform, nearest_in};
+use crate::options::Limits;
 use crate::scene::{PortalId, Scene, SectorId};
-use crate::viewer::Limits;
 use glam::DVec3;
 use smallvec::SmallVec;
 

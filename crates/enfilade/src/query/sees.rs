@@ -3,9 +3,9 @@
 use super::beam::LightReach;
 use super::location::Location;
 use super::ray::{RayCast, RayEnd};
+use crate::options::Limits;
 use crate::scene::{PortalId, Scene};
 use crate::sector::Ray;
-use crate::viewer::Limits;
 
 /// Unobstructed straight line between two locations, from [`Scene::sees`].
 #[derive(Clone, Debug, PartialEq)]

@@ -5,10 +5,9 @@
 //! Cost: O(1), the same for eight boxes as for one.
 //! Conservative; bit-identical to [`Region::of`] at every SIMD level.
 
-use super::{ROUND_UP, Region, Volume, middle_and_half};
+use super::{Clip, ROUND_UP, Region, Volume, middle_and_half};
 use crate::aperture::Rect;
 use crate::geom::Aabb;
-use crate::passage::Passage;
 use fearless_simd::prelude::*;
 use fearless_simd::{dispatch, f32x16, f64x8, i32x16, mask64x8};
 use glam::{DAffine3, DVec3};
@@ -32,7 +31,7 @@ pub(crate) struct EightBoxes {
 impl EightBoxes {
     /// Projects boxes given in another space; boxes after the eighth are ignored.
     #[inline(always)]
-    pub(crate) fn of(passage: &Passage, screen_from_local: &DAffine3, boxes: &[Aabb]) -> EightBoxes {
+    pub(crate) fn of(clip: impl Into<Clip>, screen_from_local: &DAffine3, boxes: &[Aabb]) -> EightBoxes {
         let mut corners = [[f32::NAN; 2 * BOXES]; 3];
         for (lane, bounds) in boxes.iter().take(BOXES).enumerate() {
             for (axis, corner) in corners.iter_mut().enumerate() {
@@ -40,8 +39,8 @@ impl EightBoxes {
                 corner[BOXES + lane] = bounds.max[axis];
             }
         }
-        let mut eight = EightBoxes::default();
-        dispatch!(passage.level, simd => eight.see(simd, passage, screen_from_local, &corners));
+        let (mut eight, clip) = (EightBoxes::default(), clip.into());
+        dispatch!(clip.level, simd => eight.see(simd, &clip, screen_from_local, &corners));
         eight
     }
 
@@ -82,12 +81,12 @@ impl EightBoxes {
     fn see<S: Simd>(
         &mut self,
         simd: S,
-        passage: &Passage,
+        clip: &Clip,
         screen_from_local: &DAffine3,
         corners: &[[f32; 2 * BOXES]; 3],
     ) {
         let volumes = Volumes::new(simd, screen_from_local, corners);
-        let (limits, near) = (passage.aperture.rect(), f64::from(passage.near));
+        let (limits, near) = (clip.rect, clip.near);
         let [middle, half] = middle_and_half(&limits);
         let none: mask64x8<S> = mask64x8::splat(simd, false);
         let mut inside = [none; 6];
@@ -106,7 +105,7 @@ impl EightBoxes {
             inside[2] |= !from_middle[1].simd_lt(-below);
             inside[3] |= !from_middle[1].simd_gt(below);
             inside[4] |= !w.simd_lt(near);
-            if let Some((normal, d)) = passage.entry {
+            if let Some((normal, d)) = clip.entry {
                 let at = x * normal.x + y * normal.y + w * normal.z;
                 inside[5] |= at.simd_ge(f64x8::splat(simd, d * (1.0 - 1e-6)));
             }
@@ -114,7 +113,7 @@ impl EightBoxes {
             bounds.add([from_middle[0], from_middle[1], w, x * per_w, y * per_w]);
         }
         let mut seen = volumes.there & inside[0] & inside[1] & inside[2] & inside[3] & inside[4];
-        if passage.entry.is_some() {
+        if clip.entry.is_some() {
             seen &= inside[5];
         }
         self.outside = !seen.to_bitmask();
@@ -130,7 +129,7 @@ impl EightBoxes {
             .select(nearest, f64x8::splat(simd, f64::INFINITY))
             .store_slice(&mut self.nearest);
         let [mut min, mut max] = bounds.on_screen(simd, near, nearest_w, &middle);
-        if passage.any_place {
+        if clip.any_place {
             min = [min[0] - 0.5, min[1] - 0.5];
             max = [max[0] + 0.5, max[1] + 0.5];
         }

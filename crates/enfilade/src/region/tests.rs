@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::chance::{Dice, levels};
+use crate::passage::Passage;
 use crate::scene::SectorId;
 use crate::view::View;
 
@@ -152,7 +153,14 @@ fn eight_corners_at_once_touch_what_they_touch_one_by_one_at_every_level() {
         let expected = volume.touched_one_by_one(&limits, 0.1, entry);
         seen += u32::from(expected.is_some());
         for level in levels() {
-            let known = dispatch!(level, simd => volume.touched(simd, &limits, 0.1, entry));
+            let clip = Clip {
+                rect: limits,
+                near: 0.1,
+                entry,
+                any_place: false,
+                level,
+            };
+            let known = dispatch!(level, simd => volume.touched(simd, &clip));
             assert_eq!(known.map(spoken), expected.map(spoken), "{volume:?}");
         }
     }

@@ -8,7 +8,7 @@ use super::{Body, Scene, SceneError, SectorId};
 use crate::geom::{MAX_COORDINATE, Transform};
 use crate::geometry::{Changes, ItemId, Placing, Unfit};
 use crate::mesh::Mesh;
-use crate::method::{EditStats, Unsuited};
+use crate::method::{EditStats, UnsuitedMethod};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use thiserror::Error;
@@ -185,8 +185,8 @@ impl Edit<'_> {
     /// Applies all pending changes.
     ///
     /// # Errors
-    /// Returns [`SceneError::TooLarge`] if a sector would need too much memory, [`SceneError::NotConvex`] or
-    /// [`SceneError::TerrainUnusable`] if its geometry would no longer meet the requirement of its method, and leaves
+    /// Returns [`SceneError::Unsuited`] if a sector would need too much memory, or its geometry would no longer meet the
+    /// requirement of its method, and leaves
     /// the scene unchanged.
     pub fn finish(self) -> Result<EditStats, SceneError> {
         let Edit { scene, mut changes } = self;
@@ -251,7 +251,12 @@ impl Edit<'_> {
 }
 
 impl Scene {
-    fn exchange(&mut self, id: SectorId, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited> {
+    fn exchange(
+        &mut self,
+        id: SectorId,
+        changes: &mut Changes,
+        limit: u64,
+    ) -> Result<EditStats, UnsuitedMethod> {
         let placed = &mut self.sectors[id.0 as usize];
         let Body::BuiltIn { method, sector } = &mut placed.body else {
             return Ok(EditStats::default());
@@ -264,7 +269,9 @@ impl Scene {
         let Some(own) = Arc::get_mut(sector) else {
             unreachable!("the sector was just built and is not shared");
         };
-        let edited = own.edit(changes, limit)?;
+        let edited = own
+            .edit(changes, limit)
+            .map_err(|reason| method.unsuited(reason))?;
         placed.builds += edited.rebuilt;
         let space = placed.space();
         self.boxes.change(id, space);

@@ -1,7 +1,7 @@
 //! Errors of building or changing a scene.
 
 use crate::geom::MAX_COORDINATE;
-use crate::method::{NotBaked, NotConvex, TerrainUnusable, TooLarge, Unsuited};
+use crate::method::UnsuitedMethod;
 use std::fmt;
 use thiserror::Error;
 
@@ -96,37 +96,13 @@ pub enum SceneError {
         "the bounds of custom sector `{0}` have a coordinate that is NaN, or finite and beyond {MAX_COORDINATE:e} units"
     )]
     BadBounds(String),
-    /// The method of a sector needs more memory than the limit allows.
+    /// The geometry of a sector does not fit its method.
     #[error("sector `{sector}`: {why}")]
-    TooLarge {
+    Unsuited {
         /// The sector's name.
         sector: String,
-        /// The memory needed and the limit.
-        why: TooLarge,
-    },
-    /// The method of a sector requires a baked PVS, which its geometry lacks.
-    #[error("sector `{sector}`: {why}")]
-    NotBaked {
-        /// The sector's name.
-        sector: String,
-        /// The method, and one to use instead.
-        why: NotBaked,
-    },
-    /// The method of a sector requires convex geometry, and a face violates that.
-    #[error("sector `{sector}`: {why}")]
-    NotConvex {
-        /// The sector's name.
-        sector: String,
-        /// The face, and what is behind it.
-        why: Box<NotConvex>,
-    },
-    /// The method of a sector requires a height field, which is missing or was edited.
-    #[error("sector `{sector}`: {why}")]
-    TerrainUnusable {
-        /// The sector's name.
-        sector: String,
-        /// Whether the height field is missing or was edited.
-        why: TerrainUnusable,
+        /// The method, and the reason.
+        why: UnsuitedMethod,
     },
 }
 
@@ -156,14 +132,9 @@ impl fmt::Display for ErrorSubject {
 
 impl SceneError {
     /// Wraps the error of building a method with the name of the sector.
-    pub(super) fn unsuited(sector: &str, why: Unsuited) -> SceneError {
+    pub(super) fn unsuited(sector: &str, why: UnsuitedMethod) -> SceneError {
         let sector = sector.to_owned();
-        match why {
-            Unsuited::TooLarge(why) => SceneError::TooLarge { sector, why },
-            Unsuited::NotBaked(why) => SceneError::NotBaked { sector, why },
-            Unsuited::NotConvex(why) => SceneError::NotConvex { sector, why },
-            Unsuited::TerrainUnusable(why) => SceneError::TerrainUnusable { sector, why },
-        }
+        SceneError::Unsuited { sector, why }
     }
 
     /// Lists the exits that exist, for the message.

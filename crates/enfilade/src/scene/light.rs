@@ -2,8 +2,8 @@
 
 use super::{Scene, SceneError, SectorId};
 use crate::geom::{Aabb, is_in_range};
+use crate::options::Limits;
 use crate::query::{LightReach, Location};
-use crate::viewer::Limits;
 use glam::DVec3;
 
 /// Id of a light: its index in [`Scene::lights`](crate::Scene::lights).

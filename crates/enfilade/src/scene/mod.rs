@@ -20,7 +20,7 @@ pub use portal::{Portal, PortalId, SectorId};
 
 use crate::geom::{Aabb, Transform};
 use crate::geometry::{Geometry, ItemId, OpeningId};
-use crate::method::{EditableSector, Method, Unsuited};
+use crate::method::{EditableSector, Method, UnsuitedMethod};
 use crate::sector::{BuildStats, Sector};
 use crate::threads;
 use crate::view::View;
@@ -148,8 +148,8 @@ impl Scene {
     /// Cost: that of building the method, which is negligible for [`Method::ZBuffer`] and [`Method::SBuffer`].
     ///
     /// # Errors
-    /// Returns [`SceneError::CustomSector`], [`SceneError::Openings`], [`SceneError::TooLarge`], [`SceneError::NotBaked`],
-    /// [`SceneError::NotConvex`] or [`SceneError::TerrainUnusable`], and leaves the sector unchanged.
+    /// Returns [`SceneError::CustomSector`], [`SceneError::Openings`] or [`SceneError::Unsuited`], and leaves the
+    /// sector unchanged.
     pub fn set_geometry(
         &mut self,
         id: SectorId,
@@ -171,8 +171,7 @@ impl Scene {
     /// Replaces the method of a sector. No other sector is rebuilt.
     ///
     /// # Errors
-    /// Returns [`SceneError::CustomSector`], [`SceneError::TooLarge`], [`SceneError::NotBaked`], [`SceneError::NotConvex`]
-    /// or [`SceneError::TerrainUnusable`], and leaves the sector unchanged.
+    /// Returns [`SceneError::CustomSector`] or [`SceneError::Unsuited`], and leaves the sector unchanged.
     pub fn set_method(&mut self, id: SectorId, method: Method) -> Result<(), SceneError> {
         let (geometry, _) = self.editable(id)?;
         self.rebuild(id, Arc::clone(geometry), method)
@@ -218,10 +217,9 @@ impl Scene {
     /// geometries.
     ///
     /// # Errors
-    /// Returns [`Unsuited::TooLarge`] if a sector needs more than `limit_bytes` for what the method builds;
-    /// [`Unsuited::NotBaked`], [`Unsuited::NotConvex`] or [`Unsuited::TerrainUnusable`] if a sector lacks what the
-    /// method [requires](Method::requires).
-    pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, Unsuited> {
+    /// Returns the reason if a sector needs more than `limit_bytes` for what the method builds, or lacks what the method
+    /// [requires](Method::requires).
+    pub fn with_method(&self, method: Method, limit_bytes: u64) -> Result<Scene, UnsuitedMethod> {
         let mut scene = self.clone();
         scene.limit_bytes = limit_bytes;
         // Of sectors that share a geometry, the first builds the data that the others reuse; built in parallel, each
@@ -363,7 +361,12 @@ impl SceneSector {
     }
 
     /// Builds `method` for `geometry` and replaces both; on an error nothing changes.
-    fn rebuild(&mut self, geometry: Arc<Geometry>, method: Method, limit_bytes: u64) -> Result<(), Unsuited> {
+    fn rebuild(
+        &mut self,
+        geometry: Arc<Geometry>,
+        method: Method,
+        limit_bytes: u64,
+    ) -> Result<(), UnsuitedMethod> {
         let sector = method.build_editable(geometry, limit_bytes)?;
         self.body = Body::BuiltIn { method, sector };
         self.builds += 1;

@@ -88,7 +88,7 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
             assert_eq!(looked, names(scene, viewer.visible()), "{place}: drawn");
             let verdict = truth.check(viewer.visible(), Some(&picture));
             for budget in [0, 1, 100_000] {
-                forgetful.set_occluders(Some(budget));
+                forgetful.options.occluders = Some(budget);
                 let verdict = truth.check(forgetful.look(scene, &view), None);
                 if method.contract().never_misses() {
                     assert_eq!(verdict.missed, [], "{place} with {budget} occluders");

@@ -18,7 +18,7 @@ pub(crate) fn limits() -> Limits {
 
 pub(crate) fn viewer() -> Viewer {
     let mut viewer = Viewer::new();
-    viewer.set_limits(limits());
+    viewer.options.limits = limits();
     viewer
 }
 

@@ -4,7 +4,7 @@ use crate::subject::{limits, subject};
 use enfilade::laws::{Law, check_custom};
 use enfilade::{
     Aabb, Canvas, Collector, Contract, Hit, ItemId, Memory, Method, Opening, OpeningId, Passage, Ray,
-    SceneBuilder, Sector, SectorId, Surface, View,
+    SceneBuilder, Sector, SectorId, Surface, View, ViewerOptions,
 };
 
 use std::sync::Arc;
@@ -51,8 +51,8 @@ impl Sector for Faulty {
     fn openings(&self) -> &[Opening] {
         self.sound.openings()
     }
-    fn contract(&self) -> Contract {
-        self.sound.contract()
+    fn contract(&self, options: &ViewerOptions) -> Contract {
+        self.sound.contract(options)
     }
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
         if !self.is_blind(passage) {

@@ -39,9 +39,7 @@ fn stays_small(scene: &Scene, view: &View, most: u64) {
         let mut passages = 0;
         let taken = measure(|| {
             let mut viewer = Viewer::new();
-            let mut limits = viewer.limits();
-            limits.max_crossings = 120;
-            viewer.set_limits(limits);
+            viewer.options.limits.max_crossings = 120;
             // The second look also holds what the first one remembered.
             for _ in 0..2 {
                 passages = viewer.look(&scene, view).passages().len();

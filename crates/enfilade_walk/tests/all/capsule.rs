@@ -114,7 +114,7 @@ fn walk(
         if step % 7 == 0 {
             course = chance.point(1.0).map(|value| value * longest);
         }
-        let slid = capsule.slide(&scene, place, course);
+        let slid = capsule.slide(scene, place, course);
         assert!(
             slid.complete && slid.crossed.is_empty(),
             "step {step}: {course:?} from {place:?}: {slid:?}"

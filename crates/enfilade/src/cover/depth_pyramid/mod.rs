@@ -65,7 +65,9 @@ struct Cell {
 }
 
 impl Cover for DepthPyramid {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
+
+    const NAME: &'static str = "DepthPyramid";
 
     fn test(&mut self, region: &Region) -> Visibility {
         let bits = region.nearest.to_bits();
@@ -89,7 +91,6 @@ impl Cover for DepthPyramid {
 }
 
 impl Paints for DepthPyramid {
-    type DrawNeeds = Unsorted;
     const PRIMES: bool = true;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

@@ -37,6 +37,7 @@ use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::raster::{BAND, Band, Triangle};
 use crate::region::{Region, Visibility};
+use crate::sector::Contract;
 use crate::simd::level;
 use crate::stats::Stats;
 use batch::Worker;
@@ -102,7 +103,9 @@ impl MaskedDepth {
 }
 
 impl Cover for MaskedDepth {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
+
+    const NAME: &'static str = "MaskedDepth";
 
     fn test(&mut self, region: &Region) -> Visibility {
         let seen = dispatch!(self.level, simd => self.grid.sees(simd, region, self.near));
@@ -126,6 +129,7 @@ impl Cover for MaskedDepth {
 }
 
 impl Hides for MaskedDepth {
+    const CONTRACT: Contract = Contract::Conservative;
     const MEASURE: OccluderMeasure = OccluderMeasure::ProjectedArea;
     // Visible faces, found front to back, hide as much, and occluder selection takes longer than rasterizing them.
     const OCCLUDERS: u32 = 0;

@@ -42,6 +42,7 @@ mod show;
 #[cfg(test)]
 mod tests;
 
+use super::sealed::Sealed;
 use super::{Cover, Hides};
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, CoverShape};
@@ -50,6 +51,7 @@ use crate::occluders::{Occluder, OccluderMeasure};
 use crate::order::Unsorted;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility, Volume};
+use crate::sector::Contract;
 use crate::stats::Stats;
 use above::LinesAbove;
 use by_box::{PendingLink, Query, Start};
@@ -164,8 +166,8 @@ struct Edge {
     line: Line,
 }
 
-/// Strategy by which a tree tests a box: [`ByFaces`] or [`ByBox`].
-pub trait BoxTest: Default + Send + Sized + 'static {
+/// Strategy by which a tree tests a box: [`ByFaces`] or [`ByBox`]. Sealed, like [`Cover`].
+pub trait BoxTest: Sealed + Default + Send + Sized + 'static {
     /// Returns how much of a box is visible; `None` if it is outside the view.
     fn test(tree: &mut OcclusionTree<Self>, volume: &Volume) -> Option<Visibility>;
 }
@@ -188,7 +190,9 @@ impl BoxTest for ByBox {
 }
 
 impl<A: BoxTest> Cover for OcclusionTree<A> {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
+
+    const NAME: &'static str = "OcclusionTree";
 
     fn test(&mut self, region: &Region) -> Visibility {
         A::test(self, &region.volume).unwrap_or(Visibility::Hidden)
@@ -228,6 +232,7 @@ impl<A: BoxTest> Cover for OcclusionTree<A> {
 }
 
 impl<A: BoxTest> Hides for OcclusionTree<A> {
+    const CONTRACT: Contract = Contract::Strict;
     const MEASURE: OccluderMeasure = OccluderMeasure::AreaAngle;
     const OCCLUDERS: u32 = 128;
 

@@ -67,7 +67,9 @@ struct Compaction {
 const ROOM: usize = 1 << 16;
 
 impl Cover for SpanBuffer {
-    type CullNeeds = Unsorted;
+    type Needs = Unsorted;
+
+    const NAME: &'static str = "SpanBuffer";
 
     fn test(&mut self, region: &Region) -> Visibility {
         if self.rows.sees(&region.rect, region.nearest) {
@@ -91,7 +93,6 @@ impl Cover for SpanBuffer {
 }
 
 impl Paints for SpanBuffer {
-    type DrawNeeds = Unsorted;
     const PRIMES: bool = true;
 
     fn clear(&mut self, passage: &Passage, trace: bool) {

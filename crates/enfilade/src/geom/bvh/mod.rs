@@ -22,7 +22,7 @@ use std::ops::Range;
 /// A primitive ("thing") is an index into the array of AABBs that the tree was built over.
 #[doc(alias = "bounding volume hierarchy")]
 #[derive(Clone, Debug)]
-pub struct Bvh {
+pub(crate) struct Bvh {
     /// The root is node 0; the two children of a node are adjacent.
     nodes: Vec<Node>,
     /// Primitives of all leaves; each leaf has `few` slots.
@@ -55,7 +55,7 @@ struct Node {
 impl Bvh {
     /// Builds a tree over AABBs with at most `few` primitives per leaf (at least 1). Primitives are numbered by their
     /// index in `bounds`; empty AABBs are omitted. Takes O(n log n).
-    pub fn build(bounds: &[Aabb], few: u32) -> Bvh {
+    pub(crate) fn build(bounds: &[Aabb], few: u32) -> Bvh {
         Bvh::over(bounds.len(), &|thing| bounds[thing as usize], few.max(1))
     }
 
@@ -112,23 +112,23 @@ impl Bvh {
     }
 
     /// Returns the root node; `None` if the tree is empty.
-    pub fn root(&self) -> Option<u32> {
+    pub(crate) fn root(&self) -> Option<u32> {
         (self.count > 0).then_some(0)
     }
 
     /// Returns the AABB of a node.
-    pub fn bounds(&self, node: u32) -> &Aabb {
+    pub(crate) fn bounds(&self, node: u32) -> &Aabb {
         &self.nodes[node as usize].bounds
     }
 
     /// Returns the children of a node: two node numbers, or none for a leaf.
-    pub fn children(&self, node: u32) -> Range<u32> {
+    pub(crate) fn children(&self, node: u32) -> Range<u32> {
         let Node { first, things, .. } = self.nodes[node as usize];
         if things == 0 { first..first + 2 } else { 0..0 }
     }
 
     /// Returns the primitives of a leaf; empty for an inner node.
-    pub fn things(&self, node: u32) -> &[u32] {
+    pub(crate) fn things(&self, node: u32) -> &[u32] {
         let Node { first, things, .. } = self.nodes[node as usize];
         if things == 0 {
             return &[];
@@ -137,7 +137,7 @@ impl Bvh {
     }
 
     /// Returns the memory in use, in bytes.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         let numbers = [
             &self.things,
             &self.parents,
@@ -151,7 +151,7 @@ impl Bvh {
 
     /// Returns the maximum number of bytes, temporary memory included, for building a tree over `things` primitives
     /// with leaves of at most `few`.
-    pub fn max_bytes(things: usize, few: u32) -> u64 {
+    pub(crate) fn max_bytes(things: usize, few: u32) -> u64 {
         // During building: boxes and the builder's nodes, and the final nodes with their parents and leaf slots.
         let builder_bytes = size_of::<Primitive>() + size_of::<[Node; 2]>();
         let tree_bytes = 2 * size_of::<Node>() + (3 + few as usize) * size_of::<u32>();

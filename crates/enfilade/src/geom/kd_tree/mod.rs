@@ -20,7 +20,7 @@ use plane::{Ends, Split, best_split};
 ///
 /// A primitive ("thing") is an index into the array of AABBs that the tree was built over.
 #[derive(Clone, Debug)]
-pub struct KdTree {
+pub(crate) struct KdTree {
     nodes: Vec<Node>,
     things: Runs,
     /// First nodes of free pairs.
@@ -78,7 +78,7 @@ const COPIES: usize = 4;
 impl KdTree {
     /// Builds a tree over AABBs. A leaf is split until it has at most `few` primitives or no plane separates them.
     /// Primitives are numbered by their index in `bounds`; empty AABBs are omitted. Takes O(n log² n).
-    pub fn build(bounds: &[Aabb], few: usize) -> KdTree {
+    pub(crate) fn build(bounds: &[Aabb], few: usize) -> KdTree {
         KdTree::over(bounds.len(), &|thing| bounds[thing as usize], few)
     }
 
@@ -193,17 +193,17 @@ impl KdTree {
     }
 
     /// Returns the root node; `None` if the tree is empty.
-    pub fn root(&self) -> Option<u32> {
+    pub(crate) fn root(&self) -> Option<u32> {
         (self.count > 0).then_some(0)
     }
 
     /// Returns the AABB of a node.
-    pub fn bounds(&self, node: u32) -> &Aabb {
+    pub(crate) fn bounds(&self, node: u32) -> &Aabb {
         &self.nodes[node as usize].bounds
     }
 
     /// Returns the two children of a node, the one on the side of `eye` first; `None` for a leaf.
-    pub fn near_and_far(&self, node: u32, eye: [f64; 3]) -> Option<[u32; 2]> {
+    pub(crate) fn near_and_far(&self, node: u32, eye: [f64; 3]) -> Option<[u32; 2]> {
         match self.nodes[node as usize].contents {
             Contents::Halves { axis, at, low, .. } if eye[usize::from(axis)] > f64::from(at) => {
                 Some([low + 1, low])
@@ -214,7 +214,7 @@ impl KdTree {
     }
 
     /// Returns the primitives of a leaf; empty for an inner node.
-    pub fn things(&self, node: u32) -> &[u32] {
+    pub(crate) fn things(&self, node: u32) -> &[u32] {
         match self.nodes[node as usize].contents {
             Contents::Halves { .. } => &[],
             Contents::Things(run) => self.things.get(run),
@@ -222,7 +222,7 @@ impl KdTree {
     }
 
     /// Returns the memory in use, in bytes.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         (size_of_val(&*self.nodes)
             + self.things.bytes()
             + size_of_val(&*self.free_pairs)
@@ -231,7 +231,7 @@ impl KdTree {
 
     /// Returns the maximum number of bytes of a tree over `things` primitives: no leaf is empty, and there are fewer
     /// inner nodes than leaves.
-    pub fn max_bytes(things: usize) -> u64 {
+    pub(crate) fn max_bytes(things: usize) -> u64 {
         (things * COPIES * (2 * size_of::<Node>() + size_of::<u32>())) as u64
     }
 

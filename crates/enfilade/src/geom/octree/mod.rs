@@ -20,7 +20,7 @@ use crate::geom::runs::{FreeList, Run, Runs};
 ///
 /// A primitive ("thing") is an index into the array of AABBs that the tree was built over.
 #[derive(Clone, Debug)]
-pub struct Octree {
+pub(crate) struct Octree {
     nodes: Vec<Node>,
     things: Runs,
     /// Free nodes.
@@ -71,7 +71,7 @@ pub enum Step<'a> {
 
 /// Decision of `visit` about a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Enter {
+pub(crate) enum Enter {
     /// Skips the subtree.
     Skip,
     /// Enters the node and visits its children and primitives one by one.
@@ -86,7 +86,7 @@ const MAX_DEPTH: u32 = 20;
 impl Octree {
     /// Builds a tree over AABBs; a node is split while it has more than `few` primitives. Primitives are numbered by
     /// their index in `bounds`; empty AABBs are omitted. Takes O(n log n).
-    pub fn build(bounds: &[Aabb], few: usize) -> Octree {
+    pub(crate) fn build(bounds: &[Aabb], few: usize) -> Octree {
         Octree::over(bounds.len(), &|thing| bounds[thing as usize], few)
     }
 
@@ -224,13 +224,13 @@ impl Octree {
     /// returns `false`.
     ///
     /// With i the octant of the eye, children come in the order i, i^1, i^2, i^4, i^3, i^5, i^6, i^7.
-    pub fn walk(&self, eye: [f64; 3], mut visit: impl FnMut(Step) -> bool) {
+    pub(crate) fn walk(&self, eye: [f64; 3], mut visit: impl FnMut(Step) -> bool) {
         self.walk_by(eye, |step, _| if visit(step) { Enter::Ask } else { Enter::Skip });
     }
 
     /// Like [`Octree::walk`], but `visit` may also accept a subtree as a whole ([`Enter::All`]): none of its nodes is
     /// visited, and `visit` gets `true` with each of its primitives.
-    pub fn walk_by(&self, eye: [f64; 3], mut visit: impl FnMut(Step, bool) -> Enter) {
+    pub(crate) fn walk_by(&self, eye: [f64; 3], mut visit: impl FnMut(Step, bool) -> Enter) {
         const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
         // At most seven siblings are pending on each level.
         let mut pending = [(0_u32, false); 7 * MAX_DEPTH as usize + 8];
@@ -264,7 +264,7 @@ impl Octree {
     }
 
     /// Returns the root node; `None` if the tree is empty.
-    pub fn root(&self) -> Option<u32> {
+    pub(crate) fn root(&self) -> Option<u32> {
         (self.count > 0).then_some(0)
     }
 
@@ -275,17 +275,17 @@ impl Octree {
     }
 
     /// Returns the AABB of a node.
-    pub fn bounds(&self, node: u32) -> &Aabb {
+    pub(crate) fn bounds(&self, node: u32) -> &Aabb {
         &self.nodes[node as usize].bounds
     }
 
     /// Returns the primitives of a node itself, without those of its children.
-    pub fn things(&self, node: u32) -> &[u32] {
+    pub(crate) fn things(&self, node: u32) -> &[u32] {
         self.things.get(self.nodes[node as usize].things)
     }
 
     /// Returns the children of a node.
-    pub fn children(&self, node: u32) -> std::ops::Range<u32> {
+    pub(crate) fn children(&self, node: u32) -> std::ops::Range<u32> {
         let Node {
             first_child,
             children,
@@ -295,7 +295,7 @@ impl Octree {
     }
 
     /// Returns the memory in use, in bytes.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         (self.nodes.len() * size_of::<Node>() + self.things.bytes() + self.spare.bytes()) as u64
     }
 }

@@ -11,11 +11,12 @@ mod item_cells;
 mod start;
 
 use super::items::{emit_item, emit_openings};
-use super::{Order, Refusal, Unsorted, Visit};
+use super::{Order, Unsorted, Visit};
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::{BakedCells, Geometry, ItemId, MovedItem, Room};
 use crate::passage::Passage;
-use crate::sector::BuildStats;
+use crate::sector::{BuildStats, Requirement};
+use crate::unsuited::Unsuited;
 use item_cells::{ItemCells, cells_of_openings};
 use start::cells_at_start;
 use std::sync::Arc;
@@ -79,9 +80,17 @@ impl Order for BakedCellsOrder {
     type Gives = Unsorted;
     type Scratch = BakedCellsScratch;
 
-    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<BakedCellsOrder, Refusal> {
-        let cells = Arc::clone(geometry.cells().ok_or(Refusal::NotBaked)?);
-        let item_cells = ItemCells::new(&cells, geometry, limit_bytes).ok_or(Refusal::TooLarge)?;
+    const NAME: &'static str = "BakedCellsOrder";
+    const REQUIRES: Option<Requirement> = Some(Requirement::BakedCells);
+
+    fn suits(geometry: &Geometry) -> bool {
+        geometry.cells().is_some()
+    }
+
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<BakedCellsOrder, Unsuited> {
+        let cells = Arc::clone(geometry.cells().ok_or(Unsuited::NotBaked)?);
+        let item_cells =
+            ItemCells::new(&cells, geometry, limit_bytes).ok_or_else(|| Unsuited::exceeds(limit_bytes))?;
         let openings = cells_of_openings(&cells, geometry);
         Ok(BakedCellsOrder {
             cells,

@@ -20,11 +20,13 @@ mod support;
 mod walls;
 
 use super::items::{box_visibility, emit_opening, emit_openings, emit_openings_at_eye, may_be_visible};
-use super::{FarToNear, Order, Refusal, Visit};
+use super::{FarToNear, Order, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};
 use crate::passage::Passage;
 use crate::region::Visibility;
+use crate::sector::Requirement;
+use crate::unsuited::Unsuited;
 use glam::{DAffine3, DVec3};
 use walls::Walls;
 
@@ -73,7 +75,10 @@ impl Order for ConvexCell {
     type Gives = FarToNear;
     type Scratch = ();
 
-    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<ConvexCell, Refusal> {
+    const NAME: &'static str = "ConvexCell";
+    const REQUIRES: Option<Requirement> = Some(Requirement::Convex);
+
+    fn build(geometry: &Geometry, limit_bytes: u64) -> Result<ConvexCell, Unsuited> {
         let mut walls = Walls::new(geometry, limit_bytes);
         walls.take_openings()?;
         for item in (0..geometry.items().len() as u32).map(ItemId) {

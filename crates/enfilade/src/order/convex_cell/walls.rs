@@ -4,7 +4,8 @@ use super::overlap::any_overlap;
 use super::support::{Corner, SupportPlanes};
 use super::{ConvexCell, Outside, Plane, occluder_clusters};
 use crate::geometry::{Geometry, ItemId, OpeningId, Owner};
-use crate::order::{NonConvexity, Order, Refusal};
+use crate::order::Order;
+use crate::unsuited::{NotConvex, Unsuited};
 use glam::DVec3;
 
 /// Processes the faces of a geometry one by one and finds a plane for each.
@@ -64,7 +65,7 @@ impl<'a> Walls<'a> {
     }
 
     /// Finds a plane for each opening.
-    pub(super) fn take_openings(&mut self) -> Result<(), Refusal> {
+    pub(super) fn take_openings(&mut self) -> Result<(), Unsuited> {
         for (number, opening) in (0_u16..).zip(self.geometry.openings()) {
             let corners = opening.outline.corners().iter();
             let corners: Vec<DVec3> = corners.map(|corner| DVec3::from(corner.map(f64::from))).collect();
@@ -81,7 +82,7 @@ impl<'a> Walls<'a> {
     }
 
     /// Finds a plane for each occluder face of an item.
-    pub(super) fn take_item(&mut self, item: ItemId) -> Result<(), Refusal> {
+    pub(super) fn take_item(&mut self, item: ItemId) -> Result<(), Unsuited> {
         for cluster in occluder_clusters(self.geometry, item) {
             self.cell.occluders[item.0 as usize] = true;
             self.take_cluster(item, cluster)?;
@@ -90,13 +91,13 @@ impl<'a> Walls<'a> {
             }
             let twice = 2 * self.cell.bytes();
             if twice > self.limit_bytes {
-                return Err(Refusal::TooLarge);
+                return Err(Unsuited::exceeds(self.limit_bytes));
             }
         }
         Ok(())
     }
 
-    fn take_cluster(&mut self, item: ItemId, number: u32) -> Result<(), Refusal> {
+    fn take_cluster(&mut self, item: ItemId, number: u32) -> Result<(), Unsuited> {
         let geometry = self.geometry;
         let mesh = geometry.mesh_of(item);
         let cluster = &mesh.clusters()[number as usize];
@@ -141,7 +142,7 @@ impl<'a> Walls<'a> {
         corners: &[DVec3],
         mirrored: bool,
         owner: Owner,
-    ) -> Result<Option<(usize, DVec3)>, Refusal> {
+    ) -> Result<Option<(usize, DVec3)>, Unsuited> {
         let Some(area) = self.support.area_of(corners) else {
             return Ok(None);
         };
@@ -157,12 +158,13 @@ impl<'a> Walls<'a> {
             .support
             .supporting_plane(corners, front, self.outwards, fits)
             .map_err(|behind: Corner| {
-                Refusal::NotConvex(NonConvexity {
-                    wall: owner,
-                    behind: behind.of,
-                    point: behind.point.into(),
-                    by: behind.by,
-                })
+                let faces = [owner, behind.of];
+                Box::new(NotConvex::new(
+                    self.geometry,
+                    faces,
+                    behind.point.into(),
+                    behind.by,
+                ))
             })?;
         self.outwards = plane.normal.dot(front) < 0.0;
         if self.recent.len() == MAX_RECENT {

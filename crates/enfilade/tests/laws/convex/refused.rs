@@ -4,7 +4,7 @@ use super::worlds::{Dress, Solid, materials, place, polygons};
 use super::{alone, keeps_its_contract, view};
 use enfilade::{
     FaceName, Geometry, GeometryBuilder, ItemId, MaterialId, Mesh, Method, NotConvex, SceneBuilder,
-    SceneError, SectorId, Transform, Unsuited,
+    SceneError, SectorId, Transform, Unsuited, UnsuitedMethod,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -13,7 +13,10 @@ use std::sync::Arc;
 
 fn refusal(geometry: &Arc<Geometry>) -> NotConvex {
     match Method::Cell.build(Arc::clone(geometry), u64::MAX) {
-        Err(Unsuited::NotConvex(why)) => *why,
+        Err(UnsuitedMethod {
+            reason: Unsuited::NotConvex(why),
+            ..
+        }) => *why,
         Err(why) => panic!("{why}"),
         Ok(_) => panic!("it is taken for convex"),
     }
@@ -119,14 +122,14 @@ fn a_refusal_says_what_is_where_and_what_to_do() {
         builder.item(name, mesh, Transform::IDENTITY);
     }
     let geometry = Arc::new(builder.build().expect("sound"));
-    let told = "method cell needs a convex sector, but face 0 of item 1 `cellar` is 0.5 behind the plane of face 0 of item 0 \
+    let told = "needs a convex sector, but face 0 of item 1 `cellar` is 0.5 behind the plane of face 0 of item 0 \
                 `floor` at (1, -0.5, 1), and another face is in front of it; use hierarchical-z";
     assert_eq!(refusal(&geometry).to_string(), told);
     let mut scene = SceneBuilder::new();
     scene.add("house", geometry, Method::Cell);
     let error = scene.build().err().expect("it is not convex");
-    assert!(matches!(&error, SceneError::NotConvex { sector, .. } if sector == "house"));
-    assert_eq!(error.to_string(), format!("sector `house`: {told}"));
+    assert!(matches!(&error, SceneError::Unsuited { sector, .. } if sector == "house"));
+    assert_eq!(error.to_string(), format!("sector `house`: method cell {told}"));
 }
 
 #[test]

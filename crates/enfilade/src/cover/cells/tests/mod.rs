@@ -19,8 +19,12 @@ struct CellArray {
     cells: Vec<f32>,
 }
 
+impl crate::cover::sealed::Sealed for CellArray {}
+
 impl Cover for CellArray {
-    type CullNeeds = crate::order::Unsorted;
+    type Needs = crate::order::Unsorted;
+
+    const NAME: &'static str = "CellArray";
 
     fn test(&mut self, _region: &Region) -> Visibility {
         Visibility::Partial

@@ -191,7 +191,8 @@ fn orders_covers_and_methods_know_nothing_of_portals() {
 fn geometry_knows_nothing_else_of_ours_but_the_simd_level_and_the_threads() {
     for (path, text) in sources(&format!("{CORE}/geom")) {
         let known = |of: &&str| {
-            ["geom", "simd", "threads"]
+            // `chance` makes random numbers for tests.
+            ["geom", "simd", "threads", "chance"]
                 .iter()
                 .any(|word| of.starts_with(word))
         };

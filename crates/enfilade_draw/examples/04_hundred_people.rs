@@ -1,12 +1,13 @@
-//! A hundred people walk through a palace whose doors open before them, seen by two cameras. Writes `people.png`, an
+//! A hundred statues walk through a palace whose doors open before them, seen by two cameras. Writes `people.png`, an
 //! animated PNG.
 
 use enfilade::*;
 use enfilade_draw::{Clip, RgbImage, Settings, Stage};
-use enfilade_scenes::{built_in, person};
+use enfilade_scenes::built_in;
 use enfilade_walk::Capsule;
 use glam::{Vec3, vec3};
 use image::imageops::replace;
+use std::sync::Arc;
 
 const SIZE: [u32; 2] = [320, 240];
 const FRAMES: u32 = 48;
@@ -40,7 +41,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Person { place, goal, items }
     };
     let mut people: Vec<Person> = (0..100).map(start).collect();
-    let kinds: Vec<_> = (0..7).map(person).collect();
+    let mut kinds: Vec<Arc<Mesh>> = Vec::new();
+    for geometry in scene.sectors().filter_map(|id| scene.geometry(id)) {
+        for (id, item) in (0..).map(ItemId).zip(geometry.items()) {
+            let mesh = &geometry.meshes()[item.mesh.0 as usize];
+            if geometry.name(id).contains(": statue") && !kinds.iter().any(|kind| Arc::ptr_eq(kind, mesh)) {
+                kinds.push(Arc::clone(mesh));
+            }
+        }
+    }
     // Cameras in the rotunda and in the red salon.
     let stage = Stage::new(&scene);
     let mut viewers = [4, 2].map(|camera| (palace.cameras[camera].view(SIZE), Viewer::new()));
@@ -79,7 +88,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let there = Transform::translation(feet.into()) * turn;
                 let item = match before.iter().find(|item| item.0 == sector) {
                     Some(&(_, item)) => edit.set_transform(sector, item, there).map(|()| item)?,
-                    None => edit.add(sector, "person", kinds[number % 7].clone(), there)?,
+                    None => edit.add(sector, "person", kinds[number % kinds.len()].clone(), there)?,
                 };
                 somebody.items.push((sector, item));
             }

@@ -34,15 +34,19 @@
 //! | `-room` | `{"kind": "room", "method": "bsp"}` | a room: the node's descendants, except nested rooms, form a sector |
 //! | `-portal` | `{"kind": "portal", "to": "Hall-room", "one_way": true}` | a portal: a flat convex mesh is its polygon |
 //! | `-portal` | `{"kind": "portal", "exit": "NODE"}` | a teleport portal: enters along the node's −Z, leaves along the exit's −Z |
+//! | | `{"kind": "portal", "exit": "NODE", "scale": 8}` | the same; the target appears 8 times smaller than it is |
 //! | `-mirror` | `{"kind": "mirror"}` | a flat convex mesh that mirrors its room |
 //! | `-terrain` | `{"kind": "terrain"}` | a heightfield mesh (regular grid) for the method `floating-horizon` |
 //!
 //! Either the name or the extras suffice. Blender's numeric suffix (`.001`) is ignored, and 1 counts as `true`. All
 //! rooms share world space. The importer finds the two rooms that a portal joins from the geometry on its two sides,
-//! unless `to` names one; if the portal's parent room is among the candidates, it takes precedence. A room without a
+//! unless `to` names one; if the portal's parent room is among the candidates, or is around the portal and `to` names
+//! the other, it takes precedence. A room without a
 //! ceiling, such as a garden or a courtyard, extends upwards (+Y) without bound: an opening with only sky on one side,
 //! such as a roof window, leads to the smallest such room below it. A teleport uses only the translation and rotation
-//! of the portal and its exit; it ignores their scales. Nodes outside every room form one additional room.
+//! of the portal and its exit; it ignores the scales of their nodes, and enlarges what passes only by `scale`. So a
+//! doll's house in a room is a set of rooms elsewhere in the file, in full size: a portal with `scale` leads into it,
+//! and one with the inverse back. Nodes outside every room form one additional room.
 //!
 //! A terrain mesh is a heightfield with y up in object space. Its vertices are at the intersections of grid columns
 //! (constant x) and rows (constant z), with one height per grid point. Every cell is split into two upward-facing

@@ -84,7 +84,7 @@ pub const SCENES: [Named; 42] = [
             Group::Intersections,
             Group::Large,
         ],
-        build: || palace::palace(palace::SEED),
+        build: palace::palace,
     },
     law(
         "two-rooms",

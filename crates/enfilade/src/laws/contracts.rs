@@ -104,7 +104,7 @@ pub struct Report {
 /// ```
 /// # use enfilade::{GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, Transform, View, laws};
 /// # let mut builder = GeometryBuilder::new([Material::opaque([0.5; 3])]);
-/// # let crate_mesh = builder.mesh(Mesh::cuboid([1.0; 3], MaterialId(0)));
+/// # let crate_mesh = builder.mesh(Mesh::cuboid([-0.5; 3], [0.5; 3], MaterialId(0))?);
 /// # builder.item("crate", crate_mesh, Transform::IDENTITY);
 /// # let scene = Scene::single(builder.build()?, Method::HierarchicalZ)?;
 /// let views = [View::new([4.0, 1.0, 5.0], [0.0; 3], [64, 36])];

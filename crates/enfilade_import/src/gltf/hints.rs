@@ -36,9 +36,18 @@ pub(super) enum OpeningTarget {
     Portal {
         to: Option<String>,
         one_way: bool,
-        exit: Option<String>,
+        exit: Option<Exit>,
     },
     Mirror,
+}
+
+/// The exit of a teleport.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Exit {
+    /// Name of the node that the traveller comes out at.
+    pub(super) node: String,
+    /// Factor by which the portal enlarges what passes it.
+    pub(super) scale: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -193,7 +202,7 @@ impl Notes {
                 let way = OpeningTarget::Portal {
                     to: self.text("to")?,
                     one_way: self.truth("one_way")?,
-                    exit: self.text("exit")?,
+                    exit: self.exit()?,
                 };
                 Hint::Opening { way, by_name }
             }
@@ -203,6 +212,20 @@ impl Notes {
             },
             Kind::Terrain => Hint::Terrain,
         })
+    }
+
+    fn exit(&mut self) -> Result<Option<Exit>, AuthoringError> {
+        let Some(node) = self.text("exit")? else {
+            return Ok(None);
+        };
+        let scale = match self.values.remove("scale") {
+            None | Some(Value::Null) => 1.0,
+            Some(written) => match written.as_f64() {
+                Some(scale) if scale.is_finite() && scale > 0.0 => scale,
+                _ => return Err(self.wrong("scale", &written, "a number above 0")),
+            },
+        };
+        Ok(Some(Exit { node, scale }))
     }
 
     fn text(&mut self, key: &'static str) -> Result<Option<String>, AuthoringError> {

@@ -348,7 +348,7 @@ impl<'d> Plan<'d> {
                 one_way: *one_way,
             });
         };
-        let out = self.node_called(exit, spoken)?;
+        let out = self.node_called(&exit.node, spoken)?;
         let frame = |placed: &SceneNode| {
             Frame::of(&placed.world).ok_or_else(|| AuthoringError::NoFrame {
                 node: self.document.node_name(placed.node),
@@ -357,7 +357,8 @@ impl<'d> Plan<'d> {
         Ok(rooms::OpeningTarget::Teleport(Box::new(Teleport {
             from: frame(placed)?,
             exit: frame(out)?,
-            exit_name: short(exit),
+            exit_name: short(&exit.node),
+            scale: exit.scale,
             to: to.or_else(|| self.room(out)),
         })))
     }
@@ -413,7 +414,7 @@ fn exit(hint: &Hint) -> Option<&str> {
         Hint::Opening {
             way: OpeningTarget::Portal { exit, .. },
             ..
-        } => exit.as_deref(),
+        } => exit.as_ref().map(|exit| &*exit.node),
         _ => None,
     }
 }

@@ -35,9 +35,10 @@ impl Frame {
         self.0.matrix3.z_axis
     }
 
-    /// Returns the rigid transform from the space in front of this frame to the space behind `exit`.
-    pub(crate) fn there_from_here(&self, exit: &Frame) -> Transform {
-        let there_from_here = exit.0 * self.0.inverse();
+    /// Returns the transform from the space in front of this frame to the space behind `exit`: rigid, but enlarged by
+    /// `scale`.
+    pub(crate) fn there_from_here(&self, exit: &Frame, scale: f64) -> Transform {
+        let there_from_here = exit.0 * DAffine3::from_scale(DVec3::splat(scale)) * self.0.inverse();
         Transform::from_columns(
             there_from_here
                 .to_cols_array_2d()
@@ -55,8 +56,10 @@ mod tests {
         let turned = Transform::rotation([0.0, 1.0, 0.0], 1.0);
         let here = Frame::of(&(turned * Transform::scaling([3.0, 0.5, 7.0]))).expect("a frame");
         let there = Frame::of(&turned).expect("a frame");
-        let point = here.there_from_here(&there).point([1.0, 2.0, 3.0]);
+        let point = here.there_from_here(&there, 1.0).point([1.0, 2.0, 3.0]);
         assert!((DVec3::from(point.map(f64::from)) - DVec3::new(1.0, 2.0, 3.0)).length() < 1e-6);
+        let point = here.there_from_here(&there, 8.0).point([1.0, 2.0, 3.0]);
+        assert!((DVec3::from(point.map(f64::from)) - DVec3::new(8.0, 16.0, 24.0)).length() < 1e-5);
         assert!(Frame::of(&Transform::scaling([1.0, 1.0, 0.0])).is_some());
         assert!(Frame::of(&Transform::scaling([1.0, 0.0, 0.0])).is_none());
     }

@@ -171,7 +171,7 @@ fn leads(
     };
     match &marked.way {
         OpeningTarget::Door { to, one_way } => {
-            let (from, to, turned) = around.two_rooms(*to, *one_way)?;
+            let (from, to, turned) = around.two_rooms(&outline, *to, *one_way)?;
             let (ahead, back) = if turned {
                 (outline.flipped(), outline)
             } else {
@@ -187,6 +187,7 @@ fn leads(
             let Teleport {
                 from,
                 exit,
+                scale,
                 exit_name,
                 to,
             } = &**teleport;
@@ -206,7 +207,7 @@ fn leads(
                 }
             })?;
             let outline = if turned { outline.flipped() } else { outline };
-            Ok(vec![lead(room, outline, to, from.there_from_here(exit))])
+            Ok(vec![lead(room, outline, to, from.there_from_here(exit, *scale))])
         }
         OpeningTarget::Mirror => {
             let (room, turned) = around.mirrored(&outline)?;
@@ -229,19 +230,28 @@ struct OpeningContext<'a> {
 impl OpeningContext<'_> {
     /// Returns the room that a door leads out of, the room that it leads into, and whether the first is behind the
     /// front.
-    fn two_rooms(&self, to: Option<usize>, one_way: bool) -> Result<(usize, usize, bool), AuthoringError> {
+    fn two_rooms(
+        &self,
+        outline: &ConvexPolygon,
+        to: Option<usize>,
+        one_way: bool,
+    ) -> Result<(usize, usize, bool), AuthoringError> {
         let [front, back] = &self.sides;
         let owner = self.marked.owner;
+        // A room that the author names counts even if no rays hit it: rays leave a threshold by its other door.
+        let is_named = |room: usize| {
+            to == Some(room)
+                || to.is_some() && owner == Some(room) && is_around(&self.rooms.all[room], outline)
+        };
         let near: Vec<usize> = (0..self.rooms.all.len())
-            .filter(|&room| front.part(room).max(back.part(room)) >= LEAST || to == Some(room))
+            .filter(|&room| front.part(room).max(back.part(room)) >= LEAST || is_named(room))
             .collect();
         let mut best: Option<(bool, f64, usize, usize)> = None;
         for &a in &near {
             for &b in near.iter().filter(|&&b| b != a) {
-                // A room named by the author counts even if no rays hit it.
                 let part = |side: &Side, room: usize| {
                     let part = side.part(room);
-                    (part >= LEAST || to == Some(room)).then_some(part)
+                    (part >= LEAST || is_named(room)).then_some(part)
                 };
                 let (Some(before), Some(behind)) = (part(front, a), part(back, b)) else {
                     continue;
@@ -319,6 +329,13 @@ impl OpeningContext<'_> {
         let [front, back] = [1.0, -1.0].map(|side| free_rays(&self.rooms.all[room], outline, side));
         Ok((room, back > front))
     }
+}
+
+/// Returns `true` if the middle of an outline is within the AABB of a room.
+fn is_around(room: &Geometry, outline: &ConvexPolygon) -> bool {
+    let (held, middle) = (room.bounds(), outline.bounds().center());
+    let slack = 1e-4 * outline.bounds().longest_side();
+    (0..3).all(|axis| (held.min[axis] - slack..=held.max[axis] + slack).contains(&middle[axis]))
 }
 
 /// Rates the free space on one side of an opening, by rays along its normal: 2 for each that hits a front face at some

@@ -59,6 +59,8 @@ pub(crate) enum OpeningTarget {
 pub(crate) struct Teleport {
     pub(crate) from: Frame,
     pub(crate) exit: Frame,
+    /// Factor by which it enlarges what passes.
+    pub(crate) scale: f64,
     /// Name of the exit in messages.
     pub(crate) exit_name: String,
     /// The target room, if the author names it or the exit is below it.

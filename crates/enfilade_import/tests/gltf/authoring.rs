@@ -203,6 +203,14 @@ fn extras_of_the_wrong_type_or_with_unknown_words() {
         (json!({ "kind": 3 }), &["kind = 3", "a string"]),
         (json!({ "to": ["B-room"] }), &["to = [\"B-room\"]", "a string"]),
         (json!({ "exit": 1 }), &["exit = 1", "a string"]),
+        (
+            json!({ "exit": "Out", "scale": 0 }),
+            &["scale = 0", "a number above 0"],
+        ),
+        (
+            json!({ "exit": "Out", "scale": "8" }),
+            &["scale = \"8\"", "a number above 0"],
+        ),
         (json!({ "one_way": 2 }), &["one_way = 2", "true or false"]),
         (
             json!({ "one_way": "yes" }),

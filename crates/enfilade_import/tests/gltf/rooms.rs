@@ -228,6 +228,58 @@ fn a_teleport_goes_in_along_minus_z_and_out_along_the_exits() {
 }
 
 #[test]
+fn a_teleport_with_a_scale_enlarges_what_passes() {
+    let mut node = door(
+        "Door-portal",
+        json!({ "kind": "portal", "exit": "Out", "scale": 8 }),
+    );
+    node["translation"] = json!([-0.1, 0, 0]);
+    let out = json!({ "name": "Out", "translation": [1, 0.5, 0], "scale": [3, 3, 3] });
+    let import = reads(&two_rooms(&[node, out]));
+    // A point a quarter aside of the door's middle and one ahead of it.
+    let there = import.portals[0].there_from_here.point([0.9, 0.0, 0.25]);
+    let expected = [3.0, 0.5, -8.0];
+    assert!(
+        (0..3).all(|axis| (there[axis] - expected[axis]).abs() < 1e-4),
+        "{there:?}"
+    );
+    let scene = import.scene(Method::HierarchicalZ, Method::DEFAULT_LIMIT);
+    assert!(scene.is_ok(), "a portal may scale");
+}
+
+#[test]
+fn a_threshold_without_walls_is_named_by_its_parent_and_by_to() {
+    // A floor and a ceiling between A and B, a tenth deep: rays from one door leave by the other.
+    let mut file = two_rooms(&[]);
+    let corners = [-0.5, 0.5].map(|y| [[0.0, y, -0.5], [0.0, y, 0.5], [0.1, y, 0.5], [0.1, y, -0.5]]);
+    let floor = file.primitive(corners.as_flattened(), &[0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6]);
+    let mesh = file.mesh(json!([floor]));
+    let mut into = door("Into-portal", json!({ "kind": "portal", "to": "Sill-room" }));
+    let mut out = door("Out-portal", json!({ "kind": "portal", "to": "B-room" }));
+    (into["translation"], out["translation"]) = (json!([1, 0, 0]), json!([0.1, 0, 0]));
+    let nodes = json!([
+        { "name": "A-room", "children": [1, 2], "translation": [-1, 0, 0] },
+        { "name": "A-walls", "mesh": 0 },
+        into,
+        { "name": "Sill-room", "children": [4, 5] },
+        { "name": "Floor", "mesh": mesh },
+        out,
+        { "name": "B-room", "children": [7], "translation": [1.1, 0, 0] },
+        { "name": "B-walls", "mesh": 0 },
+    ]);
+    file.json["nodes"] = nodes;
+    assert_eq!(
+        ways(&reads(&file)),
+        [
+            "Into-portal: A-room -> Sill-room",
+            "Into-portal: Sill-room -> A-room",
+            "Out-portal: Sill-room -> B-room",
+            "Out-portal: B-room -> Sill-room",
+        ]
+    );
+}
+
+#[test]
 fn a_mirror_shows_its_room_from_the_side_that_is_free() {
     // Both hang at the wall x = -2 of room A, one with its front to the wall.
     for turn in [0.5_f64.sqrt(), -(0.5_f64.sqrt())] {

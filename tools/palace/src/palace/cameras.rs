@@ -1,6 +1,6 @@
 //! Cameras of the palace.
 
-use crate::Camera;
+use enfilade_scenes::Camera;
 
 /// Returns the cameras, the default first.
 pub(crate) fn cameras() -> Vec<Camera> {

@@ -103,7 +103,7 @@ pub(crate) fn flower_bed(shop: &mut Workshop, color: MaterialId) -> Arc<Mesh> {
 }
 
 fn flowers(color: MaterialId) -> Shape {
-    let mut random = crate::random::Random::new(u64::from(color.0));
+    let mut random = enfilade_scenes::Random::new(u64::from(color.0));
     let mut shape = Shape::new();
     for _ in 0..70 {
         let at = vec3(random.between(-1.5, 1.5), 0.0, random.between(-0.7, 0.7));

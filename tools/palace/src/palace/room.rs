@@ -5,12 +5,12 @@ use super::lamps::{Lamp, chosen};
 use super::palette::{dress, geometry};
 use super::workshop::Workshop;
 use crate::envelope::{Ceiling, Envelope, Finish, Hole, Plan, Side, envelope};
-use crate::random::Random;
 use crate::shape::Shape;
 use enfilade::{
     ConvexPolygon, Geometry, GeometryBuilder, HeightField, MaterialId, Mesh, MeshId, Method, OpeningId,
     SceneBuilder, SectorId, Transform,
 };
+use enfilade_scenes::Random;
 use glam::{Vec2, Vec3, vec2};
 use std::collections::HashMap;
 use std::sync::Arc;

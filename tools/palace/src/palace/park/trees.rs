@@ -8,9 +8,9 @@ use crate::palace::palette::{
 use crate::palace::room::{Room, scaled};
 use crate::palace::rooms::court::flower_bed;
 use crate::palace::workshop::Workshop;
-use crate::random::Random;
 use crate::shape::{Shape, tube};
 use enfilade::{Attributes, MaterialId, Mesh, Part, Transform};
+use enfilade_scenes::Random;
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -3,9 +3,9 @@
 use super::palette::{dress, painted};
 use super::room::{Room, shift};
 use super::textures::{ASPECT, BROAD, HIGH};
-use crate::random::Random;
 use crate::shape::{Shape, frame};
 use enfilade::{MaterialId, Mesh, Transform};
+use enfilade_scenes::Random;
 use glam::{Vec3, vec2, vec3};
 use std::sync::Arc;
 

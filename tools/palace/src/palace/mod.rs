@@ -22,7 +22,6 @@ mod ornament;
 mod palette;
 mod panel;
 mod park;
-mod person;
 mod picture;
 mod plan;
 mod room;
@@ -36,13 +35,10 @@ mod trim;
 mod windows;
 mod workshop;
 
-pub use fountain::{FOUNTAIN_SECONDS, fountain};
-pub use person::person;
-
-use crate::BuiltIn;
-use crate::random::Random;
 use doors::{DOORS, Gate};
 use enfilade::{Method, OpeningId, SceneBuilder, SectorId};
+use enfilade_scenes::BuiltIn;
+use enfilade_scenes::Random;
 use glam::Vec2;
 use plan::{Name, ROOMS};
 use room::{Doorway, Room};
@@ -108,7 +104,7 @@ pub(crate) fn palace(seed: u64) -> BuiltIn {
         }
     }
     // The fountain changes every frame, so it uses a method without precomputation.
-    let id = scene.add(fountain::GROTTO.name, fountain(0.0), Method::ZBuffer);
+    let id = scene.add(fountain::GROTTO.name, fountain::fountain(), Method::ZBuffer);
     for lamp in fountain::lamps() {
         scene.light(lamp.in_sector(id));
     }

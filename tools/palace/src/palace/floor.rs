@@ -2,9 +2,9 @@
 
 use super::room::PAVING;
 use crate::envelope::{Plan, inwards};
-use crate::random::Random;
 use crate::shape::{Shape, clip};
 use enfilade::MaterialId;
+use enfilade_scenes::Random;
 use glam::{Vec2, vec2, vec3};
 use std::f64::consts::TAU;
 

@@ -10,9 +10,9 @@ use super::statue::Pose;
 use super::workshop::Workshop;
 use super::{ceiling, column, drapery, light, seat, statue, table};
 use crate::envelope::{Axis, Ceiling, Plan, Side};
-use crate::random::Random;
 use crate::shape::{Shape, block, fill, lathe, prism};
 use enfilade::{NestedId, OpeningId, PortalEnd, Scene, SceneBuilder, SectorId, Transform};
+use enfilade_scenes::Random;
 use glam::{Vec3, vec3};
 
 /// Scale from the study to the house.

@@ -73,13 +73,6 @@ pub(crate) fn figure(shop: &mut Workshop, pose: Pose, stone: MaterialId, gilt: M
     })
 }
 
-/// A robe with arms, one hand before the breast; also returns the position of the head.
-pub(super) fn walking(cloth: MaterialId, skin: MaterialId) -> (Shape, Vec3) {
-    let mut shape = robe(cloth, 0.0);
-    arms(&mut shape, Pose::Jug, skin);
-    (shape, vec3(sway(1.7), 1.715, 0.015))
-}
-
 /// Contrapposto: sideways offset of the body at a height.
 fn sway(height: f32) -> f32 {
     0.045 * (PI * (height / 1.5).min(1.2)).sin() - 0.02 * height

@@ -3,9 +3,9 @@
 use super::palette::*;
 use super::room::shift;
 use super::workshop::Workshop;
-use crate::random::Random;
 use crate::shape::{Shape, ball, block, cuboid, lathe};
 use enfilade::{MaterialId, Mesh, Transform};
+use enfilade_scenes::Random;
 use glam::{Vec3, vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;

@@ -1,0 +1,39 @@
+//! Generates the palace, the built-in scene, and writes it as glTF.
+//!
+//! `palace FILE` writes; `palace FILE --check 100` compares a file with the generated scene: first what it contains,
+//! then what is visible from the cameras and from 100 views of the survey.
+
+#[path = "../../../crates/enfilade_scenes/src/envelope/mod.rs"]
+mod envelope;
+#[path = "../../../crates/enfilade_scenes/src/shape/mod.rs"]
+#[allow(dead_code, reason = "enfilade_scenes shares these files")]
+mod shape;
+#[path = "../../../crates/enfilade_scenes/src/water.rs"]
+mod water;
+
+mod check;
+mod document;
+mod export;
+mod meshes;
+mod palace;
+mod textures;
+
+use anyhow::{Context, Result, bail};
+use std::time::Instant;
+
+fn main() -> Result<()> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let start = Instant::now();
+    let palace = palace::palace(palace::SEED);
+    println!("generated in {:.2?}", start.elapsed());
+    match args.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [file] => {
+            let bytes = export::glb(&palace)?;
+            std::fs::write(file, &bytes).with_context(|| file.to_owned())?;
+            println!("{file}: {} bytes", bytes.len());
+            Ok(())
+        }
+        [file, "--check", views] => check::check(&palace, file, views.parse()?),
+        _ => bail!("use: palace FILE [--check VIEWS]"),
+    }
+}

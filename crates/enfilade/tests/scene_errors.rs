@@ -218,7 +218,7 @@ fn a_sector_that_needs_too_much_memory() {
     let said = error.to_string();
     assert!(
         said.starts_with("sector `tower`: method bsp needs about ")
-            && said.ends_with(", above the limit of 100 bytes"),
+            && said.ends_with(", above the limit of 100 bytes; z-buffer needs less"),
         "{said}"
     );
 }

@@ -32,12 +32,22 @@ use thiserror::Error;
 
 /// A method does not fit a geometry.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("method {method} {reason}")]
+#[error("method {method} {reason}{}", self.advice())]
 pub struct UnsuitedMethod {
     /// The requested method.
     pub method: Method,
     /// Why it does not fit.
     pub reason: Unsuited,
+}
+
+impl UnsuitedMethod {
+    /// Other reasons name what to do themselves.
+    fn advice(&self) -> &'static str {
+        match self.reason {
+            Unsuited::TooLarge { .. } if self.method != Method::ZBuffer => "; z-buffer needs less",
+            _ => "",
+        }
+    }
 }
 
 impl Method {

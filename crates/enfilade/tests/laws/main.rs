@@ -64,6 +64,19 @@ fn the_laws_hold_in_the_palace() {
 }
 
 #[test]
+fn the_position_of_the_sample_changes_the_picture() {
+    for name in ["mirrors", "teleport", "bottles", "cones-16", "glass"] {
+        let subject = subject(name);
+        let [first, last] = [0, 3].map(|number| {
+            let mut view = subject.built.cameras[0].view(SIZE);
+            view.sample = View::FOUR_SAMPLES[number];
+            drawn(&mut viewer(), subject.seen_by(Method::ZBuffer), &view)
+        });
+        assert!(!first.same(&last), "@{name}");
+    }
+}
+
+#[test]
 fn a_pyramid_over_depths_changes_no_sample_of_the_picture() {
     for subject in subjects() {
         let [flat, pyramid] = [Method::ZBuffer, Method::HierarchicalZ].map(|method| subject.seen_by(method));

@@ -22,6 +22,10 @@ enum Fault {
     PaintsTwice,
     /// Shows nothing when drawing.
     BlindInPictures,
+    /// Lists a thousand items that it does not have.
+    ListsTooMuch,
+    /// Paints glass where there is none.
+    PaintsGlass,
     /// Needs a screen as narrow as that of the test.
     Narrow,
 }
@@ -58,12 +62,18 @@ impl Sector for Faulty {
         if !self.is_blind(passage) {
             self.sound.gather(passage, memory, seen);
         }
+        if self.fault == Fault::ListsTooMuch {
+            (1000..2000).for_each(|number| seen.item(ItemId(number)));
+        }
     }
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
         if self.is_blind(passage) || self.fault == Fault::BlindInPictures {
             return;
         }
         self.sound.draw(passage, memory, seen, canvas);
+        if self.fault == Fault::PaintsGlass {
+            seen.glass(60, 30, 1e6, ItemId(0), 0);
+        }
         if self.fault == Fault::PaintsTwice {
             let mut again = Collector::default();
             self.sound.draw(passage, memory, &mut again, canvas);
@@ -74,12 +84,6 @@ impl Sector for Faulty {
     }
     fn surface(&self, item: ItemId, face: u32) -> Surface {
         self.sound.surface(item, face)
-    }
-    fn item_count(&self) -> u32 {
-        64
-    }
-    fn item_bounds(&self, _item: ItemId) -> Aabb {
-        self.sound.bounds()
     }
 }
 
@@ -133,6 +137,8 @@ fn each_fault_of_a_custom_sector_breaks_a_law() {
         (Fault::PaintsTwice, Law::PaintedOnce),
         (Fault::BlindInPictures, Law::DrawnAsLooked),
         (Fault::Narrow, Law::WiderSeesMore),
+        (Fault::ListsTooMuch, Law::Tightness),
+        (Fault::PaintsGlass, Law::Layers),
     ] {
         let broken = broken_by(fault);
         assert!(broken.contains(&law), "{fault:?} breaks {broken:?}, not {law:?}");

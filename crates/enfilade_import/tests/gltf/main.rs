@@ -19,6 +19,7 @@ mod meshopt;
 mod nodes;
 mod pinned;
 mod queries;
+mod real_laws;
 mod rooms;
 mod scenes;
 mod shapes;

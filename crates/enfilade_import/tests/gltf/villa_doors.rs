@@ -62,6 +62,7 @@ fn no_frame_is_lost_on_the_way_through_the_portals_of_a_villa() {
 }
 
 #[test]
+#[ignore = "needs ENFILADE_SCENES"]
 fn every_portal_of_a_villa_shows_what_is_behind_it_until_it_is_closed() {
     let mut scene = villa();
     let reference = Reference::new(&scene);

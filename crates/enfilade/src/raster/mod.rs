@@ -61,10 +61,13 @@ pub(crate) struct Raster {
     buffers: Buffers,
 }
 
-/// Transformed vertices of the current batch, and buffers for edge functions and clipping.
+/// Transformed vertices of the current batch and its triangles that may own a sample, and buffers for edge functions
+/// and clipping.
 #[derive(Default)]
 struct Buffers {
     corners: Corners,
+    /// Face number and indices of the three corners.
+    triangles: Vec<(u32, [u32; 3])>,
     planes: Vec<HalfPlane>,
     clipper: Clipper,
 }
@@ -87,89 +90,60 @@ impl Raster {
     /// Rasterizes a batch face by face into `sink`.
     pub(crate) fn run(&mut self, faces: &Faces, passage: &Passage, sink: &mut impl Sink, stats: &mut Stats) {
         stats.batches += 1;
+        let batch = Batch::new(faces, passage);
         let buffers = &mut self.buffers;
-        dispatch!(self.level, simd => run_batch(simd, buffers, faces, passage, sink, stats));
+        // Of these two, only the second is compiled for each sink.
+        dispatch!(self.level, simd => buffers.project(simd, faces, &batch, stats));
+        dispatch!(self.level, simd => batch.draw(simd, buffers, sink, stats));
     }
 }
 
-#[inline(always)]
-fn run_batch<S: Simd>(
-    simd: S,
-    buffers: &mut Buffers,
-    faces: &Faces,
-    passage: &Passage,
-    sink: &mut impl Sink,
-    stats: &mut Stats,
-) {
-    let Buffers {
-        corners,
-        planes,
-        clipper,
-    } = buffers;
-    let batch = Batch {
-        rect: passage.aperture.rect(),
-        // Openings are not clipped by the near plane: an opening that contains the eye must stay visible.
-        near: if matches!(faces.source, FaceSource::Opening(_)) {
-            0.0
-        } else {
-            f64::from(passage.near)
-        },
-        entry: passage.entry,
-        front: faces.front(passage),
-        // Only a lone face ever has cuts.
-        cuts: if faces.is_lone() { faces.cuts } else { &[] },
-        // Edge-on openings are rejected before they get here, and the square that replaces an opening containing the
-        // eye is as close to the eye as rounding errors.
-        rounding: if matches!(faces.source, FaceSource::Opening(_)) {
-            0.0
-        } else {
-            passage.corner_rounding() + ROUNDING * faces.screen_from_local.translation.length()
-        },
-    };
-    if !faces.is_lone() {
-        fetch(faces);
-    }
-    let first = faces.first_position as usize;
-    let position = |place: usize| faces.positions[place];
-    let mut triangles = Triangles::of(faces);
-    let extent = if let Triangles::Lone { .. } = triangles {
-        let used = |place: usize| position(faces.corners[place] as usize - first);
-        corners.fill(
-            simd,
-            faces.corners.len(),
-            used,
-            faces.screen_from_local,
-            batch.near,
-        );
-        None
-    } else {
-        let count = faces.positions.len();
-        corners.fill(simd, count, position, faces.screen_from_local, batch.near)
-    };
-    let sieve = extent.map(|extent| Sieve::new(&extent, &batch.rect, batch.front));
-    let mut group = [(0, [0; 3]); sieve::LANES];
-    loop {
-        let count = triangles.next_into(&mut group);
-        if count == 0 || sink.is_done() {
-            return;
+impl Buffers {
+    /// Transforms the vertices of a batch, and stores the triangles that may own a sample.
+    #[inline(always)]
+    fn project<S: Simd>(&mut self, simd: S, faces: &Faces, batch: &Batch, stats: &mut Stats) {
+        if !faces.is_lone() {
+            fetch(faces);
         }
-        let mut left = (1_u32 << count) - 1;
-        if let Some(sieve) = &sieve {
+        let first = faces.first_position as usize;
+        let position = |place: usize| faces.positions[place];
+        let matrix = faces.screen_from_local;
+        let extent = if faces.is_lone() {
+            let used = |place: usize| position(faces.corners[place] as usize - first);
+            self.corners
+                .fill(simd, faces.corners.len(), used, matrix, batch.near);
+            None
+        } else {
+            let count = faces.positions.len();
+            self.corners.fill(simd, count, position, matrix, batch.near)
+        };
+        let sieve = extent.map(|extent| Sieve::new(&extent, &batch.rect, batch.front));
+        let mut triangles = Triangles::of(faces);
+        let mut group = [(0, [0; 3]); sieve::LANES];
+        self.triangles.clear();
+        loop {
+            let count = triangles.next_into(&mut group);
+            if count == 0 {
+                return;
+            }
+            let Some(sieve) = &sieve else {
+                self.triangles.extend_from_slice(&group[..count]);
+                continue;
+            };
             let mut at = [[[0.0; sieve::LANES]; 2]; 3];
             for (lane, (_, used)) in group[..count].iter().enumerate() {
                 for corner in 0..3 {
-                    [at[corner][0][lane], at[corner][1][lane]] = corners.rounded(used[corner]);
+                    [at[corner][0][lane], at[corner][1][lane]] = self.corners.rounded(used[corner]);
                 }
             }
             let sifted = sieve.sift(simd, &at);
+            let mut left = (1_u32 << count) - 1;
             stats.triangles += u64::from((sifted.between & left).count_ones());
             left &= sifted.left;
-        }
-        while left != 0 {
-            let (owner, used) = group[left.trailing_zeros() as usize];
-            left &= left - 1;
-            let used = [corners.get(used[0]), corners.get(used[1]), corners.get(used[2])];
-            batch.triangle(simd, owner, &used, clipper, planes, sink, stats);
+            while left != 0 {
+                self.triangles.push(group[left.trailing_zeros() as usize]);
+                left &= left - 1;
+            }
         }
     }
 }
@@ -211,7 +185,67 @@ struct Batch<'a> {
     rounding: f64,
 }
 
-impl Batch<'_> {
+/// A triangle that may own samples of a rectangle, before its edges are computed.
+struct Candidate {
+    corners: [DVec3; 3],
+    /// Contains all samples of the triangle.
+    rect: Rect,
+    normal: DVec3,
+    determinant: f64,
+    crosses_near: bool,
+    /// Bounds of the reversed depth.
+    least: f64,
+    greatest: f64,
+}
+
+impl<'a> Batch<'a> {
+    fn new(faces: &Faces<'a>, passage: &Passage) -> Batch<'a> {
+        let is_opening = matches!(faces.source, FaceSource::Opening(_));
+        Batch {
+            rect: passage.aperture.rect(),
+            // Openings are not clipped by the near plane: an opening that contains the eye must stay visible.
+            near: if is_opening { 0.0 } else { f64::from(passage.near) },
+            entry: passage.entry,
+            front: faces.front(passage),
+            // Only a lone face ever has cuts.
+            cuts: if faces.is_lone() { faces.cuts } else { &[] },
+            // Edge-on openings are rejected before they get here, and the square that replaces an opening containing
+            // the eye is as close to the eye as rounding errors.
+            rounding: if is_opening {
+                0.0
+            } else {
+                passage.corner_rounding() + ROUNDING * faces.screen_from_local.translation.length()
+            },
+        }
+    }
+
+    /// Rasterizes the projected triangles into `sink`.
+    #[inline(always)]
+    fn draw<S: Simd>(&self, simd: S, buffers: &mut Buffers, sink: &mut impl Sink, stats: &mut Stats) {
+        let Buffers {
+            corners,
+            triangles,
+            planes,
+            clipper,
+        } = buffers;
+        for &(owner, used) in &*triangles {
+            if sink.is_done() {
+                return;
+            }
+            let Some(candidate) = self.candidate(used.map(|used| corners.get(used)), clipper) else {
+                continue;
+            };
+            stats.triangles += 1;
+            if sink.hides(&candidate.rect, rounded_up(candidate.greatest)) {
+                stats.triangles_hidden += 1;
+                continue;
+            }
+            let triangle = self.set_up(owner, &candidate, planes);
+            sink.begin(&triangle, &candidate.corners);
+            walk_rows(simd, &candidate.rect, planes, &triangle, sink, stats);
+        }
+    }
+
     /// Returns `true` if the eye is in the plane of a triangle, within rounding: if its determinant, which is then
     /// zero, is no larger than what moving the corners by `rounding` can cause.
     #[cold]
@@ -222,27 +256,16 @@ impl Batch<'_> {
         normal.dot(a).abs() <= moved * (normal.length() + 2.0 * a.length() * (ab.length() + ac.length()))
     }
 
-    /// Sets up and rasterizes one triangle, clipped by the cuts.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "inputs of one triangle, never stored")]
-    fn triangle<S: Simd>(
-        &self,
-        simd: S,
-        owner: u32,
-        corners: &[Corner; 3],
-        clipper: &mut Clipper,
-        all_planes: &mut Vec<HalfPlane>,
-        sink: &mut impl Sink,
-        stats: &mut Stats,
-    ) {
-        let [a, b, c] = [corners[0].at, corners[1].at, corners[2].at];
+    /// Bounds a triangle, clipped by the cuts, on the screen and in depth; `None` if it owns no sample.
+    fn candidate(&self, corners: [Corner; 3], clipper: &mut Clipper) -> Option<Candidate> {
+        let [a, b, c] = corners.map(|corner| corner.at);
         let crosses_near = a.z <= self.near || b.z <= self.near || c.z <= self.near;
-        let [p, q, r] = [corners[0].rev_depth, corners[1].rev_depth, corners[2].rev_depth];
+        let [p, q, r] = corners.map(|corner| corner.rev_depth);
         let [mut least, mut greatest] = [smaller(p, smaller(q, r)), greater(p, greater(q, r))];
         if crosses_near {
             let farthest = greater(a.z, greater(b.z, c.z));
             if farthest <= self.near {
-                return;
+                return None;
             }
             least = 1.0 / farthest;
             greatest = if self.near > 0.0 {
@@ -254,7 +277,7 @@ impl Batch<'_> {
         let rect = if crosses_near || !self.cuts.is_empty() {
             clipper.rect(&[a, b, c], self.near, self.cuts, &self.rect)
         } else {
-            let [p, q, r] = [corners[0].pixel, corners[1].pixel, corners[2].pixel];
+            let [p, q, r] = corners.map(|corner| corner.pixel);
             let low = [
                 smaller(p[0], smaller(q[0], r[0])),
                 smaller(p[1], smaller(q[1], r[1])),
@@ -266,7 +289,7 @@ impl Batch<'_> {
             Rect::around(low, high, &self.rect)
         };
         if rect.is_empty() {
-            return;
+            return None;
         }
         let normal = (b - a).cross(c - a);
         let determinant = normal.dot(a);
@@ -274,43 +297,39 @@ impl Batch<'_> {
         let sides = (b - a).length_squared() * (c - a).length_squared();
         let is_thin = determinant * determinant <= THIN * THIN * sides * a.length_squared();
         if (is_thin && self.is_edge_on(&[a, b, c])) || self.front * determinant < 0.0 {
-            return;
+            return None;
         }
-        stats.triangles += 1;
-        if sink.hides(&rect, rounded_up(greatest)) {
-            stats.triangles_hidden += 1;
-            return;
-        }
-        let rev_depth = normal / determinant;
-        let side = if determinant < 0.0 { -1.0 } else { 1.0 };
-        let mut planes = [HalfPlane::NONE; 5];
-        planes[0] = HalfPlane::edge(a, b, side);
-        planes[1] = HalfPlane::edge(b, c, side);
-        planes[2] = HalfPlane::edge(c, a, side);
-        let mut count = 3;
-        if crosses_near && self.near > 0.0 {
-            planes[count] = HalfPlane::new(DVec3::new(0.0, 0.0, 1.0 / self.near) - rev_depth);
-            count += 1;
-        }
-        if let Some((entry, distance)) = self.entry {
-            planes[count] = HalfPlane::new(entry - rev_depth * (distance * BEYOND));
-            count += 1;
-        }
-        let triangle = Triangle {
-            owner,
-            rev_depth,
+        Some(Candidate {
+            corners: [a, b, c],
+            rect,
+            normal,
+            determinant,
+            crosses_near,
             least,
             greatest,
-        };
-        sink.begin(&triangle, &[a, b, c]);
-        if self.cuts.is_empty() {
-            walk_rows(simd, &rect, &planes[..count], &triangle, sink, stats);
-        } else {
-            let cut = |cut: &Cut| HalfPlane::new(cut.normal - rev_depth * cut.distance);
-            all_planes.clear();
-            all_planes.extend_from_slice(&planes[..count]);
-            all_planes.extend(self.cuts.iter().map(cut));
-            walk_rows(simd, &rect, all_planes, &triangle, sink, stats);
+        })
+    }
+
+    /// Computes the depth plane of a triangle, and writes the half-planes that bound its samples to `planes`.
+    fn set_up(&self, owner: u32, candidate: &Candidate, planes: &mut Vec<HalfPlane>) -> Triangle {
+        let [a, b, c] = candidate.corners;
+        let rev_depth = candidate.normal / candidate.determinant;
+        let side = if candidate.determinant < 0.0 { -1.0 } else { 1.0 };
+        planes.clear();
+        planes.extend([(a, b), (b, c), (c, a)].map(|(from, to)| HalfPlane::edge(from, to, side)));
+        if candidate.crosses_near && self.near > 0.0 {
+            planes.push(HalfPlane::new(DVec3::new(0.0, 0.0, 1.0 / self.near) - rev_depth));
+        }
+        if let Some((entry, distance)) = self.entry {
+            planes.push(HalfPlane::new(entry - rev_depth * (distance * BEYOND)));
+        }
+        let cut = |cut: &Cut| HalfPlane::new(cut.normal - rev_depth * cut.distance);
+        planes.extend(self.cuts.iter().map(cut));
+        Triangle {
+            owner,
+            rev_depth,
+            least: candidate.least,
+            greatest: candidate.greatest,
         }
     }
 }

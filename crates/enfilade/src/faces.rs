@@ -117,6 +117,7 @@ impl<'a> Faces<'a> {
     }
 
     /// Returns one face of an item, clipped by `cuts`.
+    #[cfg(feature = "classic")]
     pub(crate) fn of_face(
         geometry: &'a Geometry,
         item: ItemId,
@@ -199,6 +200,7 @@ impl<'a> Faces<'a> {
     }
 
     /// Returns the same faces clipped by `cuts`.
+    #[cfg(feature = "classic")]
     pub(crate) fn cut(self, cuts: &'a [Cut]) -> Faces<'a> {
         Faces { cuts, ..self }
     }

@@ -72,6 +72,9 @@
 //! # Features
 //!
 //! * `rayon` (default): builds, and looks of viewers that may, run on the current rayon pool.
+//! * `simd` (default): kernels for all SIMD levels of the architecture, selected at run time. Results do not depend on it.
+//! * `classic`: the painter's algorithm, BSP trees and convex cells.
+//! * `terrain`: height fields, also larger than memory, and the floating horizon.
 //! * `laws`: the reference and the conformance checks.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
@@ -106,6 +109,7 @@ mod scene;
 mod sector;
 mod simd;
 mod stats;
+#[cfg(feature = "terrain")]
 mod terrain;
 mod threads;
 mod unsuited;
@@ -127,9 +131,13 @@ pub use geometry::{
 };
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
+#[cfg(feature = "terrain")]
+pub use method::FloatingHorizon;
+#[cfg(feature = "classic")]
+pub use method::{BspFront, BspPainter, Cell, PainterMean, PainterMin};
 pub use method::{
-    BspFront, BspPainter, Cell, Culled, EditStats, FloatingHorizon, HierarchicalS, HierarchicalZ, Masked,
-    Method, Mobsp, Ordered, PainterMean, PainterMin, Paired, Pvs, SBuffer, Svbsp, UnsuitedMethod, ZBuffer,
+    Culled, EditStats, HierarchicalS, HierarchicalZ, Masked, Method, Mobsp, Ordered, Paired, Pvs, SBuffer,
+    Svbsp, UnsuitedMethod, ZBuffer,
 };
 pub use occluders::{
     Occluder, OccluderMeasure, OccluderRoom, OccluderSelection, OccluderSet, OccluderSummary,
@@ -149,6 +157,7 @@ pub use scene::{
 pub use sector::{BuildStats, Contract, Hit, Ray, Requirement, Sector, Surface};
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
+#[cfg(feature = "terrain")]
 pub use terrain::{
     Diagonal, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights, LargeTerrain,
 };

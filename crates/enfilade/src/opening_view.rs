@@ -21,6 +21,10 @@ pub(crate) struct OpeningView<'a> {
     pub(crate) holds_eye: bool,
     /// Whether the eye is in the opening, or so little in front of it that orders may compute that it is behind. No
     /// occluder hides such an opening.
+    #[cfg_attr(
+        not(feature = "classic"),
+        expect(dead_code, reason = "read by the sorted orders")
+    )]
     pub(crate) touches_eye: bool,
 }
 

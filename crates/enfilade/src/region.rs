@@ -6,8 +6,9 @@ pub(crate) use eight::{BOXES, EightBoxes};
 
 use crate::aperture::Rect;
 use crate::geom::Aabb;
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, f64x8};
+use fearless_simd::{Level, f64x8};
 use glam::{DAffine3, DVec3};
 
 /// How much of a region is visible.

@@ -4,6 +4,43 @@ use fearless_simd::Level;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
+#[cfg(feature = "simd")]
+pub(crate) use fearless_simd::dispatch;
+
+/// Compiles a kernel for the level that the compiler targets, and no other.
+#[cfg(not(feature = "simd"))]
+macro_rules! dispatch {
+    ($level:expr, $simd:pat => $op:expr) => {{
+        let _: fearless_simd::Level = $level;
+        let $simd = crate::simd::baseline();
+        $op
+    }};
+}
+#[cfg(not(feature = "simd"))]
+pub(crate) use dispatch;
+
+/// Returns the level that the compiler targets.
+#[cfg(not(feature = "simd"))]
+#[inline(always)]
+pub(crate) fn baseline() -> impl fearless_simd::Simd {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    let level = Level::baseline().as_sse2().expect("SSE2, part of the target");
+    #[cfg(target_arch = "aarch64")]
+    let level = Level::baseline().as_neon().expect("NEON, part of the target");
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    let level = Level::baseline()
+        .as_wasm_simd128()
+        .expect("simd128, part of the target");
+    #[cfg(not(any(
+        target_arch = "x86",
+        target_arch = "x86_64",
+        target_arch = "aarch64",
+        all(target_arch = "wasm32", target_feature = "simd128")
+    )))]
+    let level = fearless_simd::Fallback::new();
+    level
+}
+
 /// Why a SIMD level cannot be selected; returned by [`use_simd_level`].
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
@@ -64,13 +101,22 @@ pub fn use_simd_level(wanted: &str) -> Result<(), SimdLevelError> {
 /// Returns the level for kernels.
 pub(crate) fn level() -> Level {
     let chosen = here().nth(CHOSEN.load(Ordering::Relaxed));
-    chosen.unwrap_or_else(Level::new)
+    chosen.unwrap_or_else(best)
+}
+
+/// Returns the best level of this machine for which there are kernels.
+fn best() -> Level {
+    if cfg!(feature = "simd") {
+        Level::new()
+    } else {
+        Level::baseline()
+    }
 }
 
 /// Returns the levels of this machine, best first, down to the level that the program was compiled for; lower levels
 /// would change nothing.
 fn here() -> impl Iterator<Item = Level> {
-    let best = Level::new();
+    let best = best();
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     let lower = [
         best.as_avx2().map(Level::Avx2),
@@ -122,7 +168,7 @@ mod tests {
     #[test]
     fn there_is_a_level_and_each_is_there_once_with_a_known_name() {
         let names: Vec<&str> = simd_levels().collect();
-        assert_eq!(names.first(), Some(&name(Level::new())));
+        assert_eq!(names.first(), Some(&name(best())));
         assert_eq!(names.last(), Some(&name(Level::baseline())));
         let places = names
             .iter()

@@ -1,5 +1,6 @@
 //! Errors: why a geometry does not fit a method.
 
+#[cfg(feature = "classic")]
 use crate::geometry::{Geometry, Owner};
 use std::fmt;
 use thiserror::Error;
@@ -61,6 +62,7 @@ pub struct NotConvex {
     pub by: f32,
 }
 
+#[cfg(feature = "classic")]
 impl NotConvex {
     /// `point`: the corner of `behind` that is farthest, `by` scene units, behind `wall`.
     pub(crate) fn new(
@@ -99,6 +101,7 @@ pub enum FaceName {
     },
 }
 
+#[cfg(feature = "classic")]
 impl FaceName {
     fn new(geometry: &Geometry, owner: Owner) -> FaceName {
         match owner {

@@ -362,12 +362,15 @@ fn edit(
     geometry: &Geometry,
     clock: &dyn Fn() -> Duration,
 ) -> Result<Duration, SkipReason> {
+    #[cfg(feature = "terrain")]
     let is_ground = |item: u32| {
         geometry
             .terrains()
             .iter()
             .any(|terrain| terrain.blocks.contains(&item))
     };
+    #[cfg(not(feature = "terrain"))]
+    let is_ground = |_| false;
     let items = (0..geometry.items().len() as u32).map(ItemId);
     let items = items.filter(|&item| geometry.holds(item) && !is_ground(item.0));
     let Some(item) = items.min_by_key(|&item| geometry.mesh_of(item).face_count()) else {

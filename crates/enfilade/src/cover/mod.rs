@@ -8,10 +8,13 @@
 mod cells;
 mod depth_buffer;
 mod depth_pyramid;
+#[cfg(feature = "terrain")]
 mod horizon;
+#[cfg(feature = "classic")]
 mod mask;
 mod masked_depth;
 mod occlusion_tree;
+#[cfg(feature = "classic")]
 mod painters_buffer;
 mod report;
 mod samples;
@@ -22,11 +25,14 @@ mod trace;
 pub use cells::CoarseCoverage;
 pub use depth_buffer::DepthBuffer;
 pub use depth_pyramid::DepthPyramid;
+#[cfg(feature = "terrain")]
 pub use horizon::Horizon;
+#[cfg(feature = "classic")]
 pub use mask::Mask;
 pub use masked_depth::MaskedDepth;
 pub use masked_depth::OccluderMesh;
 pub use occlusion_tree::{BoxTest, ByBox, ByFaces, OcclusionTree};
+#[cfg(feature = "classic")]
 pub use painters_buffer::PaintersBuffer;
 pub use span_buffer::SpanBuffer;
 
@@ -51,10 +57,13 @@ mod sealed {
     pub trait Sealed {}
     impl Sealed for DepthBuffer {}
     impl Sealed for DepthPyramid {}
+    #[cfg(feature = "terrain")]
     impl Sealed for Horizon {}
+    #[cfg(feature = "classic")]
     impl Sealed for Mask {}
     impl Sealed for MaskedDepth {}
     impl<A> Sealed for OcclusionTree<A> {}
+    #[cfg(feature = "classic")]
     impl Sealed for PaintersBuffer {}
     impl Sealed for SpanBuffer {}
     impl Sealed for ByBox {}

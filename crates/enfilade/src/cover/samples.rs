@@ -163,6 +163,7 @@ impl Samples {
     }
 
     /// Makes a triangle the owner of a run of samples without a depth test, except those outside the aperture.
+    #[cfg(feature = "classic")]
     #[inline(always)]
     pub(super) fn paint_over(&mut self, y: u16, x0: u16, x1: u16, triangle: &Triangle) {
         let row = triangle.row(y);

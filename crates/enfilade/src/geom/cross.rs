@@ -12,6 +12,7 @@ use glam::DVec3;
 pub(crate) type Edge = (DVec3, DVec3);
 
 /// Returns the exact edge vector from `from` to `to`.
+#[cfg(any(test, feature = "classic"))]
 pub(crate) fn edge(from: DVec3, to: DVec3) -> Edge {
     let rounded = to - from;
     let back = rounded - to;

@@ -5,6 +5,7 @@
 
 mod aabb;
 mod apart;
+#[cfg(feature = "classic")]
 mod bsp;
 mod bvh;
 mod cross;
@@ -21,6 +22,7 @@ mod tree_laws;
 pub(crate) use aabb::is_in_range;
 pub use aabb::{Aabb, MAX_COORDINATE};
 pub use apart::nearest_points;
+#[cfg(feature = "classic")]
 pub use bsp::{BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 pub(crate) use bvh::Bvh;
 pub(crate) use cross::cross;

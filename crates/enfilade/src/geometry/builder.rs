@@ -4,6 +4,7 @@ use super::names::Names;
 use super::{BakedCells, Geometry, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, Transform, is_in_range};
 use crate::mesh::Mesh;
+#[cfg(feature = "terrain")]
 use crate::terrain::Terrain;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 use thiserror::Error;
@@ -18,6 +19,7 @@ pub struct GeometryBuilder {
     names: Names,
     openings: Vec<Opening>,
     cells: Option<Arc<BakedCells>>,
+    #[cfg(feature = "terrain")]
     pub(crate) terrains: Vec<Terrain>,
 }
 
@@ -90,6 +92,7 @@ impl GeometryBuilder {
             names,
             openings,
             cells,
+            #[cfg(feature = "terrain")]
             terrains,
         } = self;
         for (mesh, built) in meshes.iter().enumerate() {
@@ -170,6 +173,7 @@ impl GeometryBuilder {
             slots: None,
             openings,
             cells,
+            #[cfg(feature = "terrain")]
             terrains,
             item_tree: OnceLock::new(),
             opening_tree: Octree::build(&holes, FEW_OPENINGS),

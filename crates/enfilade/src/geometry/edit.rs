@@ -354,6 +354,7 @@ impl Clone for Geometry {
             slots: self.slots.clone(),
             openings: self.openings.clone(),
             cells: self.cells.clone(),
+            #[cfg(feature = "terrain")]
             terrains: self.terrains.clone(),
             item_tree: self.item_tree.clone(),
             opening_tree: self.opening_tree.clone(),

@@ -11,6 +11,7 @@ mod texture;
 
 pub use baked_cells::{BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree};
 pub(crate) use baked_cells::{Leaf, Room};
+#[cfg(feature = "terrain")]
 pub(crate) use builder::MAX_OPENINGS;
 pub use builder::{GeometryBuilder, GeometryError};
 pub use edit::MovedItem;
@@ -21,6 +22,7 @@ pub use texture::{Filter, Minify, Texture, TextureError, TextureId, Wrap};
 
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::mesh::{Cluster, Mesh};
+#[cfg(feature = "terrain")]
 use crate::terrain::Terrain;
 use names::Names;
 use slots::Slots;
@@ -96,6 +98,7 @@ pub struct Geometry {
     openings: Vec<Opening>,
     cells: Option<Arc<BakedCells>>,
     /// Height fields whose blocks are some of the items, unless these were changed since.
+    #[cfg(feature = "terrain")]
     terrains: Vec<Terrain>,
     /// Octree over the boxes of items; built on first use.
     item_tree: OnceLock<Octree>,
@@ -223,6 +226,7 @@ impl Geometry {
         &self.materials[cluster.material.0 as usize]
     }
 
+    #[cfg(feature = "terrain")]
     pub(crate) fn terrains(&self) -> &[Terrain] {
         &self.terrains
     }

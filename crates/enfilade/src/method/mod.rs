@@ -7,6 +7,7 @@ mod enlarged;
 mod found;
 mod gathered;
 mod in_cells;
+#[cfg(feature = "terrain")]
 mod large_terrain;
 mod ordered;
 mod paired;
@@ -55,7 +56,7 @@ impl Method {
     /// method that accepted any geometry instead (geometry without baked cells as one large cell, for example) would
     /// only look as if it worked.
     pub const ALL: [Method; TABLE.len()] = {
-        let mut all = [Method::PainterMin; TABLE.len()];
+        let mut all = [Method::ZBuffer; TABLE.len()];
         let mut number = 0;
         while number < all.len() {
             all[number] = TABLE[number].method;

@@ -8,15 +8,17 @@ use super::combined::{Combination, Combined};
 use super::in_cells::InCells;
 use super::{Culled, EditableSector, Ordered, Paired};
 use crate::canvas::CoverShape;
-use crate::cover::{
-    ByBox, ByFaces, DepthBuffer, DepthPyramid, Horizon, Mask, MaskedDepth, OcclusionTree, PaintersBuffer,
-    SpanBuffer,
-};
+#[cfg(feature = "terrain")]
+use crate::cover::Horizon;
+use crate::cover::{ByBox, ByFaces, DepthBuffer, DepthPyramid, MaskedDepth, OcclusionTree, SpanBuffer};
+#[cfg(feature = "classic")]
+use crate::cover::{Mask, PaintersBuffer};
 use crate::geometry::Geometry;
-use crate::order::{
-    BakedCellsOrder, Bsp, BvhOrder, ConvexCell, DepthSort, FarToNear, KdTreeOrder, Mean, Min, NearToFar,
-    OctreeOrder, Order, TerrainRows, Unordered,
-};
+#[cfg(feature = "terrain")]
+use crate::order::TerrainRows;
+use crate::order::{BakedCellsOrder, BvhOrder, KdTreeOrder, OctreeOrder, Order, Unordered};
+#[cfg(feature = "classic")]
+use crate::order::{Bsp, ConvexCell, DepthSort, FarToNear, Mean, Min, NearToFar};
 use crate::sector::{Contract, Requirement};
 use crate::unsuited::Unsuited;
 use std::sync::Arc;
@@ -29,6 +31,7 @@ use std::sync::Arc;
 /// Source: *Painter's algorithm and binary space partitioning* (a thesis in Russian, author unknown), section 1.1.
 #[doc(alias = "depth-sort algorithm")]
 #[doc(alias = "depth sort")]
+#[cfg(feature = "classic")]
 pub type PainterMin = Paired<DepthSort<Min>, PaintersBuffer>;
 
 /// Painter's algorithm: faces drawn back to front, sorted by the mean distance of their corners.
@@ -37,6 +40,7 @@ pub type PainterMin = Paired<DepthSort<Min>, PaintersBuffer>;
 /// camera), for cyclic overlaps (`@cycle`) and for intersecting faces (`@crossing-triangles`).
 ///
 /// Source: *Painter's algorithm and binary space partitioning* (a thesis in Russian, author unknown), section 1.1.
+#[cfg(feature = "classic")]
 pub type PainterMean = Paired<DepthSort<Mean>, PaintersBuffer>;
 
 /// BSP tree back to front: every face is drawn, farther ones are overdrawn. Exact.
@@ -44,6 +48,7 @@ pub type PainterMean = Paired<DepthSort<Mean>, PaintersBuffer>;
 /// Source: Fuchs, Kedem, Naylor, On Visible Surface Generation by A Priori Tree Structures, SIGGRAPH 1980;
 /// *Painter's algorithm and binary space partitioning* (a thesis in Russian, author unknown), section 1.2.
 #[doc(alias = "binary space partitioning")]
+#[cfg(feature = "classic")]
 pub type BspPainter = Paired<Bsp<FarToNear>, PaintersBuffer>;
 
 /// BSP tree front to back with a coverage mask: every sample is drawn once, without overdraw. Exact.
@@ -51,6 +56,7 @@ pub type BspPainter = Paired<Bsp<FarToNear>, PaintersBuffer>;
 /// Source: Boreskov, Using portals.
 #[doc(alias = "binary space partitioning")]
 #[doc(alias = "coverage mask")]
+#[cfg(feature = "classic")]
 pub type BspFront = Paired<Bsp<NearToFar>, Mask>;
 
 /// z-buffer: faces in any order, the nearest one wins at each sample. Exact, and needs no preprocessing.
@@ -133,6 +139,7 @@ pub type Pvs = Ordered<BakedCellsOrder>;
 /// non-convex returns an error.
 #[doc(alias = "convex sector")]
 #[doc(alias = "convex room")]
+#[cfg(feature = "classic")]
 pub type Cell = Paired<ConvexCell, PaintersBuffer>;
 
 /// Floating horizon: terrain front to back, culled below a rising horizon. Exact.
@@ -145,6 +152,7 @@ pub type Cell = Paired<ConvexCell, PaintersBuffer>;
 /// changes the ground returns an error.
 #[doc(alias = "terrain occlusion")]
 #[doc(alias = "terrain occlusion culling")]
+#[cfg(feature = "terrain")]
 pub type FloatingHorizon = Paired<TerrainRows, Horizon>;
 
 /// Visibility algorithm of a sector: a combination of an [order](crate::order) and a [cover](crate::cover).
@@ -157,12 +165,16 @@ pub type FloatingHorizon = Paired<TerrainRows, Horizon>;
 #[non_exhaustive]
 pub enum Method {
     /// Painter's algorithm by nearest corner: [`PainterMin`](crate::PainterMin). Approximate.
+    #[cfg(feature = "classic")]
     PainterMin,
     /// Painter's algorithm by mean distance: [`PainterMean`](crate::PainterMean). Approximate.
+    #[cfg(feature = "classic")]
     PainterMean,
     /// BSP tree, back to front: [`BspPainter`](crate::BspPainter). Exact.
+    #[cfg(feature = "classic")]
     Bsp,
     /// BSP tree, front to back with a coverage mask: [`BspFront`](crate::BspFront). Exact.
+    #[cfg(feature = "classic")]
     BspFront,
     /// Depth buffer: [`ZBuffer`](crate::ZBuffer). Exact.
     ZBuffer,
@@ -181,8 +193,10 @@ pub enum Method {
     /// Baked potentially visible sets: [`Pvs`](crate::Pvs). Strict; requires a baked PVS.
     Pvs,
     /// Convex room without depth test: [`Cell`](crate::Cell). Exact; requires convex geometry.
+    #[cfg(feature = "classic")]
     Cell,
     /// Floating horizon over terrain: [`FloatingHorizon`](crate::FloatingHorizon). Exact; requires a height field.
+    #[cfg(feature = "terrain")]
     FloatingHorizon,
 }
 
@@ -227,22 +241,26 @@ const fn row<M: Combination>(method: Method, name: &'static str, source: &'stati
 }
 
 /// One row for each method, in the order of [`Method`].
-pub(super) const TABLE: &[Row; 14] = &[
+pub(super) const TABLE: &[Row] = &[
+    #[cfg(feature = "classic")]
     row::<PainterMin>(
         Method::PainterMin,
         "painter-min",
         "Painter's algorithm and binary space partitioning (a thesis in Russian, author unknown), section 1.1",
     ),
+    #[cfg(feature = "classic")]
     row::<PainterMean>(
         Method::PainterMean,
         "painter-mean",
         "Painter's algorithm and binary space partitioning (a thesis in Russian, author unknown), section 1.1",
     ),
+    #[cfg(feature = "classic")]
     row::<BspPainter>(
         Method::Bsp,
         "bsp",
         "Fuchs, Kedem, Naylor, On Visible Surface Generation by A Priori Tree Structures, SIGGRAPH 1980",
     ),
+    #[cfg(feature = "classic")]
     row::<BspFront>(Method::BspFront, "bsp-front", "Boreskov, Using portals"),
     row::<ZBuffer>(
         Method::ZBuffer,
@@ -284,7 +302,9 @@ pub(super) const TABLE: &[Row; 14] = &[
         "pvs",
         "Teller, Séquin, Visibility Preprocessing for Interactive Walkthroughs, SIGGRAPH 1991",
     ),
+    #[cfg(feature = "classic")]
     row::<Cell>(Method::Cell, "cell", "Boreskov, Using portals"),
+    #[cfg(feature = "terrain")]
     row::<FloatingHorizon>(
         Method::FloatingHorizon,
         "floating-horizon",

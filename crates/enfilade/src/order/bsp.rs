@@ -9,7 +9,7 @@
 //! Cost: building O(n log n), more if many faces are cut; a traversal O(pieces in view).
 //! Guarantees an exact order, back to front or front to back; geometry must be static.
 
-use super::items::{emit_non_opaque, emit_openings_at_eye};
+use super::beside_sorted::{emit_non_opaque, emit_openings_at_eye};
 use super::sealed::Sealed;
 use super::{FarToNear, NearToFar, Order, Visit};
 use crate::faces::{Cut, Faces};

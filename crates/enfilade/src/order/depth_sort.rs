@@ -7,7 +7,8 @@
 //! Approximate: one distance cannot order long faces beside small ones, cycles, or intersecting faces; the scenes
 //! `@overlap`, `@cycle` and `@crossing-triangles` show it. Correct for separate objects and faces of similar size.
 
-use super::items::{emit_non_opaque, emit_opening, may_be_visible};
+use super::beside_sorted::{emit_non_opaque, emit_opening};
+use super::items::may_be_visible;
 use super::sealed::Sealed;
 use super::{FarToNear, Order, Visit};
 use crate::faces::Faces;

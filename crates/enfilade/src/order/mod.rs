@@ -4,25 +4,36 @@
 //! [`Order::visit`] gets it as an argument, because all methods of a sector share one geometry.
 
 mod baked_cells;
+#[cfg(feature = "classic")]
+mod beside_sorted;
+#[cfg(feature = "classic")]
 mod bsp;
 mod bvh;
+#[cfg(feature = "classic")]
 mod convex_cell;
+#[cfg(feature = "classic")]
 mod depth_sort;
 mod items;
 mod kd_tree;
+#[cfg(feature = "terrain")]
 mod large_terrain;
 mod octree;
 mod queue;
+#[cfg(feature = "terrain")]
 mod terrain_rows;
 mod unordered;
 
 pub use baked_cells::BakedCellsOrder;
+#[cfg(feature = "classic")]
 pub use bsp::{Bsp, Direction};
 pub use bvh::BvhOrder;
+#[cfg(feature = "classic")]
 pub use convex_cell::ConvexCell;
+#[cfg(feature = "classic")]
 pub use depth_sort::{DepthSort, Mean, Min, SortKey};
 pub use kd_tree::KdTreeOrder;
 pub use octree::OctreeOrder;
+#[cfg(feature = "terrain")]
 pub use terrain_rows::TerrainRows;
 pub use unordered::Unordered;
 
@@ -62,17 +73,23 @@ mod sealed {
 
     pub trait Sealed {}
     impl Sealed for BakedCellsOrder {}
+    #[cfg(feature = "classic")]
     impl<D> Sealed for Bsp<D> {}
     impl Sealed for BvhOrder {}
+    #[cfg(feature = "classic")]
     impl Sealed for ConvexCell {}
+    #[cfg(feature = "classic")]
     impl<K> Sealed for DepthSort<K> {}
     impl Sealed for KdTreeOrder {}
     impl Sealed for OctreeOrder {}
+    #[cfg(feature = "terrain")]
     impl Sealed for TerrainRows {}
     impl Sealed for Unordered {}
     impl Sealed for FarToNear {}
     impl Sealed for NearToFar {}
+    #[cfg(feature = "classic")]
     impl Sealed for Min {}
+    #[cfg(feature = "classic")]
     impl Sealed for Mean {}
 }
 

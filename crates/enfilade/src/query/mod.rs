@@ -4,6 +4,7 @@ mod beam;
 mod between;
 mod cast;
 mod items;
+#[cfg(feature = "terrain")]
 mod large_terrain;
 mod location;
 mod near;

@@ -160,7 +160,7 @@ impl Corners {
 mod tests {
     use super::*;
     use crate::chance::{Dice, levels};
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
 
     #[test]
     fn eight_corners_are_the_bits_of_one_at_every_level() {

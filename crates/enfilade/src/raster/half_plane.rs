@@ -143,7 +143,8 @@ impl HalfPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fearless_simd::{Level, dispatch};
+    use crate::simd::dispatch;
+    use fearless_simd::Level;
 
     /// Draws which of the columns 0..8 of row 0 are inside.
     fn held(normal: [f64; 3]) -> String {

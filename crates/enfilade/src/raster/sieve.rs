@@ -177,7 +177,8 @@ mod tests {
     use crate::chance::{Dice, levels};
     use crate::raster::HalfPlane;
     use crate::raster::corners::Corners;
-    use fearless_simd::{Level, dispatch};
+    use crate::simd::dispatch;
+    use fearless_simd::Level;
     use glam::{DAffine3, DVec3};
 
     impl Sieve {

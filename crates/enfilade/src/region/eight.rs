@@ -8,8 +8,9 @@
 use super::{Clip, ROUND_UP, Region, Volume, middle_and_half};
 use crate::aperture::Rect;
 use crate::geom::Aabb;
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
-use fearless_simd::{dispatch, f32x16, f64x8, i32x16, mask64x8};
+use fearless_simd::{f32x16, f64x8, i32x16, mask64x8};
 use glam::{DAffine3, DVec3};
 
 /// Number of boxes projected at a time.

@@ -86,7 +86,7 @@ impl Block {
 mod tests {
     use super::*;
     use crate::chance::{Dice, levels};
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
     use glam::DVec3;
 
     #[test]

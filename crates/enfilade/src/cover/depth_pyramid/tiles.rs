@@ -12,7 +12,8 @@ use crate::cover::samples::{COVERED, OPEN, lower_half, rev_depth};
 use crate::cover::trace::Trace;
 use crate::passage::Passage;
 use crate::raster::{BAND, Band, Triangle};
-use fearless_simd::{Level, dispatch};
+use crate::simd::dispatch;
+use fearless_simd::Level;
 use std::cmp::Ordering;
 
 const _: () = assert!(TILE == BAND);

@@ -24,9 +24,10 @@ use crate::faces::Faces;
 use crate::passage::Passage;
 use crate::raster::{BAND, Band, Clipper, Raster, Sink, Triangle};
 use crate::region::Region;
+use crate::simd::dispatch;
 use crate::stats::Stats;
+use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 /// Buffers of one rasterizing thread.

@@ -17,8 +17,9 @@ use crate::occluders::Occluder;
 use crate::passage::Passage;
 use crate::raster::{BAND, Band, Clipper, HalfPlane, Triangle, greater, smaller};
 use crate::region::ROUND_UP;
+use crate::simd::dispatch;
+use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 
 /// Rasterizer for occluders.

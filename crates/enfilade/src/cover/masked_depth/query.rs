@@ -19,7 +19,7 @@ use crate::geom::Aabb;
 use crate::passage::Passage;
 use crate::raster::{BAND, Band, HalfPlane, greater, smaller};
 use crate::region::{BOXES, EightBoxes, ROUND_UP, Region, Volume};
-use fearless_simd::dispatch;
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 

@@ -114,7 +114,7 @@ fn heights<S: Simd>(simd: S, [x, y, z]: &[[f64; 8]; 3], point: DVec3) -> f64x8<S
 mod tests {
     use super::*;
     use crate::cover::occlusion_tree::tests::{levels, odd_numbers};
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
 
     /// Scalar specification of [`LinesAbove::clip_away`].
     fn clip_away_one_by_one(above: &[Line], edge: &Edge) -> bool {

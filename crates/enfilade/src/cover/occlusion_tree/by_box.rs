@@ -9,7 +9,7 @@
 use super::corners::{ALL, Bits, Corners};
 use super::{Link, OcclusionTree, Plane, Tree};
 use crate::region::{Visibility, Volume};
-use fearless_simd::dispatch;
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 
 /// Kinds of the leaves that a box reached.

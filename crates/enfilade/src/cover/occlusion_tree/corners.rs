@@ -120,7 +120,7 @@ fn margin(sum: DVec3, normal: DVec3, distance: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::cover::occlusion_tree::tests::{levels, odd_numbers};
-    use fearless_simd::dispatch;
+    use crate::simd::dispatch;
 
     /// Scalar specification of [`Corners::against`].
     fn sides_one_by_one(volume: &Volume, normal: DVec3, distance: f64) -> Sides {

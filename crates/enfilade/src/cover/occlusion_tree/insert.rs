@@ -8,7 +8,7 @@ use super::line::{Back, Line, SLIT};
 use super::pieces::{Piece, Pieces, Reach};
 use super::{Edge, Link, MAX_NODES, OcclusionTree, Plane, Side, Slot, Tree};
 use crate::occluders::Occluder;
-use fearless_simd::dispatch;
+use crate::simd::dispatch;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 

@@ -14,9 +14,9 @@ use super::side::Splitter;
 use super::split::{Arena, ClipPolygon};
 use super::sweep::Sweep;
 use super::upright::planes_through_edges;
-use crate::simd::level;
+use crate::simd::{dispatch, level};
+use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
 
 /// Number of polygons that a plane is scored against; four times as many changed the trees by less than one percent.
 const SAMPLE: usize = 256;

@@ -157,7 +157,8 @@ impl Sample {
 mod tests {
     use super::super::side::{Plane, Side};
     use super::*;
-    use fearless_simd::{Level, dispatch};
+    use crate::simd::dispatch;
+    use fearless_simd::Level;
 
     #[test]
     fn eight_abreast_lie_where_one_by_one_they_do() {

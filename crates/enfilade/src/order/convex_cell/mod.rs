@@ -19,7 +19,8 @@ mod overlap;
 mod support;
 mod walls;
 
-use super::items::{box_visibility, emit_opening, emit_openings, emit_openings_at_eye, may_be_visible};
+use super::beside_sorted::{emit_opening, emit_openings_at_eye};
+use super::items::{box_visibility, emit_openings, may_be_visible};
 use super::{FarToNear, Order, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, ItemId, MovedItem, OpeningId};

@@ -11,7 +11,8 @@
 
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
-use crate::passage::{Passage, PassageId};
+use crate::ids::PassageId;
+use crate::passage::Passage;
 use crate::scene::Scene;
 use crate::visible::{VisibleItem, VisibleSet};
 

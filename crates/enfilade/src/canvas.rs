@@ -1,7 +1,8 @@
 //! The trait that receives the visible surface as rows of spans.
 
 use crate::geometry::Owner;
-use crate::passage::{Passage, PassageId};
+use crate::ids::PassageId;
+use crate::passage::Passage;
 
 /// A render target that receives the visible surface one row of spans at a time: an image, an item list, an overdraw
 /// map.

@@ -2,8 +2,8 @@
 
 use crate::aperture::Rows;
 use crate::canvas::{Canvas, Span};
-use crate::geometry::{Geometry, ItemId, OpeningId, Owner, Owners};
-use crate::passage::PassageId;
+use crate::geometry::{Geometry, Owner, Owners};
+use crate::ids::{ItemId, OpeningId, PassageId};
 use crate::visible::VisibleSet;
 use std::cmp::Reverse;
 

@@ -1,7 +1,8 @@
 //! Batches of faces: orders emit them, covers rasterize or test them.
 
 use crate::geom::Step;
-use crate::geometry::{Alpha, Geometry, ItemId, OpeningId};
+use crate::geometry::{Alpha, Geometry};
+use crate::ids::{ItemId, OpeningId};
 use crate::mesh::Cluster;
 use crate::opening_view::OpeningView;
 use crate::passage::Passage;

@@ -94,6 +94,7 @@ mod collector;
 mod entrance;
 mod faces;
 mod geometry;
+mod ids;
 #[cfg(feature = "laws")]
 pub mod laws;
 mod memory;
@@ -125,9 +126,12 @@ pub use cover::OccluderMesh;
 pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use geometry::{
-    Alpha, BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree, Filter, Geometry,
-    GeometryBuilder, GeometryError, Item, ItemId, Material, MaterialId, MeshId, Minify, MovedItem, Opening,
-    OpeningId, Owner, Owners, Texture, TextureError, TextureId, Wrap,
+    Alpha, BakedCells, BakedCellsError, CellNode, CellSide, CellTree, Filter, Geometry, GeometryBuilder,
+    GeometryError, Item, Material, Minify, MovedItem, Opening, Owner, Owners, Texture, TextureError, Wrap,
+};
+pub use ids::{
+    CellId, ItemId, LightId, MaterialId, MeshId, NestedId, OpeningId, PassageId, PortalId, SectorId,
+    TextureId,
 };
 pub use memory::Memory;
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
@@ -144,15 +148,14 @@ pub use occluders::{
     SelectedOccluder,
 };
 pub use options::{Limits, ViewerOptions};
-pub use passage::{Passage, PassageId};
+pub use passage::Passage;
 pub use query::{
     BodyInSector, BoxVisibility, LightReach, Location, MoveResult, NearItem, NearItems, NearestItem, RayCast,
     RayEnd, SightLine, Survey, SurveyView, survey, survey_hard, survey_in,
 };
 pub use region::{Region, Visibility};
 pub use scene::{
-    Edit, EditError, ErrorSubject, Light, LightId, LightShape, NestedId, Portal, PortalEnd, PortalId, Scene,
-    SceneBuilder, SceneError, SectorId,
+    Edit, EditError, ErrorSubject, Light, LightShape, Portal, PortalEnd, Scene, SceneBuilder, SceneError,
 };
 pub use sector::{BuildStats, Contract, Hit, Ray, Requirement, Sector, Surface};
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};

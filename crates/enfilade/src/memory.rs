@@ -2,7 +2,7 @@
 
 use crate::aperture::Rows;
 use crate::collector::{GlassSample, ReportBuffers};
-use crate::geometry::ItemId;
+use crate::ids::ItemId;
 use crate::options::ViewerOptions;
 use crate::passage::Passage;
 use crate::stats::Stats;

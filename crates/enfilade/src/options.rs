@@ -52,7 +52,7 @@ impl Default for ViewerOptions {
     }
 }
 
-/// Recursion limits of a look. If one is hit, items may be missing and [`VisibleSet::complete`] returns `false`.
+/// Recursion limits of a look. If one is hit, items may be missing and [`VisibleSet::complete`](crate::VisibleSet::complete) returns `false`.
 #[doc(alias = "recursion limit")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

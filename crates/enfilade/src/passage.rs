@@ -3,18 +3,15 @@
 use crate::aperture::{Aperture, CellRoom, Rect, Rows};
 use crate::entrance::Entrance;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
-use crate::geometry::{Geometry, OpeningId};
+use crate::geometry::Geometry;
+use crate::ids::{OpeningId, PassageId, PortalId, SectorId};
 use crate::opening_view::{OpeningView, may_touch_eye};
 use crate::region::{Clip, Region, Volume};
-use crate::scene::{Portal, PortalId, SectorId};
+use crate::scene::Portal;
 use crate::sector::Contract;
 use crate::view::View;
 use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DVec3};
-
-/// Identifies a passage of a look: its index in [`VisibleSet::passages`](crate::VisibleSet::passages).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct PassageId(pub u32);
 
 /// A chain of zero or more portals from the eye into a sector, with its clip region and view matrix.
 ///

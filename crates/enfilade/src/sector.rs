@@ -3,7 +3,8 @@
 use crate::canvas::Canvas;
 use crate::collector::Collector;
 use crate::geom::Aabb;
-use crate::geometry::{Alpha, ItemId, Opening};
+use crate::geometry::{Alpha, Opening};
+use crate::ids::ItemId;
 use crate::memory::Memory;
 use crate::options::ViewerOptions;
 use crate::passage::Passage;

@@ -5,7 +5,7 @@ use crate::geometry::{Geometry, Owner};
 use std::fmt;
 use thiserror::Error;
 
-/// Reasons why a geometry does not fit a method. [`UnsuitedMethod`] adds the method.
+/// Reasons why a geometry does not fit a method. [`UnsuitedMethod`](crate::UnsuitedMethod) adds the method.
 ///
 /// The messages go on where "method x" ends. They name `hierarchical-z`, which takes any geometry.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -1,7 +1,7 @@
 //! The camera of a look: position, direction, projection and viewport.
 
 use crate::geom::{MAX_COORDINATE, is_in_range};
-use crate::scene::SectorId;
+use crate::ids::SectorId;
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
 

@@ -3,12 +3,13 @@
 use crate::canvas::{Canvas, Span};
 use crate::collector::{CollectedItem, CollectedOpening, Collector};
 use crate::geometry::{Alpha, Geometry, Owner};
+use crate::ids::{PassageId, PortalId};
 use crate::memory::Memory;
 use crate::mesh::Cluster;
 use crate::options::{Limits, ViewerOptions};
-use crate::passage::{Passage, PassageId};
+use crate::passage::Passage;
 use crate::region::Region;
-use crate::scene::{PortalId, Scene};
+use crate::scene::Scene;
 use crate::stats::Stats;
 use crate::view::View;
 use crate::visible::{VisibleItem, VisibleSet};

@@ -1,7 +1,7 @@
 //! The result of a look: passages with their visible items.
 
-use crate::geometry::ItemId;
-use crate::passage::{Passage, PassageId};
+use crate::ids::{ItemId, PassageId};
+use crate::passage::Passage;
 use crate::scene::Scene;
 use std::collections::BTreeSet;
 

@@ -16,10 +16,11 @@
 mod trial;
 
 use crate::geom::Transform;
-use crate::geometry::{Geometry, ItemId};
+use crate::geometry::Geometry;
+use crate::ids::{ItemId, SectorId};
 use crate::method::{Method, UnsuitedMethod};
 use crate::passage::Passage;
-use crate::scene::{Scene, SectorId};
+use crate::scene::Scene;
 use crate::sector::Contract;
 use crate::view::View;
 use crate::viewer::Viewer;

@@ -5,7 +5,8 @@ use super::trace::Trace;
 use crate::aperture::Rect;
 use crate::canvas::{Canvas, Span};
 use crate::collector::{Collector, GlassSample, ReportBuffers, report_owners};
-use crate::geometry::{ItemId, Owner, Owners};
+use crate::geometry::{Owner, Owners};
+use crate::ids::ItemId;
 
 /// Collects runs of equal owners, left to right and row after row.
 pub(super) struct Report<'a> {

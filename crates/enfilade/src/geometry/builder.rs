@@ -1,8 +1,9 @@
 //! Builds a geometry and checks it.
 
 use super::names::Names;
-use super::{BakedCells, Geometry, Item, ItemId, Material, MeshId, Opening, OpeningId, Texture};
+use super::{BakedCells, Geometry, Item, Material, Opening, Texture};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, Transform, is_in_range};
+use crate::ids::{ItemId, MeshId, OpeningId};
 use crate::mesh::Mesh;
 #[cfg(feature = "terrain")]
 use crate::terrain::Terrain;

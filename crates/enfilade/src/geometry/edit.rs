@@ -8,8 +8,9 @@
 
 use super::builder::{MAX_OPENINGS, placed_bounds};
 use super::slots::Slots;
-use super::{Geometry, Item, ItemId, MeshId};
+use super::{Geometry, Item};
 use crate::geom::{Aabb, Transform, is_in_range};
+use crate::ids::{ItemId, MeshId};
 use crate::mesh::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, Weak};

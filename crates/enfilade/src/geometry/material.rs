@@ -1,10 +1,6 @@
 //! Materials: color, transparency and back-face culling of faces.
 
-use super::TextureId;
-
-/// Identifies a material: its index in [`Geometry::materials`](super::Geometry::materials).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct MaterialId(pub u32);
+use crate::ids::TextureId;
 
 /// The material of a face. Only `alpha`, `double_sided` and `detail` affect visibility; the rest is for the renderer.
 #[derive(Clone, Copy, Debug, PartialEq)]

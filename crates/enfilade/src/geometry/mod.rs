@@ -9,18 +9,19 @@ mod owners;
 mod slots;
 mod texture;
 
-pub use baked_cells::{BakedCells, BakedCellsError, CellId, CellNode, CellSide, CellTree};
+pub use baked_cells::{BakedCells, BakedCellsError, CellNode, CellSide, CellTree};
 pub(crate) use baked_cells::{Leaf, Room};
 #[cfg(feature = "terrain")]
 pub(crate) use builder::MAX_OPENINGS;
 pub use builder::{GeometryBuilder, GeometryError};
 pub use edit::MovedItem;
 pub(crate) use edit::{Changes, Exchanged, Placing, Unfit};
-pub use material::{Alpha, Material, MaterialId};
+pub use material::{Alpha, Material};
 pub use owners::Owners;
-pub use texture::{Filter, Minify, Texture, TextureError, TextureId, Wrap};
+pub use texture::{Filter, Minify, Texture, TextureError, Wrap};
 
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
+use crate::ids::{ItemId, MeshId, OpeningId};
 use crate::mesh::{Cluster, Mesh};
 #[cfg(feature = "terrain")]
 use crate::terrain::Terrain;
@@ -28,19 +29,6 @@ use names::Names;
 use slots::Slots;
 use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
-
-/// Identifies an item of a sector: its index in [`Geometry::items`].
-#[doc(alias = "instance id")]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ItemId(pub u32);
-
-/// Identifies a mesh of a geometry: its index in [`Geometry::meshes`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct MeshId(pub u32);
-
-/// Identifies an opening of a sector: its index in [`Geometry::openings`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct OpeningId(pub u16);
 
 /// A mesh with a transform: the unit that an engine draws and that [`VisibleSet`](crate::VisibleSet) lists.
 #[doc(alias = "instance")]
@@ -119,12 +107,12 @@ impl Geometry {
         &self.meshes
     }
 
-    /// Returns the materials, by [`MaterialId`].
+    /// Returns the materials, by [`MaterialId`](crate::MaterialId).
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
 
-    /// Returns the textures, by [`TextureId`].
+    /// Returns the textures, by [`TextureId`](crate::TextureId).
     pub fn textures(&self) -> &[Arc<Texture>] {
         &self.textures
     }
@@ -296,6 +284,7 @@ pub enum Owner {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ids::MaterialId;
 
     fn leaf() -> Mesh {
         Mesh::triangles(

@@ -2,7 +2,8 @@
 //!
 //! A trait, because large terrain has faces that are in no [`Geometry`]: it computes the owner from the number.
 
-use super::{Geometry, ItemId, OpeningId, Owner};
+use super::{Geometry, Owner};
+use crate::ids::{ItemId, OpeningId};
 
 /// Resolves face numbers to owners. Covers call it when they report, once per run of samples with the same owner.
 pub trait Owners {

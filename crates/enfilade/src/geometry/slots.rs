@@ -3,7 +3,8 @@
 //! Ids of removed items and unused meshes are reused, lowest first, so lists that are indexed by them stay short, and
 //! the next id does not depend on the order of removals.
 
-use super::{Item, MeshId};
+use super::Item;
+use crate::ids::MeshId;
 use crate::mesh::Mesh;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;

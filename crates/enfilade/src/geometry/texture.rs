@@ -3,10 +3,6 @@
 
 use thiserror::Error;
 
-/// Identifies a texture: its index in [`Geometry::textures`](super::Geometry::textures).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct TextureId(pub u32);
-
 /// An RGBA image with its sampler settings. It is for the renderer and does not affect visibility.
 #[doc(alias = "image")]
 #[doc(alias = "sampler")]

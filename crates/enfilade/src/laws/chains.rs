@@ -3,8 +3,8 @@
 //! The methods identify a chain by a hash. Here chains are compared by their portals, so a hash collision in a method
 //! is detected.
 
-use crate::passage::{Passage, PassageId};
-use crate::scene::{PortalId, SectorId};
+use crate::ids::{PassageId, PortalId, SectorId};
+use crate::passage::Passage;
 use std::collections::HashMap;
 
 /// Index of a chain in a [`Chains`]; 0 is the empty chain.

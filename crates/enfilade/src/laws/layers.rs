@@ -7,8 +7,9 @@ use super::EPSILON;
 use super::chains::{Chain, Chains, PassageChains};
 use super::reference::RayResult;
 use crate::canvas::{Canvas, Span};
-use crate::geometry::{ItemId, Owner};
-use crate::passage::{Passage, PassageId};
+use crate::geometry::Owner;
+use crate::ids::{ItemId, PassageId};
+use crate::passage::Passage;
 
 /// A hit on an alpha-blended or alpha-tested face.
 #[derive(Clone, Copy)]

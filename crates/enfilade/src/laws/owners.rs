@@ -3,7 +3,8 @@
 use super::chains::{Chain, Chains, PassageChains};
 use crate::canvas::{Canvas, Span};
 use crate::geometry::Owner;
-use crate::passage::{Passage, PassageId};
+use crate::ids::PassageId;
+use crate::passage::Passage;
 
 /// A canvas that records the opaque owner of each sample; transparent spans are ignored.
 pub struct OwnerPicture {

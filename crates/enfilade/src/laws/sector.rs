@@ -1,6 +1,7 @@
 //! The sector of the eye, by a linear search over all sectors.
 
-use crate::scene::{Scene, SectorId};
+use crate::ids::SectorId;
+use crate::scene::Scene;
 use crate::view::View;
 use glam::DVec3;
 

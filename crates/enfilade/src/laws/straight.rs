@@ -1,8 +1,9 @@
 //! Straight lines through portal chains, tested one by one, and direct light along them: the reference for light beams
 //! and lit pictures.
 
+use crate::ids::{PortalId, SectorId};
 use crate::query::Location;
-use crate::scene::{Light, LightShape, PortalId, Scene, SectorId};
+use crate::scene::{Light, LightShape, Scene};
 use glam::{DAffine3, DVec3};
 
 /// Returns all chains of at most `most` open portals that start in a sector, and the sector each leads to.

@@ -6,7 +6,8 @@
 use super::bundle::Bundle;
 use super::openings::Outline;
 use crate::geom::{Aabb, Transform};
-use crate::geometry::{Alpha, Geometry, ItemId, Opening};
+use crate::geometry::{Alpha, Geometry, Opening};
+use crate::ids::ItemId;
 use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;

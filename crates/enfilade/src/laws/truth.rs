@@ -3,9 +3,8 @@
 use super::chains::{Chain, Chains, PassageChains};
 use super::owners::OwnerPicture;
 use super::reference::RayResult;
-use crate::geometry::{ItemId, Owner};
-use crate::passage::PassageId;
-use crate::scene::SectorId;
+use crate::geometry::Owner;
+use crate::ids::{ItemId, PassageId, SectorId};
 use crate::visible::VisibleSet;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 

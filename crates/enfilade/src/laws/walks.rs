@@ -1,7 +1,8 @@
 //! Camera paths through portals, frame by frame: in front of the plane, in it and behind it.
 
+use crate::ids::PortalId;
 use crate::query::Location;
-use crate::scene::{PortalId, Scene};
+use crate::scene::Scene;
 use crate::view::View;
 use glam::DVec3;
 

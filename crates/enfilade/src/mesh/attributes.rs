@@ -93,7 +93,7 @@ fn gather<'a, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::MaterialId;
+    use crate::ids::MaterialId;
     use crate::mesh::Mesh;
 
     const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];

@@ -1,7 +1,7 @@
 //! Axis-aligned boxes as meshes: for tests, examples and proxies.
 
 use super::{Attributes, Mesh, MeshError, Part};
-use crate::geometry::MaterialId;
+use crate::ids::MaterialId;
 
 impl Mesh {
     /// Returns an axis-aligned box from `min` to `max`: six quads, counter-clockwise seen from outside.

@@ -11,7 +11,7 @@ pub use build::MeshError;
 pub(crate) use neighbours::NONE;
 
 use crate::geom::{Aabb, Octree, Step};
-use crate::geometry::MaterialId;
+use crate::ids::MaterialId;
 use attributes::MeshAttributes;
 use below::Below;
 use build::{build, check};
@@ -189,7 +189,7 @@ impl Mesh {
     }
 
     /// Traverses the octree over the clusters front to back from `eye`, in object space; its things are indices of
-    /// clusters. See [`Octree::walk`].
+    /// clusters. `visit` returns `true` to enter a node; its answer for a cluster is ignored.
     pub fn walk(&self, eye: [f64; 3], visit: impl FnMut(Step) -> bool) {
         self.tree.walk(eye, visit);
     }

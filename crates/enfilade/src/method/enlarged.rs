@@ -1,7 +1,8 @@
 //! Visualizes a low-resolution cover at the resolution of the screen.
 
 use crate::canvas::{Canvas, CoverSpan, Span};
-use crate::passage::{Passage, PassageId};
+use crate::ids::PassageId;
+use crate::passage::Passage;
 
 /// A canvas for cells of a low-resolution cover, which it maps to the samples of another canvas, clipped to the
 /// aperture.

@@ -3,7 +3,8 @@
 use crate::collector::{Collector, FoundClusters};
 use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, ItemId, OpeningId};
+use crate::geometry::Geometry;
+use crate::ids::{ItemId, OpeningId};
 use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
 use crate::passage::Passage;

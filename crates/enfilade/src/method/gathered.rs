@@ -7,7 +7,8 @@ use crate::canvas::Canvas;
 use crate::collector::Collector;
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
-use crate::geometry::{Alpha, Geometry, ItemId};
+use crate::geometry::{Alpha, Geometry};
+use crate::ids::ItemId;
 use crate::memory::Memory;
 use crate::passage::Passage;
 

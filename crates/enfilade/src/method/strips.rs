@@ -12,7 +12,8 @@
 
 use crate::aperture::{Rect, Rows};
 use crate::collector::{Collector, report_owners};
-use crate::geometry::{ItemId, Owners};
+use crate::geometry::Owners;
+use crate::ids::ItemId;
 use crate::memory::Memory;
 use crate::passage::Passage;
 use crate::stats::Stats;

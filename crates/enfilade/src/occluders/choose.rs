@@ -15,7 +15,8 @@
 use super::measure::{Chooser, EnteredItem, OccluderMeasure};
 use super::{OccluderSet, Polygon};
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, ItemId};
+use crate::geometry::Geometry;
+use crate::ids::ItemId;
 use crate::passage::Passage;
 use glam::{DAffine3, DVec3};
 use std::cmp::Ordering;

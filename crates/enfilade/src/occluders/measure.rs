@@ -8,7 +8,8 @@
 use super::screen::clip;
 use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, ItemId};
+use crate::geometry::Geometry;
+use crate::ids::ItemId;
 use crate::passage::{Passage, eye_in};
 use crate::region::{Region, Volume};
 use glam::{DAffine3, DMat3, DVec2, DVec3};

@@ -31,7 +31,8 @@ pub use screen::{Occluder, OccluderRoom};
 pub use summary::OccluderSummary;
 
 use crate::geom::{Aabb, Line, Octree, Step};
-use crate::geometry::{Exchanged, Geometry, ItemId, MeshId, MovedItem};
+use crate::geometry::{Exchanged, Geometry, MovedItem};
+use crate::ids::{ItemId, MeshId};
 use crate::mesh::Mesh;
 use crate::threads;
 use glam::{DMat3, DVec3};

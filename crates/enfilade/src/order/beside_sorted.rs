@@ -4,7 +4,8 @@ use super::Visit;
 use super::items::may_be_visible;
 use crate::faces::Faces;
 use crate::geom::Step;
-use crate::geometry::{Alpha, Geometry, ItemId, OpeningId};
+use crate::geometry::{Alpha, Geometry};
+use crate::ids::{ItemId, OpeningId};
 use crate::opening_view::may_touch_eye;
 use crate::passage::Passage;
 

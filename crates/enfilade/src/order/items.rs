@@ -3,7 +3,8 @@
 use super::Visit;
 use crate::faces::Faces;
 use crate::geom::{Aabb, Enter, Step};
-use crate::geometry::{Geometry, ItemId};
+use crate::geometry::Geometry;
+use crate::ids::ItemId;
 use crate::passage::{Passage, eye_in};
 use crate::region::Visibility;
 

@@ -9,7 +9,8 @@
 use super::items::{box_visibility, emit_item, emit_openings, emit_whole};
 use super::{NodesNearToFar, Order, Visit};
 use crate::geom::{Aabb, KdTree};
-use crate::geometry::{Geometry, ItemId, MovedItem};
+use crate::geometry::{Geometry, MovedItem};
+use crate::ids::ItemId;
 use crate::passage::Passage;
 use crate::region::Visibility;
 use crate::unsuited::Unsuited;

@@ -10,7 +10,8 @@
 use super::Visit;
 use super::terrain_rows::near_to_far;
 use crate::faces::{FaceSource, Faces};
-use crate::geometry::{Alpha, ItemId};
+use crate::geometry::Alpha;
+use crate::ids::ItemId;
 use crate::passage::Passage;
 use crate::region::Visibility;
 use crate::terrain::{LargeTerrain, Workplace};

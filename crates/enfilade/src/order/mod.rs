@@ -39,7 +39,8 @@ pub use unordered::Unordered;
 
 use crate::faces::Faces;
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, ItemId, MovedItem};
+use crate::geometry::{Geometry, MovedItem};
+use crate::ids::ItemId;
 use crate::passage::Passage;
 use crate::region::{Region, Visibility};
 use crate::sector::{BuildStats, Requirement};

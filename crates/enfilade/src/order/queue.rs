@@ -12,7 +12,8 @@ use super::Visit;
 use super::items::emit_openings;
 use crate::faces::Faces;
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, ItemId};
+use crate::geometry::Geometry;
+use crate::ids::ItemId;
 use crate::passage::Passage;
 use crate::region::{BOXES, EightBoxes, Region, Visibility};
 use glam::DAffine3;
@@ -297,10 +298,11 @@ mod tests {
     use super::*;
     use crate::faces::FaceSource;
     use crate::geom::Transform;
-    use crate::geometry::{GeometryBuilder, Material, MaterialId};
+    use crate::geometry::{GeometryBuilder, Material};
+    use crate::ids::MaterialId;
+    use crate::ids::SectorId;
     use crate::mesh::Mesh;
     use crate::order::{BvhOrder, OctreeOrder, Order};
-    use crate::scene::SectorId;
     use crate::view::View;
     use std::collections::BTreeSet;
 

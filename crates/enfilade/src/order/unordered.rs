@@ -7,7 +7,8 @@
 
 use super::items::{emit_item, emit_openings};
 use super::{Order, Unsorted, Visit};
-use crate::geometry::{Geometry, ItemId, MovedItem};
+use crate::geometry::{Geometry, MovedItem};
+use crate::ids::ItemId;
 use crate::passage::Passage;
 use crate::unsuited::Unsuited;
 

@@ -6,8 +6,9 @@
 
 use super::location::{Location, corners};
 use crate::geom::{Transform, nearest_in};
+use crate::ids::{PortalId, SectorId};
 use crate::options::Limits;
-use crate::scene::{PortalId, Scene, SectorId};
+use crate::scene::Scene;
 use glam::DVec3;
 use smallvec::SmallVec;
 

@@ -9,7 +9,8 @@
 //! Never wrong: if neither is proven, the result is unknown.
 
 use crate::geom::{Aabb, Line, Step};
-use crate::geometry::{Alpha, Geometry, ItemId};
+use crate::geometry::{Alpha, Geometry};
+use crate::ids::ItemId;
 use crate::occluders::{OccluderSet, Wall};
 use glam::DVec3;
 

@@ -9,7 +9,8 @@
 //! skipping boxes change a result, and the first of all hits is the first hit.
 
 use crate::geom::{Line, Step};
-use crate::geometry::{Geometry, ItemId, Material};
+use crate::geometry::{Geometry, Material};
+use crate::ids::ItemId;
 use crate::mesh::Mesh;
 use crate::sector::{Hit, Ray, Surface};
 use glam::DVec3;

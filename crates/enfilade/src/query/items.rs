@@ -9,9 +9,9 @@
 //! faces does.
 
 use crate::geom::{Aabb, Enter, Step};
-use crate::geometry::{Geometry, ItemId};
+use crate::geometry::Geometry;
+use crate::ids::{ItemId, SectorId};
 use crate::passage::Passage;
-use crate::scene::SectorId;
 use crate::view::View;
 use glam::{DVec3, DVec4};
 

@@ -7,7 +7,7 @@
 
 use super::cast::{line_of, meet};
 use crate::geom::Line;
-use crate::geometry::ItemId;
+use crate::ids::ItemId;
 use crate::sector::{Hit, Ray};
 use crate::terrain::{LargeTerrain, Workplace};
 use glam::DVec3;

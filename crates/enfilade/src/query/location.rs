@@ -3,7 +3,8 @@
 //! Source: RenderWare, Portal culling: bodies and cameras that cross a portal change section and coordinates.
 
 use crate::geom::{ConvexPolygon, Pierced, Transform, is_in_range, nearest_in, pierced};
-use crate::scene::{Portal, PortalId, Scene, SectorId};
+use crate::ids::{PortalId, SectorId};
+use crate::scene::{Portal, Scene};
 use glam::DVec3;
 
 /// Position in a scene: a sector and coordinates in its space.
@@ -129,7 +130,7 @@ impl Scene {
     pub fn open_portals(&self, sector: SectorId) -> impl Iterator<Item = (PortalId, &ConvexPolygon)> {
         let openings = self.sector(sector).openings().iter().zip(0..);
         openings.filter_map(move |(opening, number)| {
-            let portal = self.portal_of(sector, crate::geometry::OpeningId(number))?;
+            let portal = self.portal_of(sector, crate::ids::OpeningId(number))?;
             let open = self.portals()[portal.0 as usize].open && !self.is_flat();
             open.then_some((portal, &opening.outline))
         })

@@ -11,8 +11,8 @@
 
 use super::location::{Location, corners};
 use crate::geom::{Aabb, nearest_in};
-use crate::geometry::ItemId;
-use crate::scene::{PortalId, Scene, SectorId};
+use crate::ids::{ItemId, PortalId, SectorId};
+use crate::scene::Scene;
 use glam::{DAffine3, DMat3, DVec3};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};

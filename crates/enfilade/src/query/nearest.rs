@@ -8,7 +8,8 @@
 
 use super::items::nearest_squared;
 use crate::geom::Step;
-use crate::geometry::{Geometry, ItemId};
+use crate::geometry::Geometry;
+use crate::ids::ItemId;
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;

@@ -1,8 +1,8 @@
 //! Ray casts that follow portals.
 
 use crate::geom::{Transform, is_in_range, pierced};
-use crate::geometry::OpeningId;
-use crate::scene::{PortalId, Scene, SectorId};
+use crate::ids::{OpeningId, PortalId, SectorId};
+use crate::scene::Scene;
 use crate::sector::{Hit, Ray};
 use glam::DVec3;
 

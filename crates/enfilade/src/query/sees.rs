@@ -3,8 +3,9 @@
 use super::beam::LightReach;
 use super::location::Location;
 use super::ray::{RayCast, RayEnd};
+use crate::ids::PortalId;
 use crate::options::Limits;
-use crate::scene::{PortalId, Scene};
+use crate::scene::Scene;
 use crate::sector::Ray;
 
 /// Unobstructed straight line between two locations, from [`Scene::sees`].

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::chance::{Dice, levels};
+use crate::ids::SectorId;
 use crate::passage::Passage;
-use crate::scene::SectorId;
 use crate::view::View;
 
 /// Projects a box for an eye at the origin that looks along −z, with a field of view of 90 degrees and a square

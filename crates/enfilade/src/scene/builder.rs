@@ -1,11 +1,10 @@
 //! Builds a scene from sectors and portals, and validates it.
 
 use super::locate::Boxes;
-use super::{
-    Body, ErrorSubject, Exit, Light, LightId, Portal, PortalId, Scene, SceneError, SceneSector, SectorId,
-};
+use super::{Body, ErrorSubject, Exit, Light, Portal, Scene, SceneError, SceneSector};
 use crate::geom::{Transform, is_in_range};
-use crate::geometry::{Geometry, Opening, OpeningId};
+use crate::geometry::{Geometry, Opening};
+use crate::ids::{LightId, NestedId, OpeningId, PortalId, SectorId};
 use crate::method::Method;
 use crate::sector::Sector;
 use std::sync::Arc;
@@ -41,10 +40,6 @@ enum PendingSector {
     BuiltIn(String, Arc<Geometry>, Method),
     Custom(String, Arc<dyn Sector>),
 }
-
-/// Id of a nested scene: its index in the order of [`SceneBuilder::nest`] calls.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NestedId(u32);
 
 /// One end of a portal: an opening of a sector, a named exit of a nested scene, or any position in a sector.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -4,9 +4,10 @@
 //! Orders that support it are updated in place; others are rebuilt. A viewer's temporal coherence stays valid: it skips
 //! remembered clusters that no longer exist.
 
-use super::{Body, Scene, SceneError, SectorId};
+use super::{Body, Scene, SceneError};
 use crate::geom::{MAX_COORDINATE, Transform};
-use crate::geometry::{Changes, ItemId, Placing, Unfit};
+use crate::geometry::{Changes, Placing, Unfit};
+use crate::ids::{ItemId, SectorId};
 use crate::mesh::Mesh;
 use crate::method::{EditStats, UnsuitedMethod};
 use std::collections::BTreeMap;

@@ -1,14 +1,11 @@
 //! Lights: point, spot and directional lights, and the sectors that they reach.
 
-use super::{Scene, SceneError, SectorId};
+use super::{Scene, SceneError};
 use crate::geom::{Aabb, is_in_range};
+use crate::ids::{LightId, SectorId};
 use crate::options::Limits;
 use crate::query::{LightReach, Location};
 use glam::DVec3;
-
-/// Id of a light: its index in [`Scene::lights`](crate::Scene::lights).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct LightId(pub u32);
 
 /// Point, spot or directional light in a sector. Its light passes open portals; faces cast no shadows.
 #[doc(alias = "lamp")]

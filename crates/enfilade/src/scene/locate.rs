@@ -4,8 +4,8 @@
 //! Cost: O(log sectors + boxes that contain the point) per query; O(log sectors) per changed box.
 //! Exact: the result equals that of testing every box.
 
-use super::SectorId;
 use crate::geom::{Aabb, Octree, Step};
+use crate::ids::SectorId;
 use glam::DVec3;
 use std::cmp::Ordering;
 

@@ -12,14 +12,15 @@ mod light;
 mod locate;
 mod portal;
 
-pub use builder::{NestedId, PortalEnd, SceneBuilder};
+pub use builder::{PortalEnd, SceneBuilder};
 pub use edit::{Edit, EditError};
 pub use error::{ErrorSubject, SceneError};
-pub use light::{Light, LightId, LightShape};
-pub use portal::{Portal, PortalId, SectorId};
+pub use light::{Light, LightShape};
+pub use portal::Portal;
 
 use crate::geom::{Aabb, Transform};
-use crate::geometry::{Geometry, ItemId, OpeningId};
+use crate::geometry::Geometry;
+use crate::ids::{ItemId, OpeningId, PortalId, SectorId};
 use crate::method::{EditableSector, Method, UnsuitedMethod};
 use crate::sector::{BuildStats, Sector};
 use crate::threads;

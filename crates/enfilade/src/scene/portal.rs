@@ -1,15 +1,8 @@
 //! Portals: the targets of openings.
 
 use crate::geom::{Transform, is_in_range};
-use crate::geometry::{Opening, OpeningId};
-
-/// Id of a sector: its index in [`Scene::sectors`](crate::Scene::sectors).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct SectorId(pub u32);
-
-/// Id of a portal: its index in [`Scene::portals`](crate::Scene::portals).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct PortalId(pub u32);
+use crate::geometry::Opening;
+use crate::ids::{OpeningId, SectorId};
 
 /// One-way link from an opening of a sector into a sector, with a transform between their spaces.
 ///

@@ -16,7 +16,8 @@ pub(crate) use large::Workplace;
 pub use large::{HeightBytes, HeightFormat, Heights, LargeTerrain};
 
 use crate::geom::{MAX_COORDINATE, Transform, is_in_range};
-use crate::geometry::{Geometry, GeometryBuilder, GeometryError, ItemId, MaterialId, MeshId};
+use crate::geometry::{Geometry, GeometryBuilder, GeometryError};
+use crate::ids::{ItemId, MaterialId, MeshId};
 use crate::mesh::{Mesh, Part};
 use carried::FieldAttributes;
 use glam::DVec3;

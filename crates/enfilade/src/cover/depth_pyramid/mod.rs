@@ -325,9 +325,10 @@ impl Sink for Depths {
 mod tests {
     use super::*;
     use crate::geom::Transform;
-    use crate::geometry::{GeometryBuilder, ItemId, Material, MaterialId};
+    use crate::geometry::{GeometryBuilder, Material};
+    use crate::ids::SectorId;
+    use crate::ids::{ItemId, MaterialId};
     use crate::mesh::Mesh;
-    use crate::scene::SectorId;
     use crate::view::View;
 
     /// Pseudo-random numbers from 0 to 1; deterministic for each seed.

@@ -18,12 +18,9 @@ pub use error::BakedCellsError;
 pub(crate) use tree::{Leaf, Room};
 
 use crate::geom::Aabb;
+use crate::ids::CellId;
 use glam::DVec3;
 use row::Rows;
-
-/// Identifies a cell: its index in the list of cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct CellId(pub u32);
 
 /// A child of a BSP node: what is on one side of its plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

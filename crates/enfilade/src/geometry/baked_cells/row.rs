@@ -1,7 +1,8 @@
 //! Sets of cells as runs of cell numbers. Visible cells form runs because compilers number neighbouring cells in
 //! sequence.
 
-use super::{BakedCellsError, CellId};
+use super::BakedCellsError;
+use crate::ids::CellId;
 
 /// Sets of cells, row by row.
 #[derive(Clone, Debug, PartialEq)]

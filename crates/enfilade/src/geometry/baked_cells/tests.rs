@@ -1,9 +1,10 @@
 //! Tests the leaves found for polygons and boxes against random points of them.
 
 use super::tree::{Leaf, Room};
-use super::{BakedCells, CellId, CellNode, CellSide, CellTree};
+use super::{BakedCells, CellNode, CellSide, CellTree};
 use crate::chance::Dice;
 use crate::geom::Aabb;
+use crate::ids::CellId;
 use glam::DVec3;
 use std::collections::BTreeSet;
 

@@ -4,8 +4,9 @@
 //! [`MAX_CUTS`] clips this no longer holds, so clipping stops. Traversal uses an explicit stack, because a tree may be
 //! as deep as it has nodes.
 
-use super::{BakedCellsError, CellId, CellNode, CellSide, CellTree};
+use super::{BakedCellsError, CellNode, CellSide, CellTree};
 use crate::geom::Aabb;
+use crate::ids::CellId;
 use glam::DVec3;
 
 /// Rounding error of a plane test, relative to the coordinates: twice the rounding of f32, in positions and in planes.

@@ -6,9 +6,9 @@ mod hiding;
 use super::*;
 use crate::chance::Dice;
 use crate::geom::Transform;
-use crate::geometry::{GeometryBuilder, Material, MaterialId};
+use crate::geometry::{GeometryBuilder, Material};
+use crate::ids::{MaterialId, SectorId};
 use crate::passage::Passage;
-use crate::scene::SectorId;
 use crate::view::View;
 
 /// A triangle mesh as plain arrays: positions and corners.

@@ -1,7 +1,8 @@
 //! Lists of the items and openings in each cell, found from their faces: conservative, never too few cells.
 
 use crate::geom::{ConvexPolygon, Run, Runs};
-use crate::geometry::{BakedCells, CellSide, Geometry, ItemId, Leaf, MovedItem, Opening, Room};
+use crate::geometry::{BakedCells, CellSide, Geometry, Leaf, MovedItem, Opening, Room};
+use crate::ids::ItemId;
 use glam::DVec3;
 
 /// Maximum number of faces for which an item's cells are found face by face; above it, by the AABBs of its clusters.

@@ -4,7 +4,8 @@
 //! sight begin at the near plane, or behind a portal at its opening. There the transformed eye may be anywhere, even in
 //! an unrelated cell.
 
-use crate::geometry::{BakedCells, CellId, Leaf, Room};
+use crate::geometry::{BakedCells, Leaf, Room};
+use crate::ids::CellId;
 use crate::passage::Passage;
 use glam::DVec3;
 use smallvec::SmallVec;

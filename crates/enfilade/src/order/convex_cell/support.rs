@@ -14,7 +14,8 @@
 
 use super::{Plane, occluder_clusters};
 use crate::geom::{Aabb, Step};
-use crate::geometry::{Alpha, Geometry, ItemId, OpeningId, Owner};
+use crate::geometry::{Alpha, Geometry, Owner};
+use crate::ids::{ItemId, OpeningId};
 use glam::{DAffine3, DVec3};
 
 /// All occluders of a geometry, openings included, and the tolerance of plane tests.

@@ -3,7 +3,8 @@
 use super::overlap::any_overlap;
 use super::support::{Corner, SupportPlanes};
 use super::{ConvexCell, Outside, Plane, occluder_clusters};
-use crate::geometry::{Geometry, ItemId, OpeningId, Owner};
+use crate::geometry::{Geometry, Owner};
+use crate::ids::{ItemId, OpeningId};
 use crate::order::Order;
 use crate::unsuited::{NotConvex, Unsuited};
 use glam::DVec3;

@@ -5,7 +5,8 @@
 //! Source: after the random walks of visibility sampling.
 
 use super::{CLEARANCE, SurveyView, Surveyor, TRIES};
-use crate::geometry::{Geometry, ItemId};
+use crate::geometry::Geometry;
+use crate::ids::ItemId;
 use glam::DVec3;
 
 /// Minimum distance of an eye from all faces, relative to the geometry's size.

@@ -7,7 +7,8 @@
 //!     Using Navigation Meshes, Game Programming Gems, 2000.
 //! Cost: O(faces + columns covered by them), at most [`MAX_COLUMNS`] columns and [`MAX_PARTS`] parts of faces.
 
-use crate::geometry::{Alpha, Geometry, ItemId};
+use crate::geometry::{Alpha, Geometry};
+use crate::ids::ItemId;
 use glam::DVec3;
 use smallvec::SmallVec;
 

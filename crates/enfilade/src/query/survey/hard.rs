@@ -1,8 +1,9 @@
 //! Numerically hard camera positions: in portals, on vertices, on edges and in planes of faces.
 
 use super::{Dice, SurveyView};
-use crate::geometry::{Geometry, ItemId};
-use crate::scene::{Scene, SectorId};
+use crate::geometry::Geometry;
+use crate::ids::{ItemId, SectorId};
+use crate::scene::Scene;
 use glam::DVec3;
 
 /// Returns up to `count` camera positions at which visibility methods are most likely to be wrong.

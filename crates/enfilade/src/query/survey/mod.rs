@@ -20,8 +20,9 @@ pub use hard::survey_hard;
 use super::cast::line_of;
 use super::ray::RayEnd;
 use crate::geom::{Aabb, Step, nearest_points};
-use crate::geometry::{Geometry, ItemId};
-use crate::scene::{Scene, SectorId};
+use crate::geometry::Geometry;
+use crate::ids::{ItemId, SectorId};
+use crate::scene::Scene;
 use crate::sector::{Hit, Ray};
 use floors::{Floor, Floors, Kind};
 use glam::DVec3;
@@ -571,7 +572,8 @@ impl Dice {
 mod tests {
     use super::*;
     use crate::geom::Transform;
-    use crate::geometry::{GeometryBuilder, Material, MaterialId};
+    use crate::geometry::{GeometryBuilder, Material};
+    use crate::ids::MaterialId;
     use crate::mesh::Mesh;
     use crate::method::Method;
     use crate::scene::SceneBuilder;

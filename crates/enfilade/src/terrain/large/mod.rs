@@ -18,9 +18,8 @@ pub use heights::{HeightBytes, HeightFormat, Heights};
 
 use super::{BLOCK, Diagonal, HeightFieldError, check_cell, check_size};
 use crate::geom::Aabb;
-use crate::geometry::{
-    Alpha, Geometry, GeometryBuilder, GeometryError, ItemId, MAX_OPENINGS, Material, Opening,
-};
+use crate::geometry::{Alpha, Geometry, GeometryBuilder, GeometryError, MAX_OPENINGS, Material, Opening};
+use crate::ids::ItemId;
 use crate::sector::Surface;
 use glam::DVec3;
 use levels::Level;

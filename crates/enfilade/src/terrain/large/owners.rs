@@ -1,7 +1,8 @@
 //! Face ids of large terrain: each block has the same number of ids; openings follow after all blocks.
 
 use super::{BLOCK_FACES, LargeTerrain, SQUARE_FACES};
-use crate::geometry::{ItemId, OpeningId, Owner, Owners};
+use crate::geometry::{Owner, Owners};
+use crate::ids::{ItemId, OpeningId};
 
 impl LargeTerrain {
     /// Returns the id of the first opening, after all face ids.

@@ -5,10 +5,10 @@ use crate::aperture::CellRoom;
 use crate::chance::Dice;
 use crate::cover::Cover;
 use crate::geom::Transform;
-use crate::geometry::{Geometry, GeometryBuilder, ItemId, Material, MaterialId};
+use crate::geometry::{Geometry, GeometryBuilder, Material};
+use crate::ids::{ItemId, MaterialId, SectorId};
 use crate::mesh::Mesh;
 use crate::region::{Region, Visibility};
-use crate::scene::SectorId;
 use crate::view::View;
 use glam::{DVec2, DVec3};
 

@@ -74,7 +74,7 @@ impl Named {
 pub const SCENES: [Named; 42] = [
     Named {
         name: "enfilade",
-        about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a garden, a doll's house, a fountain that can move",
+        about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a garden, a doll's house, a fountain",
         groups: &[
             Group::Doors,
             Group::Mirrors,

@@ -14,7 +14,6 @@
 
 mod camera;
 mod catalog;
-#[allow(dead_code, unused_imports, reason = "tools/palace shares these files")]
 mod envelope;
 mod fuzz_scene;
 mod laws;
@@ -22,10 +21,8 @@ mod palace;
 mod random;
 mod random_edits;
 mod random_scene;
-#[allow(dead_code, unused_imports, reason = "tools/palace shares these files")]
 mod shape;
 mod thesis;
-mod water;
 
 pub use camera::Camera;
 pub use catalog::{BuiltIn, Group, NAMES, Named, SCENES, built_in, figures, law_scenes};
@@ -35,4 +32,3 @@ pub use palace::PALACE;
 pub use random::Random;
 pub use random_edits::random_edits;
 pub use random_scene::random_scene;
-pub use water::{FOUNTAIN_SECONDS, fountain};

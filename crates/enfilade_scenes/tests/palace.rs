@@ -1,7 +1,7 @@
 //! Invariants of the palace: item counts, closed rooms, joined doors, determinism.
 
 use enfilade::{Aabb, Geometry, ItemId, Method, Scene, SectorId, Transform};
-use enfilade_scenes::{BuiltIn, FOUNTAIN_SECONDS, built_in, fountain};
+use enfilade_scenes::{BuiltIn, built_in};
 use std::collections::{BTreeSet, HashMap};
 
 fn palace() -> BuiltIn {
@@ -36,80 +36,9 @@ fn it_has_the_rooms_doors_items_and_triangles_that_it_is_known_for() {
     assert_eq!((scene.item_count(), scene.triangle_count()), (5593, 2_730_439));
 }
 
-#[test]
-fn two_builds_are_equal() {
-    let fingerprint = |scene: &Scene| {
-        let mut hash = Fnv::new();
-        for (_, name, geometry) in rooms(scene) {
-            hash.add(name.as_bytes());
-            hash.geometry(geometry);
-        }
-        hash.0
-    };
-    assert_eq!(fingerprint(&palace().scene), fingerprint(&palace().scene));
-}
-
-/// FNV hash (Fowler, Noll, Vo).
-struct Fnv(u64);
-
-impl Fnv {
-    fn new() -> Fnv {
-        Fnv(0xCBF2_9CE4_8422_2325)
-    }
-
-    fn add(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
-        }
-    }
-
-    fn geometry(&mut self, geometry: &Geometry) {
-        for (number, item) in geometry.items().iter().enumerate() {
-            self.add(geometry.name(ItemId(number as u32)).as_bytes());
-            self.floats(&item.sector_from_item);
-        }
-        for mesh in geometry.meshes() {
-            self.floats(mesh.positions());
-        }
-    }
-
-    fn floats(&mut self, rows: &[[f32; 3]]) {
-        rows.iter()
-            .flatten()
-            .for_each(|value| self.add(&value.to_bits().to_le_bytes()));
-    }
-}
-
 fn room(scene: &Scene, wanted: &str) -> SectorId {
     let mut all = rooms(scene);
     all.find(|(_, name, _)| *name == wanted).expect("a room").0
-}
-
-#[test]
-fn the_fountain_moves_and_comes_back_and_keeps_its_things_and_openings() {
-    let scene = palace().scene;
-    let id = room(&scene, "Fountain");
-    let built = scene.geometry(id).expect("a sector with geometry");
-    let fingerprint = |seconds| {
-        let mut hash = Fnv::new();
-        hash.geometry(&fountain(built, seconds));
-        hash.0
-    };
-    let moments: BTreeSet<u64> = (0..10).map(|i| fingerprint(0.37 * i as f32)).collect();
-    assert_eq!(moments.len(), 10, "the water does not move");
-    assert_eq!(fingerprint(FOUNTAIN_SECONDS), fingerprint(0.0));
-    assert_eq!(fingerprint(-0.5), fingerprint(FOUNTAIN_SECONDS - 0.5));
-    assert_eq!(scene.method(id), Some(Method::ZBuffer));
-    let later = fountain(built, 1.3);
-    assert_eq!(later.openings(), built.openings());
-    let names = |geometry: &Geometry| -> Vec<String> {
-        (0..geometry.items().len())
-            .map(|i| geometry.name(ItemId(i as u32)).to_owned())
-            .collect()
-    };
-    assert_eq!(names(&later), names(built));
-    let [Aabb { min, max }, around] = [later.bounds(), built.bounds()];
-    assert_eq!((min, max), (around.min, around.max), "water leaves the grotto");
 }
 
 #[test]

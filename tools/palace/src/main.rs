@@ -3,20 +3,15 @@
 //! `palace FILE` writes; `palace FILE --check 100` compares a file with the generated scene: first what it contains,
 //! then what is visible from the cameras and from 100 views of the survey.
 
-#[path = "../../../crates/enfilade_scenes/src/envelope/mod.rs"]
-mod envelope;
-#[path = "../../../crates/enfilade_scenes/src/shape/mod.rs"]
-#[allow(dead_code, reason = "enfilade_scenes shares these files")]
-mod shape;
-#[path = "../../../crates/enfilade_scenes/src/water.rs"]
-mod water;
-
 mod check;
 mod document;
+mod envelope;
 mod export;
 mod meshes;
 mod palace;
+mod shape;
 mod textures;
+mod water;
 
 use anyhow::{Context, Result, bail};
 use std::time::Instant;

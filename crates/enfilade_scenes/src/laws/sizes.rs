@@ -3,7 +3,7 @@
 use super::stage::{
     BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, alone, finished, sheet,
 };
-use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
+use crate::envelope::{Side, envelope};
 use crate::random::Random;
 use crate::shape::{Shape, ball, block, cuboid, taper};
 use crate::{BuiltIn, Camera};
@@ -42,19 +42,7 @@ impl Resized {
             ("east", [0.125, 5.0], door.other_side()),
         ] {
             let mut stage = Stage::new();
-            let plan = Plan::Rectangle(x, [-2.5, 2.5]);
-            let hole = Hole {
-                wall: plan.wall(door.side),
-                far: door.outline(),
-                back: None,
-                reveal: BROWN,
-            };
-            let finish = Finish {
-                floor: GREY,
-                wall: WHITE,
-                ceiling: GREY,
-            };
-            let inside = envelope(plan, 3.0, Ceiling::Flat, &[hole], finish);
+            let inside = envelope(x, [-2.5, 2.5], 3.0, &[door]);
             stage.thing("floor", &self.shape(inside.floor));
             for wall in inside.walls {
                 stage.thing("wall", &self.shape(wall));

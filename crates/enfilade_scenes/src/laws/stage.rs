@@ -1,6 +1,6 @@
 //! Builds a sector of a small scene.
 
-use crate::envelope::{Ceiling, Finish, Hole, Plan, Side, envelope};
+use crate::envelope::{Side, envelope};
 use crate::shape::Shape;
 use crate::{BuiltIn, Camera};
 use enfilade::{
@@ -113,22 +113,7 @@ impl Stage {
         height: f32,
         doorways: &[Doorway],
     ) -> Vec<OpeningId> {
-        let plan = Plan::Rectangle(x, z);
-        let holes: Vec<Hole> = doorways
-            .iter()
-            .map(|door| Hole {
-                wall: plan.wall(door.side),
-                far: door.outline(),
-                back: None,
-                reveal: BROWN,
-            })
-            .collect();
-        let finish = Finish {
-            floor: GREY,
-            wall: WHITE,
-            ceiling: GREY,
-        };
-        let inside = envelope(plan, height, Ceiling::Flat, &holes, finish);
+        let inside = envelope(x, z, height, doorways);
         self.thing("floor", &inside.floor);
         for wall in &inside.walls {
             self.thing("wall", wall);

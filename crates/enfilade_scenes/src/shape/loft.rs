@@ -1,4 +1,4 @@
-//! Surfaces through rings of vertices: lathed shapes, tubes, balls, knots.
+//! Surfaces through rings of vertices: lathed shapes, balls, knots.
 
 use super::Shape;
 use enfilade::MaterialId;
@@ -28,108 +28,17 @@ pub(crate) fn loft(material: MaterialId, rings: &[Vec<Vec3>]) -> Shape {
     shape
 }
 
-/// Creates an open ribbon between two rows with equal numbers of corners; seen from its front, `left` runs up on the
-/// left.
-pub(crate) fn band(material: MaterialId, left: &[Vec3], right: &[Vec3]) -> Shape {
-    let mut shape = Shape::new();
-    for i in 0..left.len() - 1 {
-        shape.triangle(material, [left[i], right[i], right[i + 1]]);
-        shape.triangle(material, [left[i], right[i + 1], left[i + 1]]);
-    }
-    shape
-}
-
-/// Creates a cloth through columns with equal numbers of vertices (position and texture coordinates). Seen from its
-/// front, columns run from left to right, and each from its lower end up.
-pub(crate) fn cloth(material: MaterialId, columns: &[Vec<(Vec3, Vec2)>]) -> Shape {
-    let mut shape = Shape::new();
-    for pair in columns.windows(2) {
-        let [left, right] = [&pair[0], &pair[1]];
-        for i in 0..left.len() - 1 {
-            for corners in [
-                [left[i], right[i], right[i + 1]],
-                [left[i], right[i + 1], left[i + 1]],
-            ] {
-                shape.placed(
-                    material,
-                    &corners.map(|(at, _)| at),
-                    &corners.map(|(_, place)| place),
-                );
-            }
-        }
-    }
-    shape
-}
-
 /// Creates the surface of revolution of a profile of (radius, height), from the foot up. It is closed if both ends have
 /// radius 0, or if the profile ends where it starts.
 pub(crate) fn lathe(material: MaterialId, profile: &[[f32; 2]], sides: usize) -> Shape {
-    fluted(material, profile, sides, 1, 0.0)
-}
-
-/// Creates a fluted surface of revolution: flutes `depth` of the radius deep, with `steps` sides each.
-pub(crate) fn fluted(
-    material: MaterialId,
-    profile: &[[f32; 2]],
-    flutes: usize,
-    steps: usize,
-    depth: f32,
-) -> Shape {
-    // Flutes have the profile of an arc; the first step of each is the ridge between two.
-    let cut = |step: usize| {
-        let along = step as f32 / steps as f32;
-        1.0 - depth * (4.0 * along * (1.0 - along)).sqrt()
-    };
     let rings: Vec<Vec<Vec3>> = (profile.iter())
         .map(|&[radius, height]| {
-            around(flutes * steps)
-                .enumerate()
-                .map(|(i, at)| {
-                    let at = at * radius * cut(i % steps);
-                    vec3(at.x, height, at.y)
-                })
+            around(sides)
+                .map(|at| vec3(radius * at.x, height, radius * at.y))
                 .collect()
         })
         .collect();
-    turned(material, profile, &rings)
-}
-
-/// Creates the surface through the rings of a lathe. Its texture runs along the rings from one side to the other and
-/// back mirrored, so that it has no seam; across the rings it is as long as the profile.
-fn turned(material: MaterialId, profile: &[[f32; 2]], rings: &[Vec<Vec3>]) -> Shape {
-    let sides = rings[0].len();
-    let widest = profile.iter().fold(0.0, |most: f32, at| most.max(at[0]));
-    let around = |side: usize| {
-        let part = side as f32 / sides as f32;
-        TAU as f32 * widest * part.min(1.0 - part)
-    };
-    let mut shape = Shape::new();
-    let mut below = 0.0;
-    for (pair, ends) in rings.windows(2).zip(profile.windows(2)) {
-        let above = below - vec2(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]).length();
-        for i in 0..sides {
-            let next = (i + 1) % sides;
-            let corner = |ring: usize, side: usize, index: usize| {
-                let up = if ring == 0 { below } else { above };
-                (pair[ring][index], vec2(around(side), up))
-            };
-            let [a, b, c, d] = [
-                corner(0, i, i),
-                corner(0, i + 1, next),
-                corner(1, i + 1, next),
-                corner(1, i, i),
-            ];
-            for corners in [[a, b, c], [a, c, d]] {
-                shape.placed(
-                    material,
-                    &corners.map(|(at, _)| at),
-                    &corners.map(|(_, place)| place),
-                );
-            }
-        }
-        below = above;
-    }
-    shape
+    loft(material, &rings)
 }
 
 /// Creates a ball around the origin.
@@ -146,28 +55,6 @@ pub(crate) fn ball(material: MaterialId, radius: f32, rings: usize, sides: usize
         })
         .collect();
     lathe(material, &profile, sides)
-}
-
-/// Creates a round tube along a path, closed at both ends. `radius` is evaluated at fractions of the path's corners.
-pub(crate) fn tube(material: MaterialId, path: &[Vec3], radius: impl Fn(f32) -> f32, sides: usize) -> Shape {
-    let last = path.len() - 1;
-    let along = |i: usize| (path[(i + 1).min(last)] - path[i.saturating_sub(1)]).normalize();
-    let mut across = along(0).any_orthonormal_vector();
-    let mut rings = vec![vec![path[0]; sides]];
-    for (i, &center) in path.iter().enumerate() {
-        let forward = along(i);
-        // Parallel transport from corner to corner, so that the tube does not twist.
-        across = (across - forward * across.dot(forward)).normalize();
-        rings.push(ring(
-            center,
-            across,
-            forward.cross(across),
-            radius(i as f32 / last as f32),
-            sides,
-        ));
-    }
-    rings.push(vec![path[last]; sides]);
-    loft(material, &rings)
 }
 
 /// Creates a tube along a torus knot about the y axis: `turns` times around the axis, `coils` times around the ring.
@@ -202,23 +89,6 @@ pub(crate) fn knot(
         })
         .collect();
     loft(material, &rings)
-}
-
-/// Creates a torus about the y axis.
-pub(crate) fn round_tube(
-    material: MaterialId,
-    ring_radius: f32,
-    radius: f32,
-    sides: usize,
-    steps: usize,
-) -> Shape {
-    let profile: Vec<[f32; 2]> = (0..=steps)
-        .map(|step| {
-            let (sin, cos) = (TAU * (step % steps) as f64 / steps as f64).sin_cos();
-            [ring_radius + radius * cos as f32, radius * sin as f32]
-        })
-        .collect();
-    lathe(material, &profile, sides)
 }
 
 /// Returns a circle in the plane of `across` and `up`, counter-clockwise as seen from `across` × `up`.

@@ -13,8 +13,6 @@ use std::sync::Arc;
 /// Vertex attributes that the faces of a material get.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Dress {
-    /// One color, flat.
-    Bare,
     /// One color, with smooth normals at edges below the crease angle.
     Smooth,
     /// As [`Dress::Smooth`], with a texture.
@@ -120,7 +118,6 @@ pub(super) fn mesh(sheets: &[Sheet], dress: impl Fn(MaterialId) -> Dress) -> Arc
 
 fn weld(sheet: &Sheet, dress: Dress) -> Welded {
     let normals = match dress {
-        Dress::Bare => Vec::new(),
         Dress::Textured { cloth: true, .. } => smooth(sheet, FOLD),
         _ => smooth(sheet, CREASE),
     };

@@ -148,11 +148,6 @@ impl Shape {
         self
     }
 
-    /// Builds the mesh of all faces without attributes; corners at the same position are merged.
-    pub(crate) fn mesh(&self) -> Arc<Mesh> {
-        dress::mesh(&self.sheets, |_| Dress::Bare)
-    }
-
     /// Builds the mesh of all faces with the attributes that `dress` chooses for each material.
     pub(crate) fn dressed(&self, dress: impl Fn(MaterialId) -> Dress) -> Arc<Mesh> {
         dress::mesh(&self.sheets, dress)
@@ -285,6 +280,12 @@ mod tests {
 
     #[test]
     fn corners_at_one_place_become_one() {
-        assert_eq!(block(STONE, [0.0; 3], [1.0; 3]).mesh().positions().len(), 8);
+        assert_eq!(
+            block(STONE, [0.0; 3], [1.0; 3])
+                .dressed(|_| Dress::Smooth)
+                .positions()
+                .len(),
+            8
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! Compares the results of all methods with the reference. All methods share one ray-cast picture per view.
 
-use crate::prepare::{PreparedScene, in_files};
+use crate::open::in_files;
+use crate::prepare::PreparedScene;
 use crate::progress::Progress;
 use anyhow::{Result, bail};
 use enfilade::laws::{OwnerPicture, Reference, Truth, Verdict};

@@ -3,22 +3,23 @@
 use crate::Outcome;
 use crate::args::DrawArgs;
 use crate::cameras;
+use crate::json::Sink;
 #[cfg(feature = "levels")]
 use crate::levels::Leveled;
 use crate::measure::{self, PASSES};
 use crate::open::{Purpose, configure, open};
 use crate::out;
-use crate::prepare::{PreparedScene, prepare};
+use crate::picture::{draw, png, settings};
+use crate::prepare::{PreparedScene, SkippedMethod, left_out, prepare};
 use crate::progress::Progress;
-use crate::report::{Report, Reports, Sink, SkippedMethod, left_out};
+use crate::report::{Report, Reports};
 use crate::run_files::RunFiles;
 use crate::save::Destination;
 use crate::text::{count, ms, plural};
 use crate::values::Choice;
-use anyhow::{Context, Result, bail};
-use enfilade::{ChoiceGoal, Method, View, Viewer};
-use enfilade_draw::{Exposure, Legend, Picture, RgbImage, Samples, Settings, Show};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use anyhow::{Result, bail};
+use enfilade::{ChoiceGoal, Method, Viewer};
+use enfilade_draw::{Exposure, Legend, Samples, Show};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -240,35 +241,6 @@ fn numbered(file: &Path, number: usize, of: usize) -> PathBuf {
     } else {
         with_word(file, &format!("{number:0digits$}"))
     }
-}
-
-/// Returns the program's render settings: exposure adapts to the light at the eye.
-pub(crate) fn settings(show: Show) -> Settings {
-    let mut settings = Settings::default();
-    settings.show = show;
-    settings.exposure = Exposure::Eye(0.0);
-    settings
-}
-
-/// Draws a view, shading included.
-pub(crate) fn draw(
-    prepared: &PreparedScene,
-    viewer: &mut Viewer,
-    view: &View,
-    settings: &Settings,
-) -> Picture {
-    prepared.stage().draw(viewer, &prepared.scene, view, settings)
-}
-
-/// Returns a picture as the bytes of a PNG.
-pub(crate) fn png(image: &RgbImage) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    // The fastest compression makes pictures with large flat areas twice as large.
-    let png = PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
-    image
-        .write_with_encoder(png)
-        .context("cannot encode a picture as PNG")?;
-    Ok(bytes)
 }
 
 #[cfg(test)]

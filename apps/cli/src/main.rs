@@ -3,12 +3,14 @@
 
 mod args;
 mod bench;
+mod camera;
 mod cameras;
 mod check;
 mod choose;
 mod compare;
 mod draw;
 mod info;
+mod json;
 #[cfg(feature = "levels")]
 mod levels;
 mod link;
@@ -17,6 +19,7 @@ mod measure;
 mod names;
 mod open;
 mod out;
+mod picture;
 mod portals;
 mod prepare;
 mod progress;

@@ -2,13 +2,11 @@
 //!
 //! All passes run in the order of the views, so temporal coherence always uses the view before.
 
-use crate::draw::{draw, settings};
-use crate::open::OpenedScene;
+use crate::picture::draw;
 use crate::prepare::PreparedScene;
 use crate::progress::Progress;
-use crate::report::Report;
 use enfilade::{Contract, ItemId, OpeningId, Passage, Scene, SectorId, View, Viewer, VisibleSet};
-use enfilade_draw::{Settings, Show};
+use enfilade_draw::Settings;
 use std::time::Instant;
 
 /// Number of timed passes.
@@ -71,33 +69,6 @@ pub(crate) fn looks(
     });
     each.iter_mut().zip(times).for_each(|(look, ms)| look.ms = ms);
     LookResults { each, stats }
-}
-
-/// Times looks, drawing and traversal of every method over all views.
-pub(crate) fn all(
-    opened: &OpenedScene,
-    prepared: &[PreparedScene],
-    viewers: &mut [Viewer],
-    views: &[View],
-    size: [u32; 2],
-) -> Vec<Report> {
-    let settings = settings(Show::Image);
-    // The first pictures of a run are slow for any method, so they are not timed.
-    if let Some(view) = views.first() {
-        for (prepared, viewer) in prepared.iter().zip(&mut *viewers) {
-            draw(prepared, viewer, view, &settings);
-        }
-    }
-    let progress = Progress::steps("measuring", prepared.len() * views.len() * (1 + 3 * PASSES));
-    let measured = prepared.iter().zip(viewers).map(|(prepared, viewer)| {
-        let looks = looks(prepared, views, viewer, &progress);
-        let draws = draws(prepared, views, viewer, &settings, &progress);
-        let walks = walks(prepared, views, viewer, &progress);
-        let mut report = Report::new(opened, prepared, views, size, looks);
-        report.add_times(&draws, &walks);
-        report
-    });
-    measured.collect()
 }
 
 /// Draws all views, shading included, and returns the milliseconds of each. The viewer must have looked at all of them

@@ -1,7 +1,7 @@
 //! Opens scenes: files, or built-in scenes by name. Configures threads and SIMD.
 
 use crate::args::{HowArgs, LimitArgs, PortalArgs};
-use crate::cameras::Camera;
+use crate::camera::Camera;
 use crate::out;
 use crate::progress::Progress;
 use crate::run_files::RunFiles;
@@ -225,4 +225,23 @@ pub(crate) fn allow_threads(limits: &LimitArgs) -> Result<usize> {
             .with_context(|| format!("cannot start {threads} threads; use fewer with --threads"))?;
     }
     Ok(rayon::current_num_threads())
+}
+
+/// Returns the names of terrain sectors that are too large for meshes and are read from their file on demand.
+pub(crate) fn in_files(scene: &Scene) -> impl Iterator<Item = &str> {
+    let own = scene.sectors().filter(|&id| scene.geometry(id).is_none());
+    own.map(|id| scene.sector_name(id))
+}
+
+/// Fails if the scene has terrain that is read from its file on demand and `method` cannot look at it. `None` is
+/// any method that `choose` would try.
+pub(crate) fn stays_visible(opened: &OpenedScene, method: Option<Method>) -> Result<()> {
+    let required = Method::FloatingHorizon;
+    if method != Some(required) && in_files(&opened.scene).next().is_some() {
+        bail!(
+            "{}: terrain that does not fit in --memory needs {required}; use that --method, or raise --memory",
+            opened.file
+        );
+    }
+    Ok(())
 }

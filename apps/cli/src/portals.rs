@@ -2,9 +2,9 @@
 
 use crate::Outcome;
 use crate::args::PortalsArgs;
+use crate::json::Sink;
 use crate::out;
 use crate::progress::Progress;
-use crate::report::Sink;
 use crate::run_files::RunFiles;
 use crate::text::{bytes, plural, short};
 use anyhow::{Result, bail};

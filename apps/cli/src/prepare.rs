@@ -2,13 +2,13 @@
 
 use crate::args::HowArgs;
 use crate::choose::{self, ChoiceReport};
-use crate::open::OpenedScene;
+use crate::open::{OpenedScene, stays_visible};
 use crate::progress::Progress;
-use crate::report::SkippedMethod;
 use crate::values::Choice;
 use anyhow::{Result, anyhow, bail, ensure};
 use enfilade::{ChoiceGoal, Contract, Method, Scene, Unsuited, UnsuitedMethod, View, Viewer, ViewerOptions};
 use enfilade_draw::Stage;
+use serde::Serialize;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
@@ -24,6 +24,19 @@ pub(crate) struct PreparedScene {
     pub(crate) options: ViewerOptions,
     /// How `auto` chose the methods; empty otherwise.
     pub(crate) choices: Vec<ChoiceReport>,
+}
+
+/// A method that does not suit the scene, or exceeds the memory limit.
+#[derive(Debug, Serialize)]
+pub(crate) struct SkippedMethod {
+    pub(crate) method: &'static str,
+    pub(crate) why: String,
+}
+
+/// Returns the text for skipped methods, one line each.
+pub(crate) fn left_out(skipped: &[SkippedMethod]) -> String {
+    let line = |SkippedMethod { method, why }: &SkippedMethod| format!("  {method} is skipped: {why}\n");
+    skipped.iter().map(line).collect()
 }
 
 impl PreparedScene {
@@ -125,25 +138,6 @@ pub(crate) fn prepare(
         }
     }
     Ok((prepared, skipped))
-}
-
-/// Returns the names of terrain sectors that are too large for meshes and are read from their file on demand.
-pub(crate) fn in_files(scene: &Scene) -> impl Iterator<Item = &str> {
-    let own = scene.sectors().filter(|&id| scene.geometry(id).is_none());
-    own.map(|id| scene.sector_name(id))
-}
-
-/// Fails if the scene has terrain that is read from its file on demand and `method` cannot look at it. `None` is
-/// any method that `choose` would try.
-pub(crate) fn stays_visible(opened: &OpenedScene, method: Option<Method>) -> Result<()> {
-    let required = Method::FloatingHorizon;
-    if method != Some(required) && in_files(&opened.scene).next().is_some() {
-        bail!(
-            "{}: terrain that does not fit in --memory needs {required}; use that --method, or raise --memory",
-            opened.file
-        );
-    }
-    Ok(())
 }
 
 /// Measures the methods, and builds the cheapest for each sector.

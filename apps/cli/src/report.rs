@@ -1,17 +1,16 @@
 //! The JSON reports. Their keys are a stable interface.
 
-use crate::args::JsonArg;
 use crate::check::CheckResult;
 use crate::choose::ChoiceReport;
-use crate::measure::{LookPassage, LookResult, LookResults, median, p99};
+use crate::json::{SceneReport, rounded};
+use crate::measure::{LookPassage, LookResult, LookResults, PASSES, draws, looks, median, p99, walks};
 use crate::names::Names;
 use crate::open::OpenedScene;
-use crate::out;
-use crate::prepare::PreparedScene;
-use crate::run_files::RunFiles;
-use crate::save::Destination;
-use anyhow::{Context, Result};
-use enfilade::{Contract, ItemId, OpeningId, Scene, SectorId, View};
+use crate::picture::{draw, settings};
+use crate::prepare::{PreparedScene, SkippedMethod};
+use crate::progress::Progress;
+use enfilade::{Contract, ItemId, OpeningId, Scene, SectorId, View, Viewer};
+use enfilade_draw::Show;
 use enfilade_import::SourceNodes;
 use serde::ser::{Error, SerializeSeq};
 use serde::{Serialize, Serializer};
@@ -44,15 +43,6 @@ pub(crate) struct Report {
     /// With `auto`: the method of each sector, and the measurements it was chosen by.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) choices: Vec<ChoiceReport>,
-}
-
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct SceneReport {
-    pub(crate) file: String,
-    pub(crate) items: usize,
-    pub(crate) triangles: u64,
-    pub(crate) sectors: usize,
-    pub(crate) portals: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -165,19 +155,6 @@ pub(crate) struct Summary {
     pub(crate) certain: Option<f64>,
 }
 
-/// A method that does not suit the scene, or exceeds the memory limit.
-#[derive(Debug, Serialize)]
-pub(crate) struct SkippedMethod {
-    pub(crate) method: &'static str,
-    pub(crate) why: String,
-}
-
-/// Returns the text for skipped methods, one line each.
-pub(crate) fn left_out(skipped: &[SkippedMethod]) -> String {
-    let line = |SkippedMethod { method, why }: &SkippedMethod| format!("  {method} is skipped: {why}\n");
-    skipped.iter().map(line).collect()
-}
-
 /// The reports of one method, or of all.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
@@ -204,50 +181,6 @@ impl Reports {
         match self {
             Reports::One(report) => std::slice::from_ref(report),
             Reports::All { methods, .. } => methods,
-        }
-    }
-}
-
-/// Destination of the JSON report, checked to be writable before the work.
-pub(crate) enum Sink {
-    Nowhere,
-    Stdout,
-    File(Destination),
-}
-
-impl Sink {
-    /// Checks that the file can be written, and is not another file of the run.
-    pub(crate) fn new(json: &JsonArg, files: &mut RunFiles) -> Result<Sink> {
-        Ok(match &json.file {
-            None => Sink::Nowhere,
-            Some(_) if json.takes_stdout() => Sink::Stdout,
-            Some(file) => Sink::File(files.writes(file)?),
-        })
-    }
-
-    /// Writes a report to the destination.
-    pub(crate) fn write(&self, report: &impl Serialize) -> Result<()> {
-        let text = || serde_json::to_string_pretty(report).context("cannot encode the report as JSON");
-        match self {
-            Sink::Nowhere => Ok(()),
-            Sink::Stdout => out::print(&(text()? + "\n")),
-            Sink::File(file) => {
-                file.write((text()? + "\n").as_bytes())?;
-                Ok(())
-            }
-        }
-    }
-}
-
-impl SceneReport {
-    pub(crate) fn new(opened: &OpenedScene) -> SceneReport {
-        let scene = &opened.scene;
-        SceneReport {
-            file: opened.file.clone(),
-            items: scene.item_count(),
-            triangles: scene.triangle_count(),
-            sectors: scene.sector_count(),
-            portals: scene.portals().len(),
         }
     }
 }
@@ -372,6 +305,33 @@ impl Report {
     }
 }
 
+/// Times looks, drawing and traversal of every method over all views.
+pub(crate) fn measured(
+    opened: &OpenedScene,
+    prepared: &[PreparedScene],
+    viewers: &mut [Viewer],
+    views: &[View],
+    size: [u32; 2],
+) -> Vec<Report> {
+    let settings = settings(Show::Image);
+    // The first pictures of a run are slow for any method, so they are not timed.
+    if let Some(view) = views.first() {
+        for (prepared, viewer) in prepared.iter().zip(&mut *viewers) {
+            draw(prepared, viewer, view, &settings);
+        }
+    }
+    let progress = Progress::steps("measuring", prepared.len() * views.len() * (1 + 3 * PASSES));
+    let measured = prepared.iter().zip(viewers).map(|(prepared, viewer)| {
+        let looks = looks(prepared, views, viewer, &progress);
+        let draws = draws(prepared, views, viewer, &settings, &progress);
+        let walks = walks(prepared, views, viewer, &progress);
+        let mut report = Report::new(opened, prepared, views, size, looks);
+        report.add_times(&draws, &walks);
+        report
+    });
+    measured.collect()
+}
+
 impl PassageReport {
     fn new(way: &LookPassage, scene: &Scene) -> PassageReport {
         let opening = |(sector, opening): (SectorId, OpeningId)| {
@@ -443,11 +403,6 @@ impl ViewReport {
             expected: None,
         }
     }
-}
-
-/// Rounds to four decimals, so that 60 degrees print as 60, and times in ms to a tenth of a microsecond.
-pub(crate) fn rounded(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
 }
 
 fn as_text<S: Serializer>(value: &impl Display, serializer: S) -> Result<S::Ok, S::Error> {

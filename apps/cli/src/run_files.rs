@@ -1,6 +1,6 @@
 //! Tracks the files of a run, so that no output replaces an input or another output.
 
-use crate::save::Destination;
+use crate::save::{Destination, folder_of};
 use anyhow::{Result, bail};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -105,14 +105,6 @@ pub(crate) fn portals_beside(map: &Path) -> [PathBuf; 2] {
         map.with_extension("prt"),
         map.with_extension("").with_extension("prt"),
     ]
-}
-
-/// Returns the folder that a file is in.
-pub(crate) fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 /// Returns `true` if both paths name the same regular file.

@@ -4,7 +4,6 @@
 //! is locked while its run lives, so later runs can recognize those of dead runs and remove them.
 
 use crate::out;
-use crate::run_files::folder_of;
 use anyhow::{Context, Result, bail};
 use std::fs::{self, File, Metadata, TryLockError};
 use std::io::{self, ErrorKind, Write};
@@ -221,6 +220,14 @@ fn keep_owner_and_mode(file: &File, replaced: &Metadata) -> io::Result<()> {
         return Ok(());
     }
     file.set_permissions(replaced.permissions())
+}
+
+/// Returns the folder that a file is in.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
 }
 
 #[cfg(test)]

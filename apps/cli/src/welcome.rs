@@ -3,13 +3,13 @@
 use crate::Outcome;
 use crate::args::{Args, LookArgs, Verb};
 use crate::cameras;
-use crate::draw::{draw, png, settings};
+use crate::json::SceneReport;
 use crate::measure::{self, PASSES};
 use crate::open::{Purpose, open};
 use crate::out;
-use crate::prepare::prepare;
+use crate::picture::{draw, png, settings};
+use crate::prepare::{left_out, prepare};
 use crate::progress::Progress;
-use crate::report::{SceneReport, left_out};
 use crate::run_files::RunFiles;
 use crate::text::{count, ms, plural, table};
 use crate::values::Choice;

@@ -12,9 +12,9 @@
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
 use crate::ids::PassageId;
-use crate::passage::Passage;
 use crate::scene::Scene;
-use crate::visible::{VisibleItem, VisibleSet};
+use crate::view::passage::Passage;
+use crate::view::visible::{VisibleItem, VisibleSet};
 
 impl VisibleSet {
     /// Returns the alpha-blended items ([`VisibleItem::blends`]) back to front: draw them in this order, after all

@@ -4,8 +4,8 @@ use crate::geom::Step;
 use crate::geometry::{Alpha, Geometry};
 use crate::ids::{ItemId, OpeningId};
 use crate::mesh::Cluster;
-use crate::opening_view::OpeningView;
-use crate::passage::Passage;
+use crate::view::opening_view::OpeningView;
+use crate::view::passage::Passage;
 use glam::{DAffine3, DVec3};
 
 /// A batch of faces with one mesh, one transform and one material, as plain arrays.

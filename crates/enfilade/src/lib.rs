@@ -81,31 +81,28 @@
 
 pub mod cover;
 pub mod geom;
-mod opening_view;
 pub mod order;
 
-mod aperture;
 mod blend;
-mod canvas;
 #[cfg(test)]
 mod chance;
 mod choose;
-mod collector;
-mod entrance;
+mod contract;
+mod counts;
 mod faces;
 mod geometry;
 mod ids;
+#[cfg(feature = "terrain")]
+mod large_terrain;
 #[cfg(feature = "laws")]
 pub mod laws;
-mod memory;
+mod look;
 mod mesh;
 mod method;
 mod occluders;
-mod options;
-mod passage;
 mod query;
+mod ranked;
 mod raster;
-mod region;
 mod scene;
 mod sector;
 mod simd;
@@ -113,15 +110,12 @@ mod stats;
 #[cfg(feature = "terrain")]
 mod terrain;
 mod threads;
+mod traversal;
 mod unsuited;
 mod view;
-mod viewer;
-mod visible;
 
-pub use aperture::{Aperture, Rect, Rows};
-pub use canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use choose::{ChoiceGoal, ChoiceOptions, Cost, MethodChoice, SkipReason, Trial, choose_methods};
-pub use collector::Collector;
+pub use contract::Contract;
 pub use cover::OccluderMesh;
 pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
@@ -133,7 +127,8 @@ pub use ids::{
     CellId, ItemId, LightId, MaterialId, MeshId, NestedId, OpeningId, PassageId, PortalId, SectorId,
     TextureId,
 };
-pub use memory::Memory;
+#[cfg(feature = "terrain")]
+pub use large_terrain::{HeightBytes, HeightFormat, Heights, LargeTerrain};
 pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
 #[cfg(feature = "terrain")]
 pub use method::FloatingHorizon;
@@ -147,24 +142,26 @@ pub use occluders::{
     Occluder, OccluderMeasure, OccluderRoom, OccluderSelection, OccluderSet, OccluderSummary,
     SelectedOccluder,
 };
-pub use options::{Limits, ViewerOptions};
-pub use passage::Passage;
 pub use query::{
     BodyInSector, BoxVisibility, LightReach, Location, MoveResult, NearItem, NearItems, NearestItem, RayCast,
     RayEnd, SightLine, Survey, SurveyView, survey, survey_hard, survey_in,
 };
-pub use region::{Region, Visibility};
 pub use scene::{
     Edit, EditError, ErrorSubject, Light, LightShape, Portal, PortalEnd, Scene, SceneBuilder, SceneError,
 };
-pub use sector::{BuildStats, Contract, Hit, Ray, Requirement, Sector, Surface};
+pub use sector::{BuildStats, Hit, Ray, Requirement, Sector, Surface};
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
 #[cfg(feature = "terrain")]
-pub use terrain::{
-    Diagonal, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights, LargeTerrain,
-};
+pub use terrain::{Diagonal, HeightField, HeightFieldError};
 pub use unsuited::{FaceName, NotConvex, Unsuited};
+pub use view::aperture::{Aperture, Rect, Rows};
+pub use view::canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
+pub use view::collector::Collector;
+pub use view::memory::Memory;
+pub use view::options::{Limits, ViewerOptions};
+pub use view::passage::Passage;
+pub use view::region::{Region, Visibility};
+pub use view::viewer::Viewer;
+pub use view::visible::{VisibleItem, VisibleSet};
 pub use view::{View, ViewError};
-pub use viewer::Viewer;
-pub use visible::{VisibleItem, VisibleSet};

@@ -1,13 +1,14 @@
 //! The trait that every sector implements, and the types of its ray casts and contracts.
 
-use crate::canvas::Canvas;
-use crate::collector::Collector;
+use crate::contract::Contract;
 use crate::geom::Aabb;
 use crate::geometry::{Alpha, Opening};
 use crate::ids::ItemId;
-use crate::memory::Memory;
-use crate::options::ViewerOptions;
-use crate::passage::Passage;
+use crate::view::canvas::Canvas;
+use crate::view::collector::Collector;
+use crate::view::memory::Memory;
+use crate::view::options::ViewerOptions;
+use crate::view::passage::Passage;
 use std::fmt;
 
 /// A region of the scene that computes its own visibility: a [`Geometry`](crate::Geometry) with a
@@ -148,25 +149,6 @@ pub struct Surface {
     pub alpha: Alpha,
 }
 
-/// The guarantee that a method gives for its visible set.
-///
-/// A *sample* is a pixel centre, or the position given by [`View::sample`](crate::View::sample). A face owns a sample
-/// if it is the nearest opaque face there.
-#[doc(alias = "guarantee")]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Contract {
-    /// The set may miss visible items; the method's docs say in which scenes.
-    Approximate,
-    /// The set holds every item that owns a sample, or is transparent in front of one. It may also hold hidden items.
-    Conservative,
-    /// Conservative for samples at any position in the pixels, so at any resolution.
-    Strict,
-    /// The set holds every item that owns a sample, or is transparent in front of one, and no item that is hidden at
-    /// all samples.
-    Exact,
-}
-
 /// Requirement of a [`Method`](crate::Method) on the geometry of a sector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -185,38 +167,6 @@ impl fmt::Display for Requirement {
             Requirement::BakedCells => "baked cells",
             Requirement::Convex => "convex geometry",
             Requirement::Terrain => "a height field",
-        })
-    }
-}
-
-impl Contract {
-    /// Returns `true` if no visible item is ever missing from the set: for all contracts but [`Contract::Approximate`].
-    pub fn never_misses(self) -> bool {
-        self != Contract::Approximate
-    }
-
-    /// Returns the contract of two sectors together, where one is visible through an opening of the other.
-    ///
-    /// Two equal contracts give the same contract; [`Contract::Approximate`] with any other gives `Approximate`; all
-    /// other pairs give [`Contract::Conservative`]. Exact and strict combine to neither: a strict parent opens a larger
-    /// clip region than is visible, and an exact one opens only what pixel centres show.
-    #[must_use]
-    pub fn combined_with(self, other: Contract) -> Contract {
-        match (self, other) {
-            (Contract::Approximate, _) | (_, Contract::Approximate) => Contract::Approximate,
-            (a, b) if a == b => a,
-            _ => Contract::Conservative,
-        }
-    }
-}
-
-impl fmt::Display for Contract {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            Contract::Approximate => "approximate",
-            Contract::Conservative => "conservative",
-            Contract::Strict => "strict",
-            Contract::Exact => "exact",
         })
     }
 }

@@ -4,11 +4,10 @@ mod report;
 
 use crate::Outcome;
 use crate::args::{ChooseArgs, PortalArgs};
-use crate::open::{OpenedScene, Purpose, configure_with, open};
+use crate::json::Sink;
+use crate::open::{OpenedScene, Purpose, configure_with, open, stays_visible};
 use crate::out;
-use crate::prepare::stays_visible;
 use crate::progress::Progress;
-use crate::report::Sink;
 use crate::run_files::RunFiles;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, ensure};

@@ -1,7 +1,7 @@
 //! The report of `choose`, as text and as JSON.
 
+use crate::json::{SceneReport, rounded};
 use crate::open::OpenedScene;
-use crate::report::{SceneReport, rounded};
 use crate::text::{bytes, count, ms, plural, short, table};
 use enfilade::{
     ChoiceGoal, ChoiceOptions, Contract, Cost, Method, MethodChoice, Scene, SkipReason, Trial, Unsuited,

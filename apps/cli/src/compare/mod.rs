@@ -14,13 +14,13 @@ use crate::Outcome;
 use crate::args::CompareArgs;
 use crate::cameras;
 use crate::check::{CheckResult, check_view, reference};
+use crate::json::{SceneReport, Sink};
 use crate::look::{print_failures, warn_of_contested};
-use crate::measure;
 use crate::open::{Purpose, configure, open};
 use crate::out;
-use crate::prepare::{PreparedScene, prepare};
+use crate::prepare::{PreparedScene, SkippedMethod, left_out, prepare};
 use crate::progress::Progress;
-use crate::report::{Report, Reports, SceneReport, Sink, SkippedMethod, left_out};
+use crate::report::{Report, Reports, measured};
 use crate::run_files::RunFiles;
 use crate::save::Destination;
 use crate::text::plural;
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, ChoiceGoal::Draw, &args.how, views.first())?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(PreparedScene::viewer).collect();
-    let mut reports = measure::all(&opened, &prepared, &mut viewers, &views, args.cameras.size);
+    let mut reports = measured(&opened, &prepared, &mut viewers, &views, args.cameras.size);
     let (found, pictures) = check_and_draw(&prepared, &mut viewers, &views, args.pictures)?;
     for ((report, found), prepared) in reports.iter_mut().zip(&found).zip(&prepared) {
         report.add_checks(found, &prepared.scene);

@@ -3,7 +3,7 @@
 use super::contested::Neighbours;
 use super::difference::{dimmed, marked};
 use super::embed::{data_uri, shrunk, step};
-use crate::draw::{draw, settings};
+use crate::picture::{draw, settings};
 use crate::prepare::{PreparedScene, drawn_by};
 use anyhow::Result;
 use enfilade::laws::{OwnerPicture, Truth};

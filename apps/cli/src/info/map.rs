@@ -1,6 +1,6 @@
 //! The part of `info` that only compiled maps have.
 
-use crate::report::rounded;
+use crate::json::rounded;
 use crate::text::{bytes, count, plural};
 use enfilade::{CellId, Geometry};
 use enfilade_import::MapSummary;

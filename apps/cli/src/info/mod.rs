@@ -5,9 +5,9 @@ mod occluders;
 
 use crate::Outcome;
 use crate::args::InfoArgs;
+use crate::json::{Sink, rounded};
 use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
-use crate::report::{Sink, rounded};
 use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, plural, point};
 use crate::values::Choice;
@@ -343,8 +343,8 @@ impl Lights {
     }
 }
 
-impl From<crate::cameras::Camera> for CameraEntry {
-    fn from(camera: crate::cameras::Camera) -> CameraEntry {
+impl From<crate::camera::Camera> for CameraEntry {
+    fn from(camera: crate::camera::Camera) -> CameraEntry {
         let fov = rounded(f64::from(camera.fov_y).to_degrees());
         CameraEntry {
             name: camera.name,

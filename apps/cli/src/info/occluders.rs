@@ -1,6 +1,6 @@
 //! The part of `info` about occluders.
 
-use crate::report::rounded;
+use crate::json::rounded;
 use enfilade::{Geometry, OccluderSet};
 use serde::Serialize;
 use std::time::Instant;

@@ -4,11 +4,11 @@ mod world;
 
 use crate::Outcome;
 use crate::args::LinkArgs;
+use crate::json::Sink;
 use crate::open::allow_threads;
 use crate::out;
 use crate::progress::Progress;
 use crate::read::read_file;
-use crate::report::Sink;
 use crate::run_files::RunFiles;
 use crate::text::{bytes, count, plural};
 use anyhow::{Context, Result, anyhow, bail};

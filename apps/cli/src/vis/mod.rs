@@ -8,11 +8,11 @@ mod unfinished;
 
 use crate::Outcome;
 use crate::args::VisArgs;
+use crate::json::Sink;
 use crate::open::allow_threads;
 use crate::out;
 use crate::progress::Progress;
 use crate::read::read_file;
-use crate::report::Sink;
 use crate::run_files::{RunFiles, is_same, portals_beside};
 use crate::save::Destination;
 use anyhow::{Context, Result, anyhow, bail, ensure};

@@ -15,15 +15,15 @@
 
 mod trial;
 
+use crate::contract::Contract;
 use crate::geom::Transform;
 use crate::geometry::Geometry;
 use crate::ids::{ItemId, SectorId};
 use crate::method::{Method, UnsuitedMethod};
-use crate::passage::Passage;
 use crate::scene::Scene;
-use crate::sector::Contract;
 use crate::view::View;
-use crate::viewer::Viewer;
+use crate::view::passage::Passage;
+use crate::view::viewer::Viewer;
 use std::sync::Arc;
 use std::time::Duration;
 use thiserror::Error;

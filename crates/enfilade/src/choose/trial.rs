@@ -1,15 +1,15 @@
 //! Measures one method in one sector.
 
 use super::{ChoiceGoal, ChoiceOptions, Cost, ViewSubset};
-use crate::canvas::{Canvas, Span};
-use crate::collector::Collector;
 use crate::geometry::{Geometry, Owner};
 use crate::ids::PassageId;
-use crate::memory::Memory;
 use crate::method::{Method, UnsuitedMethod};
-use crate::passage::Passage;
 use crate::sector::Sector;
 use crate::stats::Stats;
+use crate::view::canvas::{Canvas, Span};
+use crate::view::collector::Collector;
+use crate::view::memory::Memory;
+use crate::view::passage::Passage;
 use std::sync::Arc;
 use std::time::Duration;
 

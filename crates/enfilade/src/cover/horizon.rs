@@ -18,16 +18,16 @@
 
 use super::samples::{COVERED, OPEN, Sample, Samples, look_through, rev_depth};
 use super::{Cover, Paints};
-use crate::aperture::Rect;
-use crate::canvas::Canvas;
-use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
-use crate::passage::Passage;
 use crate::raster::{Band, Raster, Sink, Triangle};
-use crate::region::{Region, Visibility};
 use crate::stats::Stats;
+use crate::view::aperture::Rect;
+use crate::view::canvas::Canvas;
+use crate::view::collector::Collector;
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 use glam::DVec3;
 
 /// Depth buffer with two floating horizons per group of eight columns, for terrain.

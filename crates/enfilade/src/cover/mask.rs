@@ -9,16 +9,16 @@
 
 use super::samples::{Samples, look_through};
 use super::{Cover, Paints};
-use crate::aperture::Rect;
-use crate::canvas::Canvas;
-use crate::collector::Collector;
 use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::NearToFar;
-use crate::passage::Passage;
 use crate::raster::{Band, Raster, Sink, Triangle};
-use crate::region::{Region, Visibility};
 use crate::stats::Stats;
+use crate::view::aperture::Rect;
+use crate::view::canvas::Canvas;
+use crate::view::collector::Collector;
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 
 /// Coverage mask: painted samples are never overwritten.
 ///

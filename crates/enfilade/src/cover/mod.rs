@@ -36,18 +36,18 @@ pub use occlusion_tree::{BoxTest, ByBox, ByFaces, OcclusionTree};
 pub use painters_buffer::PaintersBuffer;
 pub use span_buffer::SpanBuffer;
 
-use crate::aperture::Rect;
-use crate::canvas::{Canvas, CoverShape};
-use crate::collector::Collector;
+use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::Owners;
 use crate::occluders::{Occluder, OccluderMeasure};
-use crate::passage::Passage;
 use crate::raster::{Band, Triangle};
-use crate::region::{Region, Visibility};
-use crate::sector::Contract;
 use crate::stats::Stats;
+use crate::view::aperture::Rect;
+use crate::view::canvas::{Canvas, CoverShape};
+use crate::view::collector::Collector;
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 use glam::DAffine3;
 
 /// Keeps [`Cover`] and its parameters from being implemented elsewhere.

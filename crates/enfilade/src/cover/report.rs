@@ -2,11 +2,11 @@
 
 use super::samples::{OPEN, Sample, owner_of};
 use super::trace::Trace;
-use crate::aperture::Rect;
-use crate::canvas::{Canvas, Span};
-use crate::collector::{Collector, GlassSample, ReportBuffers, report_owners};
 use crate::geometry::{Owner, Owners};
 use crate::ids::ItemId;
+use crate::view::aperture::Rect;
+use crate::view::canvas::{Canvas, Span};
+use crate::view::collector::{Collector, GlassSample, ReportBuffers, report_owners};
 
 /// Collects runs of equal owners, left to right and row after row.
 pub(super) struct Report<'a> {

@@ -2,15 +2,15 @@
 
 use super::report::Report;
 use super::trace::Trace;
-use crate::aperture::Rect;
-use crate::canvas::Canvas;
-use crate::collector::Collector;
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::Owners;
 use crate::ids::ItemId;
-use crate::passage::Passage;
 use crate::raster::{Band, Raster, Row, Sink, Triangle};
 use crate::stats::Stats;
+use crate::view::aperture::Rect;
+use crate::view::canvas::Canvas;
+use crate::view::collector::Collector;
+use crate::view::passage::Passage;
 use std::ops::Range;
 
 /// Bits of the reversed depth in the upper half, the complement of the face number in the lower. The maximum is the

@@ -1,8 +1,8 @@
 //! Emits the contents of a cover to a canvas, row by row inside the aperture.
 
-use crate::aperture::Rect;
-use crate::canvas::{Canvas, CoverSpan};
-use crate::passage::Passage;
+use crate::view::aperture::Rect;
+use crate::view::canvas::{Canvas, CoverSpan};
+use crate::view::passage::Passage;
 
 /// Emits the rows of a passage to a canvas; `run` appends the spans of row `y` in the open columns `run[0]..run[1]`.
 ///

@@ -1,7 +1,7 @@
 //! Work counters of a cover, sample by sample, for debug pictures.
 
-use crate::aperture::Rect;
-use crate::canvas::Canvas;
+use crate::view::aperture::Rect;
+use crate::view::canvas::Canvas;
 
 /// Number of depth tests of each sample, and the batch that its owner came with.
 #[derive(Default)]

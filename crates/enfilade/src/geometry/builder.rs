@@ -1,12 +1,12 @@
 //! Builds a geometry and checks it.
 
 use super::names::Names;
+#[cfg(feature = "terrain")]
+use super::terrain::Terrain;
 use super::{BakedCells, Geometry, Item, Material, Opening, Texture};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, Transform, is_in_range};
 use crate::ids::{ItemId, MeshId, OpeningId};
 use crate::mesh::Mesh;
-#[cfg(feature = "terrain")]
-use crate::terrain::Terrain;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 use thiserror::Error;
 

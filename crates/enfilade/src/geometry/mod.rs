@@ -7,6 +7,8 @@ mod material;
 mod names;
 mod owners;
 mod slots;
+#[cfg(feature = "terrain")]
+mod terrain;
 mod texture;
 
 pub use baked_cells::{BakedCells, BakedCellsError, CellNode, CellSide, CellTree};
@@ -23,12 +25,12 @@ pub use texture::{Filter, Minify, Texture, TextureError, Wrap};
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::ids::{ItemId, MeshId, OpeningId};
 use crate::mesh::{Cluster, Mesh};
-#[cfg(feature = "terrain")]
-use crate::terrain::Terrain;
 use names::Names;
 use slots::Slots;
 use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+#[cfg(feature = "terrain")]
+pub(crate) use terrain::Terrain;
 
 /// A mesh with a transform: the unit that an engine draws and that [`VisibleSet`](crate::VisibleSet) lists.
 #[doc(alias = "instance")]

@@ -4,7 +4,7 @@
 //! is detected.
 
 use crate::ids::{PassageId, PortalId, SectorId};
-use crate::passage::Passage;
+use crate::view::passage::Passage;
 use std::collections::HashMap;
 
 /// Index of a chain in a [`Chains`]; 0 is the empty chain.

@@ -6,10 +6,10 @@
 use super::EPSILON;
 use super::chains::{Chain, Chains, PassageChains};
 use super::reference::RayResult;
-use crate::canvas::{Canvas, Span};
 use crate::geometry::Owner;
 use crate::ids::{ItemId, PassageId};
-use crate::passage::Passage;
+use crate::view::canvas::{Canvas, Span};
+use crate::view::passage::Passage;
 
 /// A hit on an alpha-blended or alpha-tested face.
 #[derive(Clone, Copy)]

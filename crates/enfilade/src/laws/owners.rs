@@ -1,10 +1,10 @@
 //! A picture of the face that owns each sample.
 
 use super::chains::{Chain, Chains, PassageChains};
-use crate::canvas::{Canvas, Span};
 use crate::geometry::Owner;
 use crate::ids::PassageId;
-use crate::passage::Passage;
+use crate::view::canvas::{Canvas, Span};
+use crate::view::passage::Passage;
 
 /// A canvas that records the opaque owner of each sample; transparent spans are ignored.
 pub struct OwnerPicture {

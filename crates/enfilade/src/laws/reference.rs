@@ -12,9 +12,9 @@ use super::tree::{Meeting, MeshTrees, Trees};
 use super::truth::{Possible, RowTruth, Truth};
 use crate::geometry::Owner;
 use crate::ids::{ItemId, OpeningId, SectorId};
-use crate::options::Limits;
 use crate::scene::Scene;
 use crate::view::View;
+use crate::view::options::Limits;
 use glam::DAffine3;
 use rayon::prelude::*;
 

@@ -5,7 +5,7 @@ use super::owners::OwnerPicture;
 use super::reference::RayResult;
 use crate::geometry::Owner;
 use crate::ids::{ItemId, PassageId, SectorId};
-use crate::visible::VisibleSet;
+use crate::view::visible::VisibleSet;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// A possible owner of a sample; `None` for the background.

@@ -1,19 +1,20 @@
 //! The sector of a built-in method: one implementation of the sector trait for all ways to use an order.
 
 use super::editable::{EditStats, EditableSector, edit_order};
-use crate::canvas::{Canvas, CoverShape};
-use crate::collector::Collector;
+use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Changes, Exchanged, Geometry, Opening};
 use crate::ids::ItemId;
-use crate::memory::{Marks, Memory};
-use crate::options::ViewerOptions;
 use crate::order::{Order, Visit};
-use crate::passage::Passage;
-use crate::region::{Region, Visibility};
-use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
+use crate::sector::{BuildStats, Hit, Ray, Sector, Surface};
 use crate::unsuited::Unsuited;
+use crate::view::canvas::{Canvas, CoverShape};
+use crate::view::collector::Collector;
+use crate::view::memory::{Marks, Memory};
+use crate::view::options::ViewerOptions;
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 use std::sync::Arc;
 
 /// A way to compute visibility from an order: with a cover that holds the picture ([`Paired`](super::Paired)), with one

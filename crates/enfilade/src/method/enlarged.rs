@@ -1,8 +1,8 @@
 //! Visualizes a low-resolution cover at the resolution of the screen.
 
-use crate::canvas::{Canvas, CoverSpan, Span};
 use crate::ids::PassageId;
-use crate::passage::Passage;
+use crate::view::canvas::{Canvas, CoverSpan, Span};
+use crate::view::passage::Passage;
 
 /// A canvas for cells of a low-resolution cover, which it maps to the samples of another canvas, clipped to the
 /// aperture.

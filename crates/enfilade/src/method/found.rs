@@ -1,15 +1,15 @@
 //! Traversal with occlusion tests for covers that hold no picture: collects the clusters and openings that pass.
 
-use crate::collector::{Collector, FoundClusters};
 use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
 use crate::ids::{ItemId, OpeningId};
-use crate::memory::{Marks, Memory};
 use crate::order::{Order, Visit};
-use crate::passage::Passage;
-use crate::region::{Region, Visibility};
 use crate::stats::Stats;
+use crate::view::collector::{Collector, FoundClusters};
+use crate::view::memory::{Marks, Memory};
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 use glam::DAffine3;
 
 /// The occlusion test of a traversal: a cover at the resolution of samples or of cells.

@@ -3,14 +3,14 @@
 //! Drawing is a second pass over the set of a look. In a single pass, the clip regions behind openings would come from
 //! drawn samples and be narrower than in a look, so drawing and looking would return different sets.
 
-use crate::canvas::Canvas;
-use crate::collector::Collector;
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry};
 use crate::ids::ItemId;
-use crate::memory::Memory;
-use crate::passage::Passage;
+use crate::view::canvas::Canvas;
+use crate::view::collector::Collector;
+use crate::view::memory::Memory;
+use crate::view::passage::Passage;
 
 /// Potentially visible clusters.
 #[derive(Default)]

@@ -11,19 +11,19 @@ use super::enlarged::CellUpscaler;
 use super::found::{OcclusionTest, find};
 use super::gathered::draw_gathered;
 use super::{Culled, Paired};
-use crate::aperture::CellRoom;
-use crate::canvas::{Canvas, CoverShape};
-use crate::collector::Collector;
+use crate::contract::Contract;
 use crate::cover::{Coarse, CoarseCoverage, Cover, DepthBuffer};
 use crate::faces::Faces;
 use crate::geometry::{Exchanged, Geometry};
-use crate::memory::Memory;
-use crate::options::ViewerOptions;
 use crate::order::Order;
-use crate::passage::Passage;
-use crate::region::{Region, Visibility};
-use crate::sector::Contract;
 use crate::stats::Stats;
+use crate::view::aperture::CellRoom;
+use crate::view::canvas::{Canvas, CoverShape};
+use crate::view::collector::Collector;
+use crate::view::memory::Memory;
+use crate::view::options::ViewerOptions;
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 
 /// A method whose cover can work on cells.
 pub(super) trait CoarseCombination: Combination {

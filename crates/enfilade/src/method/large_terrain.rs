@@ -5,21 +5,22 @@
 
 use super::combined::Count;
 use super::strips::{self, look_in_strips};
-use crate::canvas::Canvas;
-use crate::collector::Collector;
+use crate::contract::Contract;
 use crate::cover::{Cover, Horizon, Paints};
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::Opening;
 use crate::ids::ItemId;
-use crate::memory::Memory;
-use crate::options::ViewerOptions;
+use crate::large_terrain::{LargeTerrain, Workplace};
 use crate::order::Visit;
-use crate::passage::Passage;
-use crate::region::{Region, Visibility};
-use crate::sector::{BuildStats, Contract, Hit, Ray, Sector, Surface};
+use crate::sector::{BuildStats, Hit, Ray, Sector, Surface};
 use crate::stats::Stats;
-use crate::terrain::{LargeTerrain, Workplace};
+use crate::view::canvas::Canvas;
+use crate::view::collector::Collector;
+use crate::view::memory::Memory;
+use crate::view::options::ViewerOptions;
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 
 impl LargeTerrain {
     fn look(

@@ -22,11 +22,12 @@ pub use ordered::Ordered;
 pub use paired::Paired;
 pub use table::*;
 
-use crate::canvas::CoverShape;
+use crate::contract::Contract;
 use crate::geometry::Geometry;
-use crate::sector::{Contract, Requirement, Sector};
+use crate::sector::{Requirement, Sector};
 use crate::unsuited::Unsuited;
 use crate::view::View;
+use crate::view::canvas::CoverShape;
 use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;

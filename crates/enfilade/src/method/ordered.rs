@@ -7,17 +7,17 @@
 use super::combined::Combination;
 use super::found::{OcclusionTest, find};
 use super::gathered::draw_gathered;
-use crate::canvas::{Canvas, CoverShape};
-use crate::collector::Collector;
+use crate::contract::Contract;
 use crate::cover::{Cover, DepthBuffer};
 use crate::faces::Faces;
 use crate::geometry::Geometry;
-use crate::memory::Memory;
 use crate::order::Order;
-use crate::passage::Passage;
-use crate::region::{Region, Visibility};
-use crate::sector::Contract;
 use crate::stats::Stats;
+use crate::view::canvas::{Canvas, CoverShape};
+use crate::view::collector::Collector;
+use crate::view::memory::Memory;
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 use std::marker::PhantomData;
 
 /// Method made of an order alone: what the order emits is the visible set.

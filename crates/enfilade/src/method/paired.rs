@@ -2,19 +2,19 @@
 
 use super::combined::Combination;
 use super::strips::{self, look_in_strips};
-use crate::canvas::{Canvas, CoverShape};
-use crate::collector::Collector;
+use crate::contract::Contract;
 use crate::cover::Paints;
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::{Alpha, Geometry};
 use crate::ids::ItemId;
-use crate::memory::{Marks, Memory};
-use crate::options::ViewerOptions;
 use crate::order::{Gives, Order, Visit};
-use crate::passage::Passage;
-use crate::region::{Region, Visibility};
-use crate::sector::Contract;
 use crate::stats::Stats;
+use crate::view::canvas::{Canvas, CoverShape};
+use crate::view::collector::Collector;
+use crate::view::memory::{Marks, Memory};
+use crate::view::options::ViewerOptions;
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 use std::marker::PhantomData;
 
 /// Method made of an order and a cover that rasterizes. Incompatible pairs are rejected at compile time:

@@ -9,14 +9,14 @@
 
 use super::culled::SampleCover;
 use super::found::{FoundSet, Walk};
-use crate::collector::Collector;
 use crate::cover::Hides;
 use crate::geometry::Geometry;
-use crate::memory::{Marks, Memory};
 use crate::order::Order;
-use crate::passage::Passage;
 use crate::stats::Stats;
 use crate::threads;
+use crate::view::collector::Collector;
+use crate::view::memory::{Marks, Memory};
+use crate::view::passage::Passage;
 
 /// Parts per thread, for load balancing. More parts would have more items in common.
 const PER_THREAD: usize = 2;

@@ -10,14 +10,14 @@
 //!     found visible, and also projects geometry that extends into the next strip.
 //! Exact: the same items, clusters and openings at every sample for any number of strips; only the work counts differ.
 
-use crate::aperture::{Rect, Rows};
-use crate::collector::{Collector, report_owners};
 use crate::geometry::Owners;
 use crate::ids::ItemId;
-use crate::memory::Memory;
-use crate::passage::Passage;
 use crate::stats::Stats;
 use crate::threads;
+use crate::view::aperture::{Rect, Rows};
+use crate::view::collector::{Collector, report_owners};
+use crate::view::memory::Memory;
+use crate::view::passage::Passage;
 
 /// Strips per thread, so that none waits long for the most expensive one; more would repeat more work.
 const PER_THREAD: usize = 2;

@@ -7,7 +7,7 @@
 use super::combined::{Combination, Combined};
 use super::in_cells::InCells;
 use super::{Culled, EditableSector, Ordered, Paired};
-use crate::canvas::CoverShape;
+use crate::contract::Contract;
 #[cfg(feature = "terrain")]
 use crate::cover::Horizon;
 use crate::cover::{ByBox, ByFaces, DepthBuffer, DepthPyramid, MaskedDepth, OcclusionTree, SpanBuffer};
@@ -19,8 +19,9 @@ use crate::order::TerrainRows;
 use crate::order::{BakedCellsOrder, BvhOrder, KdTreeOrder, OctreeOrder, Order, Unordered};
 #[cfg(feature = "classic")]
 use crate::order::{Bsp, ConvexCell, DepthSort, FarToNear, Mean, Min, NearToFar};
-use crate::sector::{Contract, Requirement};
+use crate::sector::Requirement;
 use crate::unsuited::Unsuited;
+use crate::view::canvas::CoverShape;
 use std::sync::Arc;
 
 /// Painter's algorithm: faces drawn back to front, sorted by their nearest corner.

@@ -17,9 +17,9 @@ use super::{OccluderSet, Polygon};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
 use crate::ids::ItemId;
-use crate::passage::Passage;
+use crate::ranked::Ranked;
+use crate::view::passage::Passage;
 use glam::{DAffine3, DVec3};
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// An occluder selected for a view.
@@ -53,7 +53,8 @@ impl SelectedOccluder {
 /// Pass the same value to [`OccluderSet::choose`] every frame to avoid allocations.
 #[derive(Debug, Default)]
 pub struct OccluderSelection {
-    queue: BinaryHeap<QueueEntry>,
+    /// By an upper bound of the measure; for a measured polygon by the measure itself.
+    queue: BinaryHeap<Ranked<f64, QueueTarget>>,
     entered: Vec<EnteredItem>,
     corners: Vec<DVec3>,
     chosen: Vec<SelectedOccluder>,
@@ -73,14 +74,6 @@ impl OccluderSelection {
     }
 }
 
-/// An entry of the priority queue.
-#[derive(Debug)]
-struct QueueEntry {
-    /// Upper bound of the measure; the value itself for a measured polygon.
-    bound: f64,
-    target: QueueTarget,
-}
-
 /// Target of a queue entry.
 ///
 /// Among equal bounds boxes come first, so that all polygons of that value are known when one of them is taken; then
@@ -98,28 +91,6 @@ enum QueueTarget {
     /// A measured polygon.
     Measured { item: u32, index: u32 },
 }
-
-impl Ord for QueueEntry {
-    fn cmp(&self, other: &QueueEntry) -> Ordering {
-        self.bound
-            .total_cmp(&other.bound)
-            .then(other.target.cmp(&self.target))
-    }
-}
-
-impl PartialOrd for QueueEntry {
-    fn partial_cmp(&self, other: &QueueEntry) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for QueueEntry {
-    fn eq(&self, other: &QueueEntry) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for QueueEntry {}
 
 impl OccluderSet {
     /// Selects up to `budget` occluders visible in `passage`, best first.
@@ -236,7 +207,7 @@ impl SelectionRun<'_> {
             passage,
             ..
         } = *chooser;
-        while let Some(QueueEntry { bound, target }) = choice.queue.pop() {
+        while let Some(Ranked(bound, target)) = choice.queue.pop() {
             match target {
                 QueueTarget::Node(node) => {
                     if may_be_seen(&passage.screen_from_sector, set.tree.bounds(node)) {
@@ -293,7 +264,7 @@ impl OccluderSelection {
     fn push(&mut self, bound: Option<f64>, target: QueueTarget) {
         self.met += 1;
         if let Some(bound) = bound {
-            self.queue.push(QueueEntry { bound, target });
+            self.queue.push(Ranked(bound, target));
         }
     }
 }

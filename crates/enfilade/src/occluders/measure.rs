@@ -10,8 +10,8 @@ use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
 use crate::ids::ItemId;
-use crate::passage::{Passage, eye_in};
-use crate::region::{Region, Volume};
+use crate::view::passage::{Passage, eye_in};
+use crate::view::region::{Region, Volume};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// Measure by which occluders are ranked for selection; larger is better.

@@ -10,7 +10,7 @@
 use super::outline::EXACT;
 use super::{OccluderSet, Polygon, SelectedOccluder};
 use crate::geometry::Geometry;
-use crate::passage::{BEYOND, Passage, eye_in};
+use crate::view::passage::{BEYOND, Passage, eye_in};
 use glam::{DAffine3, DVec3};
 
 /// A selected occluder projected to the screen: a convex polygon in (X, Y, W), with the eye at the origin.

@@ -1,13 +1,13 @@
 //! Emits what orders that sort opaque faces visit in another way: clusters that are not opaque, and openings.
 
 use super::Visit;
-use super::items::may_be_visible;
 use crate::faces::Faces;
 use crate::geom::Step;
 use crate::geometry::{Alpha, Geometry};
 use crate::ids::{ItemId, OpeningId};
-use crate::opening_view::may_touch_eye;
-use crate::passage::Passage;
+use crate::traversal::may_be_visible;
+use crate::view::opening_view::may_touch_eye;
+use crate::view::passage::Passage;
 
 /// Emits the clusters of an item that are not opaque and may be visible, for orders that sort opaque faces only.
 pub(super) fn emit_non_opaque(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
@@ -33,7 +33,7 @@ pub(super) fn emit_opening(
     }
 }
 
-/// Emits the openings that touch the eye ([`OpeningView`](crate::opening_view::OpeningView)).
+/// Emits the openings that touch the eye ([`OpeningView`](crate::view::opening_view::OpeningView)).
 pub(super) fn emit_openings_at_eye(geometry: &Geometry, passage: &Passage, visit: &mut impl Visit) {
     if passage.flat {
         return;

@@ -2,16 +2,16 @@
 //!
 //! Each item is in one leaf, whatever its size, so the tree is linear in the number of items; sibling boxes may
 //! overlap. Clusters of large items come from the octrees of their meshes, which instances share.
-//! Source: [`crate::geom::Bvh`], traversed with the priority queue of [`super::queue`].
+//! Source: [`crate::geom::Bvh`], traversed with the priority queue of [`crate::traversal::Queue`].
 //! Cost: building O(n log n); a traversal O(boxes tested · log(queue length)). Culling a hidden box ends its subtree.
 //! Guarantees nodes front to back; single faces may come in any order.
 
-use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Visit};
 use crate::geom::{Aabb, Bvh};
 use crate::geometry::{Geometry, MovedItem};
-use crate::passage::Passage;
+use crate::traversal::{Queue, Tree, walk};
 use crate::unsuited::Unsuited;
+use crate::view::passage::Passage;
 use std::ops::Range;
 
 /// Front-to-back traversal of a bounding volume hierarchy over items.

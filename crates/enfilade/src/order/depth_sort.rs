@@ -8,14 +8,14 @@
 //! `@overlap`, `@cycle` and `@crossing-triangles` show it. Correct for separate objects and faces of similar size.
 
 use super::beside_sorted::{emit_non_opaque, emit_opening};
-use super::items::may_be_visible;
 use super::sealed::Sealed;
 use super::{FarToNear, Order, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, MovedItem};
 use crate::ids::{ItemId, OpeningId};
-use crate::passage::Passage;
+use crate::traversal::may_be_visible;
 use crate::unsuited::Unsuited;
+use crate::view::passage::Passage;
 use glam::DAffine3;
 use std::marker::PhantomData;
 

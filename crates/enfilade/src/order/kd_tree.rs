@@ -6,14 +6,14 @@
 //! Cost: building O(n log² n); a traversal O(boxes tested), without a queue. Culling a hidden box ends its subtree.
 //! Guarantees nodes front to back; an item that a plane cuts is emitted with the first of its leaves.
 
-use super::items::{box_visibility, emit_item, emit_openings, emit_whole};
 use super::{NodesNearToFar, Order, Visit};
 use crate::geom::{Aabb, KdTree};
 use crate::geometry::{Geometry, MovedItem};
 use crate::ids::ItemId;
-use crate::passage::Passage;
-use crate::region::Visibility;
+use crate::traversal::{box_visibility, emit_item, emit_openings, emit_whole};
 use crate::unsuited::Unsuited;
+use crate::view::passage::Passage;
+use crate::view::region::Visibility;
 
 /// Front-to-back traversal of a kd-tree over items.
 pub struct KdTreeOrder {

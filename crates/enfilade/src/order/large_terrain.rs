@@ -12,9 +12,9 @@ use super::terrain_rows::near_to_far;
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::Alpha;
 use crate::ids::ItemId;
-use crate::passage::Passage;
-use crate::region::Visibility;
-use crate::terrain::{LargeTerrain, Workplace};
+use crate::large_terrain::{LargeTerrain, Workplace};
+use crate::view::passage::Passage;
+use crate::view::region::Visibility;
 
 /// State of one traversal.
 struct Traversal<'a> {

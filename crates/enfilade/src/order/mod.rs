@@ -13,16 +13,15 @@ mod bvh;
 mod convex_cell;
 #[cfg(feature = "classic")]
 mod depth_sort;
-mod items;
 mod kd_tree;
 #[cfg(feature = "terrain")]
 mod large_terrain;
 mod octree;
-mod queue;
 #[cfg(feature = "terrain")]
 mod terrain_rows;
 mod unordered;
 
+pub use crate::traversal::Visit;
 pub use baked_cells::BakedCellsOrder;
 #[cfg(feature = "classic")]
 pub use bsp::{Bsp, Direction};
@@ -37,15 +36,10 @@ pub use octree::OctreeOrder;
 pub use terrain_rows::TerrainRows;
 pub use unordered::Unordered;
 
-use crate::faces::Faces;
-use crate::geom::Aabb;
 use crate::geometry::{Geometry, MovedItem};
-use crate::ids::ItemId;
-use crate::passage::Passage;
-use crate::region::{Region, Visibility};
 use crate::sector::{BuildStats, Requirement};
 use crate::unsuited::Unsuited;
-use glam::DAffine3;
+use crate::view::passage::Passage;
 
 /// Guarantee of an [`Order`]: none.
 pub struct Unsorted;
@@ -190,46 +184,5 @@ pub trait Order: sealed::Sealed + Send + Sync + Sized + 'static {
         _scratch: &mut Self::Scratch,
         _visit: &mut impl Visit,
     ) {
-    }
-}
-
-/// Receiver of a traversal: culls nodes and takes faces.
-pub trait Visit {
-    /// Returns the visibility of a box. An order need not test what is inside a fully visible box.
-    fn enter(&mut self, region: &Region) -> Visibility;
-
-    /// Like [`Visit::enter`], for a box in another space; hidden if it is out of view.
-    fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Visibility {
-        Region::of(passage, screen_from_local, bounds)
-            .map_or(Visibility::Hidden, |region| self.enter(&region))
-    }
-
-    /// Declares that all following boxes are inside the one entered last, until [`Visit::go_back`].
-    fn go_within(&mut self) {}
-
-    /// Ends the scope of [`Visit::go_within`]: following boxes may be anywhere.
-    fn go_back(&mut self) {}
-
-    /// Returns `true` to accept this mesh node as a whole and skip its clusters. `region` is the node's screen region.
-    fn are_enough(&mut self, _item: ItemId, _node: u32, _region: &Region) -> bool {
-        false
-    }
-
-    /// Returns `true` if this item is visited for the first time in this traversal. An item may be in several nodes.
-    fn first_time(&mut self, item: ItemId) -> bool;
-
-    /// Takes the next batch of faces.
-    fn faces(&mut self, faces: &Faces);
-
-    /// Takes one cluster of an item as the next batch. A receiver that does not need the faces saves looking them up.
-    fn cluster(&mut self, geometry: &Geometry, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
-        self.faces(&Faces::of_cluster(geometry, item, cluster, screen_from_item));
-    }
-
-    /// Takes all clusters of an item as the next batches.
-    fn whole(&mut self, geometry: &Geometry, item: ItemId, screen_from_item: &DAffine3) {
-        for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
-            self.cluster(geometry, item, cluster, screen_from_item);
-        }
     }
 }

@@ -6,12 +6,12 @@
 //! Cost: building O(n log n); a traversal O(boxes tested · log(queue length)). Culling a hidden box ends its subtree.
 //! Guarantees nodes front to back; single faces may come in any order.
 
-use super::queue::{Queue, Tree, walk};
 use super::{NodesNearToFar, Order, Visit};
 use crate::geom::{Aabb, Octree};
 use crate::geometry::{Geometry, MovedItem};
-use crate::passage::Passage;
+use crate::traversal::{Queue, Tree, walk};
 use crate::unsuited::Unsuited;
+use crate::view::passage::Passage;
 use std::ops::Range;
 
 /// Front-to-back traversal of the geometry's octree over items.

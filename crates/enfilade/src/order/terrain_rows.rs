@@ -11,17 +11,17 @@
 //!     other items.
 //! Guarantees nodes front to back; single faces may come in any order.
 
-use super::items::{emit_item, emit_openings};
-use super::queue::{Queue, begin, go_on};
 use super::{NodesNearToFar, Order, Visit};
 use crate::geom::Aabb;
+use crate::geometry::Terrain;
 use crate::geometry::{Geometry, MovedItem};
 use crate::ids::ItemId;
-use crate::passage::{Passage, eye_in};
-use crate::region::{Region, Visibility};
 use crate::sector::Requirement;
-use crate::terrain::Terrain;
+use crate::traversal::{Queue, begin, go_on};
+use crate::traversal::{emit_item, emit_openings};
 use crate::unsuited::Unsuited;
+use crate::view::passage::{Passage, eye_in};
+use crate::view::region::{Region, Visibility};
 use glam::DAffine3;
 
 /// Front-to-back traversal of terrain blocks by a quadtree, interleaved with the geometry's octree over the other

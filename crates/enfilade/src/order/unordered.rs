@@ -5,12 +5,12 @@
 //! Cost: no build; a traversal O(items), and O(log faces) for each large item that is partly outside.
 //! Guarantees nothing: only covers that require no order accept it.
 
-use super::items::{emit_item, emit_openings};
 use super::{Order, Unsorted, Visit};
 use crate::geometry::{Geometry, MovedItem};
 use crate::ids::ItemId;
-use crate::passage::Passage;
+use crate::traversal::{emit_item, emit_openings};
 use crate::unsuited::Unsuited;
+use crate::view::passage::Passage;
 
 /// Items in order of their numbers, culled against the aperture. Needs no build; a traversal takes O(items).
 pub struct Unordered;

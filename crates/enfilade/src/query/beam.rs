@@ -7,8 +7,8 @@
 use super::location::{Location, corners};
 use crate::geom::{Transform, nearest_in};
 use crate::ids::{PortalId, SectorId};
-use crate::options::Limits;
 use crate::scene::Scene;
+use crate::view::options::Limits;
 use glam::DVec3;
 use smallvec::SmallVec;
 

@@ -11,8 +11,8 @@
 use crate::geom::{Aabb, Enter, Step};
 use crate::geometry::Geometry;
 use crate::ids::{ItemId, SectorId};
-use crate::passage::Passage;
 use crate::view::View;
+use crate::view::passage::Passage;
 use glam::{DVec3, DVec4};
 
 impl Geometry {

@@ -8,8 +8,8 @@
 use super::cast::{line_of, meet};
 use crate::geom::Line;
 use crate::ids::ItemId;
+use crate::large_terrain::{LargeTerrain, Workplace};
 use crate::sector::{Hit, Ray};
-use crate::terrain::{LargeTerrain, Workplace};
 use glam::DVec3;
 
 impl LargeTerrain {

@@ -6,6 +6,7 @@ mod cast;
 mod items;
 #[cfg(feature = "terrain")]
 mod large_terrain;
+mod light;
 mod location;
 mod near;
 mod nearest;

@@ -4,9 +4,9 @@ use super::beam::LightReach;
 use super::location::Location;
 use super::ray::{RayCast, RayEnd};
 use crate::ids::PortalId;
-use crate::options::Limits;
 use crate::scene::Scene;
 use crate::sector::Ray;
+use crate::view::options::Limits;
 
 /// Unobstructed straight line between two locations, from [`Scene::sees`].
 #[derive(Clone, Debug, PartialEq)]

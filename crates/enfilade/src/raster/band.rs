@@ -1,7 +1,7 @@
 //! Rasterizer output: runs of covered samples in a band of eight rows.
 
 use super::half_plane::HalfPlane;
-use crate::aperture::Rect;
+use crate::view::aperture::Rect;
 use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 

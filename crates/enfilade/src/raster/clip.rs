@@ -1,7 +1,7 @@
 //! Clips polygons by the near plane and by cutting planes, and bounds the remainder on the screen.
 
-use crate::aperture::Rect;
 use crate::faces::Cut;
+use crate::view::aperture::Rect;
 use glam::DVec3;
 
 /// Corners of the clipped polygon, and a buffer for the next clip.

@@ -23,11 +23,11 @@ pub(crate) use clip::{Clipper, greater, smaller};
 pub(crate) use half_plane::HalfPlane;
 pub(crate) use triangle::{Row, Triangle};
 
-use crate::aperture::Rect;
 use crate::faces::{Cut, FaceSource, Faces};
-use crate::passage::{BEYOND, Passage};
 use crate::simd::{dispatch, level};
 use crate::stats::Stats;
+use crate::view::aperture::Rect;
+use crate::view::passage::{BEYOND, Passage};
 use corners::{Corner, Corners};
 use fearless_simd::Level;
 use fearless_simd::prelude::*;

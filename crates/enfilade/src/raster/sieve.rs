@@ -10,7 +10,7 @@
 //! specification.
 
 use super::corners::Extent;
-use crate::aperture::Rect;
+use crate::view::aperture::Rect;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
 

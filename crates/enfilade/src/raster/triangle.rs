@@ -1,6 +1,6 @@
 //! The depth plane of a triangle on the screen, and its values along a scanline.
 
-use crate::aperture::Rect;
+use crate::view::aperture::Rect;
 use glam::DVec3;
 use std::cmp::Ordering;
 

@@ -1,11 +1,8 @@
 //! Lights: point, spot and directional lights, and the sectors that they reach.
 
 use super::{Scene, SceneError};
-use crate::geom::{Aabb, is_in_range};
+use crate::geom::is_in_range;
 use crate::ids::{LightId, SectorId};
-use crate::options::Limits;
-use crate::query::{LightReach, Location};
-use glam::DVec3;
 
 /// Point, spot or directional light in a sector. Its light passes open portals; faces cast no shadows.
 #[doc(alias = "lamp")]
@@ -47,10 +44,6 @@ pub enum LightShape {
         direction: [f32; 3],
     },
 }
-
-/// Distance of a sun, in diagonals of the box of the sector that it lights: its rays deviate from parallel by at most a
-/// tenth of an arc minute.
-const SUN_AWAY: f64 = 3e4;
 
 impl Light {
     /// Returns a point light.
@@ -119,24 +112,6 @@ impl Light {
             && directed
             && cone
     }
-
-    /// Returns the origin of the light; for a sun, a point far outside of `held`, the bounds of its sector.
-    fn source(&self, held: &Aabb) -> Location {
-        let position = match self.shape {
-            LightShape::Sun { direction } if !held.is_empty() => {
-                let onwards = DVec3::from(direction.map(f64::from)).normalize_or(DVec3::NEG_Y);
-                let [middle, size] = [held.center(), held.size()].map(|v| DVec3::from(v.map(f64::from)));
-                (middle - onwards * SUN_AWAY * size.length().max(1.0))
-                    .as_vec3()
-                    .into()
-            }
-            _ => self.position,
-        };
-        Location {
-            sector: self.sector,
-            position,
-        }
-    }
 }
 
 impl Scene {
@@ -172,18 +147,5 @@ impl Scene {
         } else {
             Err(SceneError::BadLight(id.0 as usize))
         }
-    }
-
-    /// Returns the sectors that a light reaches, its own sector first ([`Scene::reach`]). [`LightReach::origin`] is the
-    /// position of the light; for a sun, a point far outside of its sector. Ignores [`Light::range`] for a sun.
-    #[doc(alias = "light propagation")]
-    pub fn light_reach(&self, id: LightId, limits: &Limits) -> Vec<LightReach> {
-        let light = &self.lights[id.0 as usize];
-        let held = self.sector(light.sector).bounds();
-        let range = match light.shape {
-            LightShape::Sun { .. } => f32::INFINITY,
-            _ => light.range,
-        };
-        self.reach(light.source(&held), range, limits)
     }
 }

@@ -12,7 +12,7 @@ pub enum Diagonal {
 
 impl Diagonal {
     /// Returns the two triangles of a cell, counter-clockwise seen from above, from the indices of its corners.
-    pub(super) fn triangles(
+    pub(crate) fn triangles(
         self,
         [north_west, north_east, south_west, south_east]: [u32; 4],
     ) -> [[u32; 3]; 2] {

@@ -7,26 +7,21 @@
 
 mod carried;
 mod diagonal;
-mod large;
 #[cfg(test)]
 mod tests;
 
 pub use diagonal::Diagonal;
-pub(crate) use large::Workplace;
-pub use large::{HeightBytes, HeightFormat, Heights, LargeTerrain};
 
-use crate::geom::{MAX_COORDINATE, Transform, is_in_range};
-use crate::geometry::{Geometry, GeometryBuilder, GeometryError};
-use crate::ids::{ItemId, MaterialId, MeshId};
+use crate::geom::{MAX_COORDINATE, is_in_range};
+use crate::ids::MaterialId;
 use crate::mesh::{Mesh, Part};
 use carried::FieldAttributes;
 use glam::DVec3;
 use std::ops::Range;
-use std::sync::Arc;
 use thiserror::Error;
 
 /// Cells along a side of a block; blocks at the eastern and southern border may have fewer.
-const BLOCK: u32 = 32;
+pub(crate) const BLOCK: u32 = 32;
 
 /// Maximum number of samples along a side: 2¹⁶ cells.
 const MAX_SAMPLES: u32 = (1 << 16) + 1;
@@ -239,7 +234,7 @@ impl HeightField {
     }
 
     /// Builds the mesh of a block, cell by cell.
-    fn mesh_of(&self, block: [u32; 2], material: MaterialId) -> Mesh {
+    pub(crate) fn mesh_of(&self, block: [u32; 2], material: MaterialId) -> Mesh {
         let [columns, rows] = self.samples_of(block);
         let width = columns.len() as u32;
         let mut positions = Vec::with_capacity(columns.len() * rows.len());
@@ -296,7 +291,7 @@ impl HeightField {
     }
 }
 
-fn check_size(size: [u32; 2]) -> Result<(), HeightFieldError> {
+pub(crate) fn check_size(size: [u32; 2]) -> Result<(), HeightFieldError> {
     if size.iter().any(|side| !(2..=MAX_SAMPLES).contains(side)) {
         return Err(HeightFieldError::Size(size));
     }
@@ -304,7 +299,7 @@ fn check_size(size: [u32; 2]) -> Result<(), HeightFieldError> {
 }
 
 /// Returns the error for a height that is not in range.
-fn bad_height(column: u32, row: u32, height: f32) -> HeightFieldError {
+pub(crate) fn bad_height(column: u32, row: u32, height: f32) -> HeightFieldError {
     if height.is_finite() {
         HeightFieldError::TooFar { column, row, height }
     } else {
@@ -312,7 +307,7 @@ fn bad_height(column: u32, row: u32, height: f32) -> HeightFieldError {
     }
 }
 
-fn check_cell(size: [u32; 2], cell: [f64; 2]) -> Result<(), HeightFieldError> {
+pub(crate) fn check_cell(size: [u32; 2], cell: [f64; 2]) -> Result<(), HeightFieldError> {
     let is_sound = |axis: usize| {
         let end = cell[axis] * f64::from(size[axis]);
         cell[axis] as f32 > 0.0 && end <= f64::from(MAX_COORDINATE)
@@ -321,69 +316,4 @@ fn check_cell(size: [u32; 2], cell: [f64; 2]) -> Result<(), HeightFieldError> {
         return Err(HeightFieldError::Cell(cell));
     }
     Ok(())
-}
-
-/// A height field in a geometry.
-#[derive(Clone, Debug)]
-pub(crate) struct Terrain {
-    pub(crate) field: Arc<HeightField>,
-    /// Item ids of its blocks.
-    pub(crate) blocks: Range<u32>,
-    /// Mesh of the first block; the other blocks' meshes follow.
-    first_mesh: MeshId,
-    pub(crate) sector_from_field: Transform,
-}
-
-impl Terrain {
-    /// Returns `true` if all blocks are still in the geometry, unchanged.
-    pub(crate) fn is_whole(&self, geometry: &Geometry) -> bool {
-        let place = self.sector_from_field.columns();
-        self.blocks.clone().zip(self.first_mesh.0..).all(|(block, mesh)| {
-            let item = geometry.items().get(block as usize);
-            item.is_some_and(|item| item.mesh == MeshId(mesh) && item.sector_from_item == place)
-        })
-    }
-}
-
-impl GeometryBuilder {
-    /// Adds the blocks of a height field as items, row after row from the north, each row from west to east. They are
-    /// named `NAME ROW COLUMN`, by block indices. Returns their ids.
-    ///
-    /// # Errors
-    /// [`GeometryError::TooManyFaces`], as [`GeometryBuilder::build`].
-    pub fn terrain(
-        &mut self,
-        name: &str,
-        field: impl Into<Arc<HeightField>>,
-        material: MaterialId,
-        sector_from_field: Transform,
-    ) -> Result<Range<ItemId>, GeometryError> {
-        let field = field.into();
-        let faces = 2 * field
-            .size()
-            .map(|side| u64::from(side - 1))
-            .iter()
-            .product::<u64>();
-        if faces > u64::from(u32::MAX) {
-            return Err(GeometryError::TooManyFaces(faces));
-        }
-        let [columns, rows] = field.blocks();
-        let mut first = None;
-        for row in 0..rows {
-            for column in 0..columns {
-                let mesh = self.mesh(field.mesh_of([column, row], material));
-                let item = self.item(&format!("{name} {row} {column}"), mesh, sector_from_field);
-                first.get_or_insert((item, mesh));
-            }
-        }
-        let (first_item, first_mesh) = first.expect("a height field has at least one block");
-        let blocks = first_item.0..first_item.0 + columns * rows;
-        self.terrains.push(Terrain {
-            field,
-            blocks: blocks.clone(),
-            first_mesh,
-            sector_from_field,
-        });
-        Ok(ItemId(blocks.start)..ItemId(blocks.end))
-    }
 }

@@ -1,7 +1,9 @@
 //! Height fields: rejected input, and the meshes of blocks.
 
 use super::*;
-use crate::geometry::{Geometry, Material};
+use crate::geom::Transform;
+use crate::geometry::{Geometry, GeometryBuilder, Material};
+use crate::ids::ItemId;
 use crate::mesh::Attributes;
 use crate::sector::Ray;
 

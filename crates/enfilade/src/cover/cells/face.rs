@@ -1,8 +1,8 @@
 //! A triangle in cell coordinates: the cells that it and its edges touch, and bounds of its depth there.
 
-use crate::aperture::Rect;
-use crate::passage::{BEYOND, Passage};
 use crate::raster::{Triangle, greater, smaller};
+use crate::view::aperture::Rect;
+use crate::view::passage::{BEYOND, Passage};
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 

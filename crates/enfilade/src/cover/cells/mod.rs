@@ -21,12 +21,12 @@ mod tests;
 mod waiting;
 
 use super::Coarse;
-use crate::aperture::Rect;
 use crate::faces::Faces;
-use crate::passage::Passage;
 use crate::raster::{BAND, Band, Triangle};
-use crate::region::Region;
 use crate::stats::Stats;
+use crate::view::aperture::Rect;
+use crate::view::passage::Passage;
+use crate::view::region::Region;
 use face::{Corner, Face, Row};
 use waiting::OpenEdges;
 

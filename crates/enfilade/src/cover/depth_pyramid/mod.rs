@@ -11,19 +11,19 @@ mod block;
 mod show;
 mod tiles;
 
-use crate::aperture::Rect;
-use crate::canvas::{Canvas, CoverShape};
-use crate::collector::Collector;
 use crate::cover::report::Report;
 use crate::cover::samples::look_through;
 use crate::cover::{Coarse, Cover, Paints};
 use crate::faces::Faces;
 use crate::geometry::Owners;
 use crate::order::Unsorted;
-use crate::passage::Passage;
 use crate::raster::{Band, Raster, Sink, Triangle};
-use crate::region::{Region, Visibility};
 use crate::stats::Stats;
+use crate::view::aperture::Rect;
+use crate::view::canvas::{Canvas, CoverShape};
+use crate::view::collector::Collector;
+use crate::view::passage::Passage;
+use crate::view::region::{Region, Visibility};
 use tiles::{TILE_SHIFT, Tiles};
 
 /// Hierarchical z-buffer: a depth buffer with a pyramid of farthest depths (Hi-Z) for occlusion queries. Faces may be

@@ -2,9 +2,9 @@
 
 use super::Depths;
 use super::tiles::TILE_SHIFT;
-use crate::canvas::{Canvas, CoverSpan, HiddenBy};
 use crate::cover::show::{push, show_rows};
-use crate::passage::Passage;
+use crate::view::canvas::{Canvas, CoverSpan, HiddenBy};
+use crate::view::passage::Passage;
 
 /// Maximum ratio of the nearest tile's reversed depth to that of the cell, for the cell to be drawn as a whole.
 const NEARLY: f32 = 1.15;

@@ -6,13 +6,13 @@
 
 pub(super) use super::block::TILE_SHIFT;
 use super::block::{Block, TILE};
-use crate::aperture::Rect;
 use crate::cover::report::Report;
 use crate::cover::samples::{COVERED, OPEN, lower_half, rev_depth};
 use crate::cover::trace::Trace;
-use crate::passage::Passage;
 use crate::raster::{BAND, Band, Triangle};
 use crate::simd::dispatch;
+use crate::view::aperture::Rect;
+use crate::view::passage::Passage;
 use fearless_simd::Level;
 use std::cmp::Ordering;
 

@@ -12,12 +12,12 @@ use super::runs::{RunQueue, Slopes};
 use super::tiles::{
     ACROSS, BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
 };
-use crate::aperture::Rect;
 use crate::occluders::Occluder;
-use crate::passage::Passage;
 use crate::raster::{BAND, Band, Clipper, HalfPlane, Triangle, greater, smaller};
-use crate::region::ROUND_UP;
 use crate::simd::dispatch;
+use crate::view::aperture::Rect;
+use crate::view::passage::Passage;
+use crate::view::region::ROUND_UP;
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use glam::DVec3;

@@ -17,10 +17,10 @@
 use super::LANES;
 use super::sort::Queue;
 use super::tiles::{COLUMNS, ROWS, Tiles};
-use crate::aperture::Rect;
 use crate::faces::Faces;
-use crate::passage::{BEYOND, Passage};
 use crate::raster::Clipper;
+use crate::view::aperture::Rect;
+use crate::view::passage::{BEYOND, Passage};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, f64x8, mask64x8, u32x16};
 use glam::DVec3;

@@ -14,12 +14,12 @@ use super::tiles::{
     ACROSS, BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
     columns_within, masks_of_rect, rows_within, tiles,
 };
-use crate::aperture::Rect;
 use crate::geom::Aabb;
-use crate::passage::Passage;
 use crate::raster::{BAND, Band, HalfPlane, greater, smaller};
-use crate::region::{BOXES, EightBoxes, ROUND_UP, Region, Volume};
 use crate::simd::dispatch;
+use crate::view::aperture::Rect;
+use crate::view::passage::Passage;
+use crate::view::region::{BOXES, EightBoxes, ROUND_UP, Region, Volume};
 use fearless_simd::prelude::*;
 use glam::DVec3;
 

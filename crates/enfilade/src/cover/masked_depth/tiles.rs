@@ -12,11 +12,11 @@
 //! Conservative: a stored reversed depth is never above the true one.
 
 use super::LANES;
-use crate::aperture::Rect;
-use crate::canvas::{Canvas, CoverSpan, HiddenBy};
 use crate::cover::show::{push, show_rows};
-use crate::passage::Passage;
 use crate::raster::{BAND, Band};
+use crate::view::aperture::Rect;
+use crate::view::canvas::{Canvas, CoverSpan, HiddenBy};
+use crate::view::passage::Passage;
 use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 use std::ops::Range;

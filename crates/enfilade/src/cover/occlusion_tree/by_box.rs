@@ -8,8 +8,8 @@
 
 use super::corners::{ALL, Bits, Corners};
 use super::{Link, OcclusionTree, Plane, Tree};
-use crate::region::{Visibility, Volume};
 use crate::simd::dispatch;
+use crate::view::region::{Visibility, Volume};
 use fearless_simd::prelude::*;
 
 /// Kinds of the leaves that a box reached.

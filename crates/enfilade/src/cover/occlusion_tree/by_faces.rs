@@ -7,7 +7,7 @@ use super::insert::clip;
 use super::line::SLIT;
 use super::pieces::{Piece, Reach};
 use super::{Link, OcclusionTree, Plane};
-use crate::region::Volume;
+use crate::view::region::Volume;
 use glam::DVec3;
 
 /// Relative error of a triple product of coordinates, as a part of the product of the largest ones: some hundred units

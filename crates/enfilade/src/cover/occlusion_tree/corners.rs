@@ -8,7 +8,7 @@
 //! Conservative: a corner that is undecided within rounding, or NaN, counts as on both sides and as certain on neither.
 
 use super::line::SLIT;
-use crate::region::Volume;
+use crate::view::region::Volume;
 use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 use glam::DVec3;

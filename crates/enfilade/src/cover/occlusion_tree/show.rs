@@ -1,9 +1,9 @@
 //! Emits the leaf at each pixel centre, for debug pictures.
 
 use super::{Link, Plane, Tree};
-use crate::canvas::{Canvas, CoverSpan, HiddenBy};
 use crate::cover::show::{push, show_rows};
-use crate::passage::Passage;
+use crate::view::canvas::{Canvas, CoverSpan, HiddenBy};
+use crate::view::passage::Passage;
 use glam::DVec3;
 
 impl Tree {

@@ -2,10 +2,10 @@
 
 use super::compare::{NewFace, Relation};
 use super::face::Face;
-use crate::aperture::Rect;
-use crate::passage::Passage;
 use crate::raster::{BAND, Band};
 use crate::stats::SpanStats;
+use crate::view::aperture::Rect;
+use crate::view::passage::Passage;
 use std::hint::black_box;
 
 /// Samples of one row that one face owns.

@@ -2,9 +2,9 @@
 
 use super::SpanBuffer;
 use super::rows::COVERED;
-use crate::canvas::{Canvas, CoverSpan, HiddenBy};
 use crate::cover::show::show_rows;
-use crate::passage::Passage;
+use crate::view::canvas::{Canvas, CoverSpan, HiddenBy};
+use crate::view::passage::Passage;
 
 impl SpanBuffer {
     pub(super) fn show_spans(&self, passage: &Passage, canvas: &mut dyn Canvas) {

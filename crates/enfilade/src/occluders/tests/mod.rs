@@ -8,8 +8,8 @@ use crate::chance::Dice;
 use crate::geom::Transform;
 use crate::geometry::{GeometryBuilder, Material};
 use crate::ids::{MaterialId, SectorId};
-use crate::passage::Passage;
 use crate::view::View;
+use crate::view::passage::Passage;
 
 /// A triangle mesh as plain arrays: positions and corners.
 #[derive(Clone, Default)]

@@ -10,14 +10,14 @@
 mod item_cells;
 mod start;
 
-use super::items::{emit_item, emit_openings};
 use super::{Order, Unsorted, Visit};
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::{BakedCells, Geometry, MovedItem, Room};
 use crate::ids::ItemId;
-use crate::passage::Passage;
 use crate::sector::{BuildStats, Requirement};
+use crate::traversal::{emit_item, emit_openings};
 use crate::unsuited::Unsuited;
+use crate::view::passage::Passage;
 use item_cells::{ItemCells, cells_of_openings};
 use start::cells_at_start;
 use std::sync::Arc;

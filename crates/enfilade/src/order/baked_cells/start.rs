@@ -6,7 +6,7 @@
 
 use crate::geometry::{BakedCells, Leaf, Room};
 use crate::ids::CellId;
-use crate::passage::Passage;
+use crate::view::passage::Passage;
 use glam::DVec3;
 use smallvec::SmallVec;
 

@@ -20,15 +20,15 @@ mod support;
 mod walls;
 
 use super::beside_sorted::{emit_opening, emit_openings_at_eye};
-use super::items::{box_visibility, emit_openings, may_be_visible};
 use super::{FarToNear, Order, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, MovedItem};
 use crate::ids::{ItemId, OpeningId};
-use crate::passage::Passage;
-use crate::region::Visibility;
 use crate::sector::Requirement;
+use crate::traversal::{box_visibility, emit_openings, may_be_visible};
 use crate::unsuited::Unsuited;
+use crate::view::passage::Passage;
+use crate::view::region::Visibility;
 use glam::{DAffine3, DVec3};
 use walls::Walls;
 

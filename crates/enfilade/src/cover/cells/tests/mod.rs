@@ -1,15 +1,15 @@
 //! Compares coarse coverage with points all over the cells.
 
 use super::*;
-use crate::aperture::CellRoom;
 use crate::chance::Dice;
 use crate::cover::Cover;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, Material};
 use crate::ids::{ItemId, MaterialId, SectorId};
 use crate::mesh::Mesh;
-use crate::region::{Region, Visibility};
 use crate::view::View;
+use crate::view::aperture::CellRoom;
+use crate::view::region::{Region, Visibility};
 use glam::{DVec2, DVec3};
 
 /// A cover that stores one reversed depth per cell.

@@ -1,7 +1,6 @@
 //! Occluders cover the same samples that the exact covers assign to the same faces.
 
 use super::*;
-use crate::collector::Collector;
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::geom::Transform;
@@ -9,6 +8,7 @@ use crate::geometry::{Geometry, GeometryBuilder, Material};
 use crate::ids::{ItemId, MaterialId};
 use crate::mesh::{Attributes, Mesh, Part};
 use crate::raster::{Band, Raster, Sink, Triangle};
+use crate::view::collector::Collector;
 use std::collections::BTreeSet;
 
 /// The samples of a face according to the rasterizer.

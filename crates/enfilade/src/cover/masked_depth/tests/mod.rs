@@ -6,11 +6,11 @@ mod meshes;
 mod oracle;
 
 use super::*;
-use crate::aperture::Rect;
 use crate::geom::Aabb;
 use crate::ids::SectorId;
-use crate::region::Volume;
 use crate::view::View;
+use crate::view::aperture::Rect;
+use crate::view::region::Volume;
 use glam::{DAffine3, DVec3};
 use oracle::*;
 

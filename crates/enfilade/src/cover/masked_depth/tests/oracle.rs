@@ -1,10 +1,10 @@
 //! The oracle, a plain array of one reversed depth per sample, and random occluders and boxes.
 
 use super::*;
-use crate::aperture::Rows;
 pub(super) use crate::chance::Dice;
 use crate::geom::Aabb;
 use crate::geom::ConvexPolygon;
+use crate::view::aperture::Rows;
 
 /// A convex polygon in the space of a passage, as corners and plane.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ mod oracle;
 mod walls;
 
 use super::*;
-use crate::region::Volume;
+use crate::view::region::Volume;
 
 /// A screen of 1000 × 800 pixels.
 const SCREEN: [[f64; 2]; 4] = [[0.0, 0.0], [0.0, 800.0], [1000.0, 800.0], [1000.0, 0.0]];

@@ -4,9 +4,9 @@ mod eight;
 
 pub(crate) use eight::{BOXES, EightBoxes};
 
-use crate::aperture::Rect;
 use crate::geom::Aabb;
 use crate::simd::dispatch;
+use crate::view::aperture::Rect;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, f64x8};
 use glam::{DAffine3, DVec3};

@@ -1,15 +1,14 @@
 //! A chain of portals from the eye into a sector, with its clip region and transform.
 
-use crate::aperture::{Aperture, CellRoom, Rect, Rows};
-use crate::entrance::Entrance;
+use super::View;
+use crate::contract::Contract;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::geometry::Geometry;
 use crate::ids::{OpeningId, PassageId, PortalId, SectorId};
-use crate::opening_view::{OpeningView, may_touch_eye};
-use crate::region::{Clip, Region, Volume};
-use crate::scene::Portal;
-use crate::sector::Contract;
-use crate::view::View;
+use crate::view::aperture::{Aperture, CellRoom, Rect, Rows};
+use crate::view::entrance::Entrance;
+use crate::view::opening_view::{OpeningView, may_touch_eye};
+use crate::view::region::{Clip, Region, Volume};
 use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -88,23 +87,25 @@ impl Passage {
         }
     }
 
-    /// Returns the passage behind an opening of this passage's sector; `None` if its clip region has no sample.
+    /// Returns the passage through a portal, behind an opening of this passage's sector and into the sector `to`; `None`
+    /// if its clip region has no sample.
     pub(crate) fn through(
         &self,
         own_id: PassageId,
-        portal_id: PortalId,
-        portal: &Portal,
+        portal: PortalId,
+        to: SectorId,
+        there_from_here: &Transform,
         outline: &ConvexPolygon,
         rows: Option<Rows>,
     ) -> Option<Passage> {
         let view = OpeningView::new(self, outline)?;
         let aperture = self.aperture.behind(view.corners(), rows, self.any_place)?;
-        let here_from_there = portal.there_from_here.inverse()?;
+        let here_from_there = there_from_here.inverse()?;
         let eye_from_sector = self.eye_from_sector * here_from_there.0;
         Some(Passage {
             parent: Some(own_id),
-            portal: Some(portal_id),
-            sector: portal.to,
+            portal: Some(portal),
+            sector: to,
             crossings: self.crossings + 1,
             contract: self.contract,
             aperture,
@@ -112,13 +113,13 @@ impl Passage {
             size: self.size,
             flat: self.flat,
             any_place: false,
-            chain: self.chain_through(portal_id),
+            chain: self.chain_through(portal),
             level: self.level,
             eye_from_sector,
             screen_from_eye: self.screen_from_eye,
             screen_from_sector: compose(&self.screen_from_eye, &eye_from_sector),
             entry: Some(view.plane()),
-            entrance: Some(Entrance::new(outline, &portal.there_from_here)),
+            entrance: Some(Entrance::new(outline, there_from_here)),
         })
     }
 

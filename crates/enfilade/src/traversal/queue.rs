@@ -14,15 +14,15 @@ use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
 use crate::ids::ItemId;
-use crate::passage::Passage;
-use crate::region::{BOXES, EightBoxes, Region, Visibility};
+use crate::ranked::Ranked;
+use crate::view::passage::Passage;
+use crate::view::region::{BOXES, EightBoxes, Region, Visibility};
 use glam::DAffine3;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
 /// A tree over the items of a geometry, with numbered nodes and AABBs in sector space.
-pub(super) trait Tree {
+pub(crate) trait Tree {
     /// Returns the root node; `None` if the tree is empty.
     fn root(&self) -> Option<u32>;
 
@@ -39,21 +39,14 @@ pub(super) trait Tree {
 /// Pending boxes, and the items entered so far.
 #[derive(Default)]
 pub struct Queue {
-    pending: BinaryHeap<QueueEntry>,
+    /// By the nearest reversed depth; each target with the index of its region in [`Queue::regions`].
+    pending: BinaryHeap<Ranked<f32, (Target, u32)>>,
     /// Regions of the pending boxes. The heap moves its entries often, and a region is large, so entries refer to it by
     /// index.
     regions: Vec<Region>,
     /// Free slots of `regions`.
     free: Vec<u32>,
     entered: Vec<(ItemId, DAffine3)>,
-}
-
-/// A pending box; the greatest entry is the nearest.
-struct QueueEntry {
-    nearest: f32,
-    target: Target,
-    /// Index of its region in [`Queue::regions`].
-    region: u32,
 }
 
 /// Object of a pending box. Boxes of equal depth come in this order, so that every traversal is deterministic.
@@ -72,30 +65,8 @@ enum Target {
     },
 }
 
-impl Ord for QueueEntry {
-    fn cmp(&self, other: &QueueEntry) -> Ordering {
-        self.nearest
-            .total_cmp(&other.nearest)
-            .then(other.target.cmp(&self.target))
-    }
-}
-
-impl PartialOrd for QueueEntry {
-    fn partial_cmp(&self, other: &QueueEntry) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for QueueEntry {
-    fn eq(&self, other: &QueueEntry) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for QueueEntry {}
-
 /// Emits the openings, and all faces of the items of `tree` that may be visible through `passage`.
-pub(super) fn walk(
+pub(crate) fn walk(
     tree: &impl Tree,
     geometry: &Geometry,
     passage: &Passage,
@@ -107,7 +78,7 @@ pub(super) fn walk(
 }
 
 /// Emits the openings and pushes the root of `tree`.
-pub(super) fn begin(
+pub(crate) fn begin(
     tree: &impl Tree,
     geometry: &Geometry,
     passage: &Passage,
@@ -125,7 +96,7 @@ pub(super) fn begin(
 }
 
 /// Pops queued nodes with reversed depth ≥ `rev_depth` and emits their faces, filtered by `wanted` items.
-pub(super) fn go_on(
+pub(crate) fn go_on(
     tree: &impl Tree,
     geometry: &Geometry,
     passage: &Passage,
@@ -134,12 +105,7 @@ pub(super) fn go_on(
     rev_depth: f32,
     wanted: impl Fn(u32) -> bool,
 ) {
-    while let Some(&QueueEntry {
-        nearest,
-        region,
-        target,
-    }) = queue.pending.peek()
-    {
+    while let Some(&Ranked(nearest, (target, region))) = queue.pending.peek() {
         if nearest < rev_depth {
             break;
         }
@@ -285,11 +251,7 @@ impl Queue {
             self.regions.push(region);
             self.regions.len() as u32 - 1
         };
-        self.pending.push(QueueEntry {
-            nearest: region.nearest,
-            target,
-            region: slot,
-        });
+        self.pending.push(Ranked(region.nearest, (target, slot)));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::geometry::Owner;
 use crate::ids::PassageId;
-use crate::passage::Passage;
+use crate::view::passage::Passage;
 
 /// A render target that receives the visible surface one row of spans at a time: an image, an item list, an overdraw
 /// map.

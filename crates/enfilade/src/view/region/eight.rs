@@ -6,9 +6,9 @@
 //! Conservative; bit-identical to [`Region::of`] at every SIMD level.
 
 use super::{Clip, ROUND_UP, Region, Volume, middle_and_half};
-use crate::aperture::Rect;
 use crate::geom::Aabb;
 use crate::simd::dispatch;
+use crate::view::aperture::Rect;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, f64x8, i32x16, mask64x8};
 use glam::{DAffine3, DVec3};

@@ -1,12 +1,12 @@
 //! Buffers and temporal coherence of one viewer.
 
-use crate::aperture::Rows;
-use crate::collector::{GlassSample, ReportBuffers};
 use crate::ids::ItemId;
-use crate::options::ViewerOptions;
-use crate::passage::Passage;
 use crate::stats::Stats;
 use crate::threads;
+use crate::view::aperture::Rows;
+use crate::view::collector::{GlassSample, ReportBuffers};
+use crate::view::options::ViewerOptions;
+use crate::view::passage::Passage;
 use glam::DVec3;
 use std::any::{Any, TypeId};
 

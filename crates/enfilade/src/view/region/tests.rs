@@ -3,8 +3,8 @@
 use super::*;
 use crate::chance::{Dice, levels};
 use crate::ids::SectorId;
-use crate::passage::Passage;
 use crate::view::View;
+use crate::view::passage::Passage;
 
 /// Projects a box for an eye at the origin that looks along −z, with a field of view of 90 degrees and a square
 /// viewport.

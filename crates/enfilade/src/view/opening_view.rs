@@ -8,7 +8,7 @@
 //! "In the plane" means within the opening's own deviation from flatness, plus 2⁻⁴⁰ of the coordinates for rounding.
 
 use crate::geom::{Aabb, ConvexPolygon};
-use crate::passage::Passage;
+use crate::view::passage::Passage;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// An opening that faces the eye.

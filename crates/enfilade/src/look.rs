@@ -1,54 +1,21 @@
-//! The viewer of one camera: follows openings from sector to sector and keeps the buffers between frames.
+//! A look: follows openings from sector to sector, and gathers or draws through each passage.
 
-use crate::canvas::{Canvas, Span};
-use crate::collector::{CollectedItem, CollectedOpening, Collector};
 use crate::geometry::{Alpha, Geometry, Owner};
 use crate::ids::{PassageId, PortalId};
-use crate::memory::Memory;
 use crate::mesh::Cluster;
-use crate::options::{Limits, ViewerOptions};
-use crate::passage::Passage;
-use crate::region::Region;
 use crate::scene::Scene;
 use crate::stats::Stats;
 use crate::view::View;
-use crate::visible::{VisibleItem, VisibleSet};
-
-/// Computes what one camera sees, and keeps buffers and temporal coherence from frame to frame.
-///
-/// Keep one viewer per camera. Several viewers can look at the same scene at the same time, from several threads.
-///
-/// [`Viewer::look`] returns the visible items; [`Viewer::draw`] also emits the picture.
-#[doc(alias = "culler")]
-#[doc(alias = "camera")]
-#[derive(Default)]
-pub struct Viewer {
-    /// Options of the next look.
-    pub options: ViewerOptions,
-    memory: Memory,
-    set: VisibleSet,
-    /// The set of the second pass, where drawing needs one.
-    painted: VisibleSet,
-    /// Stack of passages whose openings are being followed, each behind an opening of the one before; empty between
-    /// looks.
-    entered: Vec<(PassageId, Collector)>,
-    spare: Vec<Collector>,
-}
+use crate::view::canvas::{Canvas, Span};
+use crate::view::collector::{CollectedItem, CollectedOpening, Collector};
+use crate::view::memory::Memory;
+use crate::view::options::Limits;
+use crate::view::passage::Passage;
+use crate::view::region::Region;
+use crate::view::viewer::Viewer;
+use crate::view::visible::{VisibleItem, VisibleSet};
 
 impl Viewer {
-    /// Creates a viewer with default options and empty buffers.
-    pub fn new() -> Viewer {
-        Viewer::default()
-    }
-
-    /// Creates a viewer with the given options and empty buffers.
-    pub fn with_options(options: ViewerOptions) -> Viewer {
-        Viewer {
-            options,
-            ..Viewer::default()
-        }
-    }
-
     /// Computes the visible set of a view.
     ///
     /// Exact and conservative methods miss nothing that is visible at the view's sample positions, strict ones nothing at any
@@ -78,16 +45,6 @@ impl Viewer {
         &self.set
     }
 
-    /// Returns the visible set of the last look or draw.
-    pub fn visible(&self) -> &VisibleSet {
-        &self.set
-    }
-
-    /// Returns the counters of the last look or draw.
-    pub fn stats(&self) -> &Stats {
-        &self.memory.stats
-    }
-
     /// Runs the traversal orders through the last look's passages again, without covers, to measure what the orders
     /// alone cost. Returns the number of faces emitted.
     pub fn walk(&mut self, scene: &Scene) -> u64 {
@@ -95,16 +52,6 @@ impl Viewer {
         passages
             .map(|passage| scene.sector(passage.sector).walk(passage, &mut self.memory))
             .sum()
-    }
-
-    /// Copies the options to the memory, with the cover size that this view allows.
-    fn set_options(&mut self, view: &View) {
-        let clamp = |size: [u32; 2]| [0, 1].map(|axis| size[axis].clamp(1, view.size[axis].max(1)));
-        let cover_size = self.options.cover_size.map(clamp);
-        self.memory.options = ViewerOptions {
-            cover_size: cover_size.filter(|&cells| cells != view.size),
-            ..self.options
-        };
     }
 
     fn run(&mut self, scene: &Scene, view: &View, canvas: Option<&mut dyn Canvas>) {
@@ -348,7 +295,8 @@ impl Look<'_> {
             return None;
         }
         let own_id = self.id_in_answer(id);
-        passage.through(own_id, portal_id, portal, outline, seen.rows)
+        let (to, moved) = (portal.to, &portal.there_from_here);
+        passage.through(own_id, portal_id, to, moved, outline, seen.rows)
     }
 
     fn paint_closed(&mut self, id: PassageId, seen: CollectedOpening) {

@@ -1,10 +1,10 @@
 //! The output of one sector for one passage: items, openings and transparent samples.
 
-use crate::aperture::Rows;
-use crate::canvas::{Canvas, Span};
 use crate::geometry::{Geometry, Owner, Owners};
 use crate::ids::{ItemId, OpeningId, PassageId};
-use crate::visible::VisibleSet;
+use crate::view::aperture::Rows;
+use crate::view::canvas::{Canvas, Span};
+use crate::view::visible::VisibleSet;
 use std::cmp::Reverse;
 
 /// Collects what a sector reports for one passage: visible items, visible openings and transparent samples.

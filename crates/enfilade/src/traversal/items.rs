@@ -5,11 +5,11 @@ use crate::faces::Faces;
 use crate::geom::{Aabb, Enter, Step};
 use crate::geometry::Geometry;
 use crate::ids::ItemId;
-use crate::passage::{Passage, eye_in};
-use crate::region::Visibility;
+use crate::view::passage::{Passage, eye_in};
+use crate::view::region::Visibility;
 
 /// Emits the clusters of one item that may be visible, unless the item was emitted before.
-pub(super) fn emit_item(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+pub(crate) fn emit_item(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
     let mesh = geometry.mesh_of(item);
     let clusters = mesh.clusters();
     if clusters.is_empty() || !visit.first_time(item) {
@@ -49,7 +49,7 @@ pub(super) fn emit_item(geometry: &Geometry, passage: &Passage, item: ItemId, vi
 }
 
 /// Emits a whole item without tests, unless it was emitted before; for an item within a fully visible box.
-pub(super) fn emit_whole(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+pub(crate) fn emit_whole(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
     if visit.first_time(item) {
         let screen_from_item = passage.screen_from(&geometry.item(item).transform());
         visit.whole(geometry, item, &screen_from_item);
@@ -57,11 +57,11 @@ pub(super) fn emit_whole(geometry: &Geometry, passage: &Passage, item: ItemId, v
 }
 
 /// Emits the openings that may be in view, unless the passage treats openings as plain holes.
-pub(super) fn emit_openings(geometry: &Geometry, passage: &Passage, visit: &mut impl Visit) {
+pub(crate) fn emit_openings(geometry: &Geometry, passage: &Passage, visit: &mut impl Visit) {
     Faces::of_openings(geometry, passage, |faces| visit.faces(faces));
 }
 
-pub(super) fn may_be_visible(
+pub(crate) fn may_be_visible(
     passage: &Passage,
     screen_from_local: &glam::DAffine3,
     bounds: &Aabb,
@@ -71,7 +71,7 @@ pub(super) fn may_be_visible(
 }
 
 /// Returns the visibility of a box; hidden if it is out of view.
-pub(super) fn box_visibility(
+pub(crate) fn box_visibility(
     passage: &Passage,
     screen_from_local: &glam::DAffine3,
     bounds: &Aabb,

@@ -1,4 +1,17 @@
-//! The camera of a look: position, direction, projection and viewport.
+//! One camera: its view (position, direction, projection, viewport), its viewer, and the passages, apertures and visible
+//! set of a look.
+
+pub(crate) mod aperture;
+pub(crate) mod canvas;
+pub(crate) mod collector;
+mod entrance;
+pub(crate) mod memory;
+pub(crate) mod opening_view;
+pub(crate) mod options;
+pub(crate) mod passage;
+pub(crate) mod region;
+pub(crate) mod viewer;
+pub(crate) mod visible;
 
 use crate::geom::{MAX_COORDINATE, is_in_range};
 use crate::ids::SectorId;

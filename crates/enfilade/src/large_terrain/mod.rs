@@ -8,7 +8,7 @@
 //! Source: original; the min/max quadtree as in Tevs, Ihrke, Seidel, Maximum Mipmaps for Fast, Accurate, and Scalable
 //!     Dynamic Height Field Rendering, I3D 2008.
 //! Cost: building reads every height once; 11 bytes of memory per block, independent of the height format.
-//! Bit-identical triangles to a [`HeightField`](super::HeightField) with the same heights.
+//! Bit-identical triangles to a [`HeightField`](crate::HeightField) with the same heights.
 
 mod heights;
 mod levels;
@@ -16,11 +16,11 @@ mod owners;
 
 pub use heights::{HeightBytes, HeightFormat, Heights};
 
-use super::{BLOCK, Diagonal, HeightFieldError, check_cell, check_size};
 use crate::geom::Aabb;
 use crate::geometry::{Alpha, Geometry, GeometryBuilder, GeometryError, MAX_OPENINGS, Material, Opening};
 use crate::ids::ItemId;
 use crate::sector::Surface;
+use crate::terrain::{BLOCK, Diagonal, HeightFieldError, check_cell, check_size};
 use glam::DVec3;
 use levels::Level;
 use std::fmt;
@@ -184,7 +184,7 @@ impl LargeTerrain {
     }
 
     /// Returns the position of a sample column (axis 0: x) or row (axis 1: z); the same bits as in a
-    /// [`HeightField`](super::HeightField).
+    /// [`HeightField`](crate::HeightField).
     fn line(&self, line: u32, axis: usize) -> f32 {
         (f64::from(line) * self.cell[axis]) as f32
     }

@@ -1,0 +1,67 @@
+//! What all JSON reports share: the destination, the scene, and how numbers are rounded.
+
+use crate::args::JsonArg;
+use crate::open::OpenedScene;
+use crate::out;
+use crate::run_files::RunFiles;
+use crate::save::Destination;
+use anyhow::{Context, Result};
+use serde::Serialize;
+
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct SceneReport {
+    pub(crate) file: String,
+    pub(crate) items: usize,
+    pub(crate) triangles: u64,
+    pub(crate) sectors: usize,
+    pub(crate) portals: usize,
+}
+
+/// Destination of the JSON report, checked to be writable before the work.
+pub(crate) enum Sink {
+    Nowhere,
+    Stdout,
+    File(Destination),
+}
+
+impl Sink {
+    /// Checks that the file can be written, and is not another file of the run.
+    pub(crate) fn new(json: &JsonArg, files: &mut RunFiles) -> Result<Sink> {
+        Ok(match &json.file {
+            None => Sink::Nowhere,
+            Some(_) if json.takes_stdout() => Sink::Stdout,
+            Some(file) => Sink::File(files.writes(file)?),
+        })
+    }
+
+    /// Writes a report to the destination.
+    pub(crate) fn write(&self, report: &impl Serialize) -> Result<()> {
+        let text = || serde_json::to_string_pretty(report).context("cannot encode the report as JSON");
+        match self {
+            Sink::Nowhere => Ok(()),
+            Sink::Stdout => out::print(&(text()? + "\n")),
+            Sink::File(file) => {
+                file.write((text()? + "\n").as_bytes())?;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl SceneReport {
+    pub(crate) fn new(opened: &OpenedScene) -> SceneReport {
+        let scene = &opened.scene;
+        SceneReport {
+            file: opened.file.clone(),
+            items: scene.item_count(),
+            triangles: scene.triangle_count(),
+            sectors: scene.sector_count(),
+            portals: scene.portals().len(),
+        }
+    }
+}
+
+/// Rounds to four decimals, so that 60 degrees print as 60, and times in ms to a tenth of a microsecond.
+pub(crate) fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}

@@ -1,0 +1,73 @@
+//! Height fields in a geometry: their blocks are items.
+
+use super::{Geometry, GeometryBuilder, GeometryError};
+use crate::geom::Transform;
+use crate::ids::{ItemId, MaterialId, MeshId};
+use crate::terrain::HeightField;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A height field in a geometry.
+#[derive(Clone, Debug)]
+pub(crate) struct Terrain {
+    pub(crate) field: Arc<HeightField>,
+    /// Item ids of its blocks.
+    pub(crate) blocks: Range<u32>,
+    /// Mesh of the first block; the other blocks' meshes follow.
+    first_mesh: MeshId,
+    pub(crate) sector_from_field: Transform,
+}
+
+impl Terrain {
+    /// Returns `true` if all blocks are still in the geometry, unchanged.
+    pub(crate) fn is_whole(&self, geometry: &Geometry) -> bool {
+        let place = self.sector_from_field.columns();
+        self.blocks.clone().zip(self.first_mesh.0..).all(|(block, mesh)| {
+            let item = geometry.items().get(block as usize);
+            item.is_some_and(|item| item.mesh == MeshId(mesh) && item.sector_from_item == place)
+        })
+    }
+}
+
+impl GeometryBuilder {
+    /// Adds the blocks of a height field as items, row after row from the north, each row from west to east. They are
+    /// named `NAME ROW COLUMN`, by block indices. Returns their ids.
+    ///
+    /// # Errors
+    /// [`GeometryError::TooManyFaces`], as [`GeometryBuilder::build`].
+    pub fn terrain(
+        &mut self,
+        name: &str,
+        field: impl Into<Arc<HeightField>>,
+        material: MaterialId,
+        sector_from_field: Transform,
+    ) -> Result<Range<ItemId>, GeometryError> {
+        let field = field.into();
+        let faces = 2 * field
+            .size()
+            .map(|side| u64::from(side - 1))
+            .iter()
+            .product::<u64>();
+        if faces > u64::from(u32::MAX) {
+            return Err(GeometryError::TooManyFaces(faces));
+        }
+        let [columns, rows] = field.blocks();
+        let mut first = None;
+        for row in 0..rows {
+            for column in 0..columns {
+                let mesh = self.mesh(field.mesh_of([column, row], material));
+                let item = self.item(&format!("{name} {row} {column}"), mesh, sector_from_field);
+                first.get_or_insert((item, mesh));
+            }
+        }
+        let (first_item, first_mesh) = first.expect("a height field has at least one block");
+        let blocks = first_item.0..first_item.0 + columns * rows;
+        self.terrains.push(Terrain {
+            field,
+            blocks: blocks.clone(),
+            first_mesh,
+            sector_from_field,
+        });
+        Ok(ItemId(blocks.start)..ItemId(blocks.end))
+    }
+}

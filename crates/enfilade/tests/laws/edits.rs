@@ -30,7 +30,7 @@ fn afresh(geometry: &Geometry) -> Geometry {
 }
 
 /// The methods without requirements, which suit any edited geometry. Baked data is valid only while walls stay (see
-/// `tests/baked_cells/`), and convex cells only while they are convex (see `tests/laws/convex/`).
+/// `tests/all/baked_cells/`), and convex cells only while they are convex (see `tests/laws/convex/`).
 static FOLLOWING: LazyLock<Vec<Method>> = LazyLock::new(|| {
     let all = Method::ALL.into_iter();
     all.filter(|method| method.requires().is_none()).collect()

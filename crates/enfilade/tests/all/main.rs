@@ -1,0 +1,16 @@
+//! Tests of the public API, beside the laws.
+
+mod architecture;
+mod baked_cells;
+mod bodies;
+mod choose;
+mod cover_size;
+mod degenerate;
+mod detail;
+mod dynamic;
+mod edits;
+mod large_terrain;
+mod limits;
+mod moved;
+mod queries;
+mod scene_errors;

@@ -1,0 +1,8 @@
+//! Tests of the readers, a folder for each format.
+
+mod gltf;
+mod golden;
+mod mixed;
+mod obj;
+mod quake;
+mod terrain;

@@ -9,6 +9,7 @@ mod degenerate;
 mod detail;
 mod dynamic;
 mod edits;
+mod known;
 mod large_terrain;
 mod limits;
 mod moved;

@@ -172,3 +172,20 @@ impl Order for BakedCellsOrder {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_of_cells_sets_its_bits_in_every_word_it_crosses() {
+        for run in [[3, 5], [0, 64], [63, 65], [70, 200], [128, 192], [191, 192]] {
+            let mut seen = [0; 4];
+            put(&mut seen, run);
+            for cell in 0..256_u32 {
+                let is_set = seen[cell as usize / 64] >> (cell % 64) & 1 == 1;
+                assert_eq!(is_set, (run[0]..run[1]).contains(&cell), "cell {cell} of {run:?}");
+            }
+        }
+    }
+}

@@ -342,6 +342,46 @@ mod tests {
     }
 
     #[test]
+    fn a_slanted_window_opens_the_samples_inside_it_and_no_other() {
+        let mut tested = 0;
+        for turn in [0.1, 0.7, 1.3, 2.9] {
+            let corners: Vec<[f64; 2]> = (0..5)
+                .map(|i| {
+                    // Clockwise on the screen, where y is down.
+                    let (sin, cos) = (turn + f64::from(i) * std::f64::consts::TAU / 5.0).sin_cos();
+                    [50.3 + 31.0 * cos, 47.9 + 17.0 * sin]
+                })
+                .collect();
+            let outline = corners.iter().map(|&[x, y]| DVec3::new(x, y, 1.0));
+            let turned_over = corners.iter().rev().map(|&[x, y]| DVec3::new(x, y, 1.0));
+            let aperture = Aperture::screen([100, 100]);
+            let aperture = aperture
+                .behind(outline, None, false)
+                .or_else(|| aperture.behind(turned_over, None, false))
+                .expect("a window in view");
+            let mut runs = Vec::new();
+            for y in 0..100_u16 {
+                aperture.open_in_row(y, &mut runs);
+                for x in 0..100_u16 {
+                    let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+                    let sides = (0..5).map(|i| {
+                        let [a, b] = [corners[i], corners[(i + 1) % 5]];
+                        (b[0] - a[0]) * (at[1] - a[1]) - (b[1] - a[1]) * (at[0] - a[0])
+                    });
+                    let least = sides.fold(f64::INFINITY, f64::min);
+                    if least.abs() < 1e-3 {
+                        continue;
+                    }
+                    let is_open = runs.iter().any(|&[x0, x1]| (x0..x1).contains(&x));
+                    assert_eq!(is_open, least > 0.0, "sample {x} {y}");
+                    tested += u32::from(is_open);
+                }
+            }
+        }
+        assert!(tested > 4000);
+    }
+
+    #[test]
     fn a_window_that_the_eye_stands_in_is_the_whole_screen() {
         for distance in [1e-2, 1e-6, 1e-12] {
             let aperture = through([0.0; 3], -distance).expect("window right in front of the eye");

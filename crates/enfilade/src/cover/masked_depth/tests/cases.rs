@@ -51,6 +51,27 @@ fn a_wall_hides_what_is_behind_it_and_nothing_else() {
 }
 
 #[test]
+fn a_rectangle_at_the_stored_depth_of_a_sample_is_seen_and_one_behind_it_is_not() {
+    let passage = square(64);
+    // Two layers in some tiles.
+    let panes = [([0.0, 0.0, 64.0, 64.0], 7.0), ([20.0, 9.0, 47.0, 40.0], 3.0)];
+    let panes = panes.map(|(rect, distance)| pane(&passage, rect, distance));
+    let cover = covered(&passage, &panes);
+    let mut seen = Vec::new();
+    for (x, y) in samples(passage.aperture.rect()) {
+        let stored = cover.rev_depth_at(x, y);
+        let rect = Rect {
+            x0: x,
+            y0: y,
+            x1: x + 1,
+            y1: y + 1,
+        };
+        cover.sees_rects(&[(rect, stored), (rect, stored.next_down())], &mut seen);
+        assert_eq!(seen, [true, false], "sample {x} {y}");
+    }
+}
+
+#[test]
 fn what_is_as_near_as_an_occluder_is_seen() {
     for distance in [0.013, 0.3, 5.0, 777.7, 1e5, 3e8] {
         let passage = square(97);

@@ -231,7 +231,6 @@ impl Octree {
     /// Like [`Octree::walk`], but `visit` may also accept a subtree as a whole ([`Enter::All`]): none of its nodes is
     /// visited, and `visit` gets `true` with each of its primitives.
     pub(crate) fn walk_by(&self, eye: [f64; 3], mut visit: impl FnMut(Step, bool) -> Enter) {
-        const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
         // At most seven siblings are pending on each level.
         let mut pending = [(0_u32, false); 7 * MAX_DEPTH as usize + 8];
         let mut count = usize::from(self.root().is_some());
@@ -249,16 +248,23 @@ impl Octree {
             for &thing in self.things.get(node.things) {
                 visit(Step::Thing(thing), all);
             }
-            let octant: usize = (0..3)
-                .map(|axis| usize::from(eye[axis] > f64::from(node.center[axis])) << axis)
-                .sum();
-            for step in FRONT_TO_BACK.into_iter().rev() {
-                let child = octant ^ step;
-                if node.children >> child & 1 == 1 {
-                    let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
-                    pending[count] = (node.first_child + before, all);
-                    count += 1;
-                }
+            self.each_child_back_to_front(node, eye, &mut |child| {
+                pending[count] = (child, all);
+                count += 1;
+            });
+        }
+    }
+
+    fn each_child_back_to_front(&self, node: &Node, eye: [f64; 3], each: &mut dyn FnMut(u32)) {
+        const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
+        let octant: usize = (0..3)
+            .map(|axis| usize::from(eye[axis] > f64::from(node.center[axis])) << axis)
+            .sum();
+        for step in FRONT_TO_BACK.into_iter().rev() {
+            let child = octant ^ step;
+            if node.children >> child & 1 == 1 {
+                let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
+                each(node.first_child + before);
             }
         }
     }

@@ -101,6 +101,7 @@ mod mesh;
 mod method;
 mod occluders;
 mod query;
+mod random;
 mod ranked;
 mod raster;
 mod scene;

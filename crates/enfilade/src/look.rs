@@ -9,7 +9,7 @@ use crate::view::View;
 use crate::view::canvas::{Canvas, Span};
 use crate::view::collector::{CollectedItem, CollectedOpening, Collector};
 use crate::view::memory::Memory;
-use crate::view::options::Limits;
+use crate::view::options::ViewerOptions;
 use crate::view::passage::Passage;
 use crate::view::region::Region;
 use crate::view::viewer::Viewer;
@@ -26,7 +26,6 @@ impl Viewer {
     #[doc(alias = "occlusion query")]
     #[doc(alias = "determine visibility")]
     pub fn look(&mut self, scene: &Scene, view: &View) -> &VisibleSet {
-        self.set_options(view);
         self.run(scene, view, None);
         &self.set
     }
@@ -34,9 +33,8 @@ impl Viewer {
     /// Draws a view to `canvas`, and returns its visible set as [`Viewer::look`] does.
     #[doc(alias = "render")]
     pub fn draw(&mut self, scene: &Scene, view: &View, canvas: &mut dyn Canvas) -> &VisibleSet {
-        self.set_options(view);
-        let (options, mut sectors) = (&self.memory.options, scene.sectors());
-        if sectors.all(|id| !scene.sector(id).draws_what_was_gathered(options)) {
+        let (options, mut sectors) = (self.options_for(view), scene.sectors());
+        if sectors.all(|id| !scene.sector(id).draws_what_was_gathered(&options)) {
             self.run(scene, view, Some(canvas));
         } else {
             self.run(scene, view, None);
@@ -60,7 +58,7 @@ impl Viewer {
         self.memory.recall.begin_look();
         let look = Look {
             scene,
-            limits: self.options.limits,
+            options: self.options_for(view),
             memory: &mut self.memory,
             set: &mut self.set,
             entered: &mut self.entered,
@@ -79,7 +77,7 @@ impl Viewer {
         by_chain.sort_unstable_by_key(|(_, passage)| passage.chain);
         let look = Look {
             scene,
-            limits: self.options.limits,
+            options: self.options_for(view),
             memory: &mut self.memory,
             set: &mut self.painted,
             entered: &mut self.entered,
@@ -114,7 +112,7 @@ impl Gathered<'_> {
 /// The state of one look in progress.
 struct Look<'a> {
     scene: &'a Scene,
-    limits: Limits,
+    options: ViewerOptions,
     memory: &'a mut Memory,
     set: &'a mut VisibleSet,
     entered: &'a mut Vec<(PassageId, Collector)>,
@@ -138,7 +136,8 @@ impl Look<'_> {
         // `follow` clears it if a limit is hit.
         self.set.complete = sector.is_some();
         if let Some(sector) = sector {
-            let root = Passage::at_the_eye(view, sector, self.scene.is_flat());
+            let mut root = Passage::at_the_eye(view, sector, self.scene.is_flat());
+            root.options = self.options;
             self.go_through(root);
         }
     }
@@ -166,7 +165,7 @@ impl Look<'_> {
     /// Gathers the items visible through a passage, and draws its opaque faces. Its openings are followed next.
     fn pass(&mut self, passage: Passage) {
         let scene = self.scene;
-        let own = scene.sector(passage.sector).contract(&self.memory.options);
+        let own = scene.sector(passage.sector).contract(&self.options);
         let id = PassageId(self.set.passages.len() as u32);
         self.set
             .passages
@@ -178,7 +177,7 @@ impl Look<'_> {
         self.enter(id);
         let passage = self.set.passage(id);
         if let Some(gathered) = &self.gathered
-            && sector.draws_what_was_gathered(&self.memory.options)
+            && sector.draws_what_was_gathered(&self.options)
             && let Some(same) = gathered.id(passage.chain)
         {
             seen.report_again(gathered.set, same);
@@ -280,8 +279,8 @@ impl Look<'_> {
             self.paint_closed(id, seen);
             return None;
         };
-        let full = self.set.passages.len() >= self.limits.max_passages as usize;
-        if full || passage.crossings >= self.limits.max_crossings {
+        let full = self.set.passages.len() >= self.options.limits.max_passages as usize;
+        if full || passage.crossings >= self.options.limits.max_crossings {
             self.set.complete = false;
             self.paint_closed(id, seen);
             return None;

@@ -107,7 +107,7 @@ fn main() {
 /// random place in it, and 128 to 224 units high.
 fn grid_of_rooms(side: u32) -> Cells {
     const ROOM: f64 = 256.0;
-    let mut state = 1;
+    let mut random = fastrand::Rng::with_seed(1);
     let mut portals = Vec::new();
     let rooms = (0..side).flat_map(|y| (0..side).map(move |x| [x, y]));
     for ([x, y], is_across) in rooms.flat_map(|room| [(room, true), (room, false)]) {
@@ -115,9 +115,9 @@ fn grid_of_rooms(side: u32) -> Cells {
         if next_x == side || next_y == side {
             continue;
         }
-        let width = (ROOM * (0.5 + 0.4 * unit(&mut state))).round();
-        let start = ((ROOM - width) * unit(&mut state)).round();
-        let top = 128.0 + (96.0 * unit(&mut state)).round();
+        let width = (ROOM * (0.5 + 0.4 * random.f64())).round();
+        let start = ((ROOM - width) * random.f64()).round();
+        let top = 128.0 + (96.0 * random.f64()).round();
         let (left, right) = (start, start + width);
         // Counter-clockwise about the direction from the room to the next.
         let corners = if is_across {
@@ -145,13 +145,4 @@ fn grid_of_rooms(side: u32) -> Cells {
         });
     }
     Cells::new(side * side, portals).expect("flat convex doors")
-}
-
-/// SplitMix64, 0 to 1.
-fn unit(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut mixed = *state;
-    mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }

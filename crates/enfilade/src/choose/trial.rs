@@ -138,7 +138,7 @@ impl MethodTrial {
 
     fn draw(&mut self, passage: &Passage) {
         self.canvas.enter(PassageId(0), passage);
-        if self.sector.draws_what_was_gathered(&self.memory.options) {
+        if self.sector.draws_what_was_gathered(&passage.options) {
             self.seen.clear(false);
             self.sector.gather(passage, &mut self.memory, &mut self.seen);
             self.seen.keep_items_alone();

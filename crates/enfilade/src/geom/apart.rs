@@ -74,6 +74,7 @@ fn of_segments([p, p_end]: [DVec3; 2], [q, q_end]: [DVec3; 2]) -> [DVec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Dice;
 
     const TRIANGLE: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::Y];
 
@@ -97,16 +98,9 @@ mod tests {
 
     #[test]
     fn no_pair_of_points_is_nearer() {
-        let mut state = 1_u64;
-        let mut number = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5
-        };
+        let mut dice = Dice::new(1);
         for _ in 0..2000 {
-            let mut point = || DVec3::new(number(), number(), number());
-            let [p, q, a, b, c] = [(); 5].map(|()| point());
+            let [p, q, a, b, c] = [(); 5].map(|()| dice.point(0.5));
             let [near, on] = nearest_points([p, q], [a, b, c]);
             for i in 0..=20 {
                 let s = f64::from(i) / 20.0;

@@ -2,6 +2,7 @@
 
 use super::DELTA_PX;
 use super::bundle::Bundle;
+use crate::random::SplitMix;
 use crate::view::View;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
@@ -11,23 +12,9 @@ pub(super) const RAYS: usize = 5;
 /// Random positions of a pixel that are traced as one bundle.
 pub(super) const POSITIONS: usize = 16;
 
-/// Random numbers, reproducible by seed. Source: Steele, Lea, Flood. Fast Splittable Pseudorandom Number Generators.
-/// 2014.
-pub(super) struct Random(u64);
-
-impl Random {
-    /// Creates the generator for pixel (x, y).
-    pub(super) fn new(seed: u64, [x, y]: [u32; 2]) -> Random {
-        Random(seed ^ u64::from(x) << 40 ^ u64::from(y) << 20)
-    }
-
-    /// Returns the next number, 0 to 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((mixed ^ mixed >> 31) >> 11) as f64 / (1_u64 << 53) as f64
-    }
+/// Returns the random numbers of pixel (x, y).
+pub(super) fn of_pixel(seed: u64, [x, y]: [u32; 2]) -> SplitMix {
+    SplitMix(seed ^ u64::from(x) << 40 ^ u64::from(y) << 20)
 }
 
 /// Computes ray directions from one 4×4 matrix, derived from the documentation of [`View`] alone.
@@ -82,9 +69,9 @@ impl Lens {
 
     /// Returns rays through the next `used` random positions in pixel (x, y). The remaining rays are copies of the
     /// first.
-    pub(super) fn anywhere(&self, [x, y]: [u32; 2], used: usize, chance: &mut Random) -> Bundle<POSITIONS> {
+    pub(super) fn anywhere(&self, [x, y]: [u32; 2], used: usize, chance: &mut SplitMix) -> Bundle<POSITIONS> {
         let mut place = || {
-            let [dx, dy] = [(); 2].map(|()| chance.next());
+            let [dx, dy] = [(); 2].map(|()| chance.fraction());
             self.direction(f64::from(x) + dx, f64::from(y) + dy)
         };
         let mut directions = [place(); POSITIONS];

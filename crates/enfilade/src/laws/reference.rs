@@ -5,7 +5,7 @@ use super::bundle::Bundle;
 use super::chains::{Chain, ChainId, Chains};
 use super::hits::Hits;
 use super::layers::{Layers, Pane};
-use super::lens::{Lens, POSITIONS, RAYS, Random};
+use super::lens::{Lens, POSITIONS, RAYS, of_pixel};
 use super::openings::Entered;
 use super::sector::sector_of_eye;
 use super::tree::{Meeting, MeshTrees, Trees};
@@ -68,7 +68,7 @@ impl Reference {
             view,
             limits,
             |tracer, pixel, row: &mut RowTruth| {
-                let mut chance = Random::new(seed, pixel);
+                let mut chance = of_pixel(seed, pixel);
                 let mut left = places as usize;
                 while left > 0 {
                     // Rays of one pixel traverse the same AABBs; tracing them as a bundle is faster.

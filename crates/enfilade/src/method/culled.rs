@@ -131,7 +131,7 @@ impl<O: Order, C: Hides> Culled<O, C> {
     /// Clears a cover and rasterizes the best occluders into it, up to the budget.
     fn fill(&self, geometry: &Geometry, cover: &mut C, passage: &Passage, memory: &mut Memory) {
         cover.clear(passage);
-        let budget = memory.options.occluders.unwrap_or(C::OCCLUDERS) as usize;
+        let budget = passage.options.occluders.unwrap_or(C::OCCLUDERS) as usize;
         if budget == 0 {
             return;
         }
@@ -167,7 +167,7 @@ impl<O: Order, C: Hides> Culled<O, C> {
         self.fill(geometry, cover, passage, memory);
         // A cover that takes faces is traversed by one thread: what its faces hide depends on the order in which they
         // are rasterized, so the visible set would depend on the number of threads.
-        if !C::TAKES_FACES && memory.threads() > 1 {
+        if !C::TAKES_FACES && passage.threads() > 1 {
             find_by_shares(order, geometry, passage, cover, memory, seen);
             return;
         }

@@ -149,7 +149,7 @@ impl<M: CoarseCombination> Combination for InCells<M> {
         memory: &mut Memory,
         seen: &mut Collector,
     ) {
-        match memory.options.cover_size {
+        match passage.options.cover_size {
             Some(cells) => Self::look(order, geometry, cells, passage, memory, seen, None),
             None => self.0.gather(order, geometry, passage, memory, seen),
         }
@@ -164,7 +164,7 @@ impl<M: CoarseCombination> Combination for InCells<M> {
         seen: &mut Collector,
         canvas: &mut dyn Canvas,
     ) {
-        let Some(cells) = memory.options.cover_size else {
+        let Some(cells) = passage.options.cover_size else {
             return self.0.draw(order, geometry, passage, memory, seen, canvas);
         };
         draw_gathered(geometry, passage, memory, seen, canvas);

@@ -93,7 +93,7 @@ impl Sector for LargeTerrain {
     }
 
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
-        let strips = strips::count(passage, memory);
+        let strips = strips::count(passage);
         if strips > 1 {
             look_in_strips(strips, self, passage, memory, seen, |strip, memory, seen| {
                 self.look(strip, memory, seen, None);

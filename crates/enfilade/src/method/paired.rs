@@ -89,7 +89,7 @@ impl<O: Order, C: Paints> Paired<O, C> {
         canvas: Option<&mut dyn Canvas>,
     ) {
         let size = geometry.bounds().longest_side();
-        let primes = C::PRIMES && memory.options.coherence;
+        let primes = C::PRIMES && passage.options.coherence;
         let last = if primes {
             memory.recall.seen_last(passage, size)
         } else {
@@ -100,7 +100,7 @@ impl<O: Order, C: Paints> Paired<O, C> {
         let strips = if canvas.is_some() {
             1
         } else {
-            strips::count(passage, memory)
+            strips::count(passage)
         };
         if strips > 1 {
             look_in_strips(strips, geometry, passage, memory, seen, |strip, memory, seen| {

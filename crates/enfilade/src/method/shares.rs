@@ -44,7 +44,7 @@ pub(super) fn find_by_shares<O: Order, C: Hides>(
     memory: &mut Memory,
     seen: &mut Collector,
 ) {
-    let parts = PER_THREAD * memory.threads();
+    let parts = PER_THREAD * passage.threads();
     let mut scratch = memory.take::<O::Scratch>();
     let mut found = memory.take::<FoundSet>();
     let mut shares = memory.take::<Shares<O, C>>();

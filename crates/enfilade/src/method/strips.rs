@@ -44,8 +44,8 @@ struct Strip {
 }
 
 /// Returns the number of strips to split a passage into; 1 for no split.
-pub(super) fn count(passage: &Passage, memory: &Memory) -> usize {
-    let threads = memory.threads();
+pub(super) fn count(passage: &Passage) -> usize {
+    let threads = passage.threads();
     if threads == 1 {
         return 1;
     }

@@ -168,6 +168,7 @@ impl Boxes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Dice;
 
     /// [`Scene::locate`](super::super::Scene::locate) as documented, by brute force over all boxes.
     fn by_brute_force(boxes: &[Aabb], point: [f32; 3], toward: [f32; 3]) -> Option<SectorId> {
@@ -197,15 +198,14 @@ mod tests {
             .or_else(|| (!boxes.is_empty()).then_some(SectorId(0)))
     }
 
-    /// Returns deterministic pseudo-random whole numbers, so that boxes touch and coincide.
-    fn whole(state: &mut u64, below: u64) -> f32 {
-        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        ((*state >> 40) % below) as f32
+    /// Returns whole numbers, so that boxes touch and coincide.
+    fn whole(dice: &mut Dice, below: usize) -> f32 {
+        dice.below(below) as f32
     }
 
-    fn random_box(state: &mut u64) -> Aabb {
-        let min = [0; 3].map(|_| whole(state, 12));
-        let size = [0; 3].map(|_| whole(state, 4));
+    fn random_box(dice: &mut Dice) -> Aabb {
+        let min = [0; 3].map(|_| whole(dice, 12));
+        let size = [0; 3].map(|_| whole(dice, 4));
         if size == [3.0; 3] {
             return Aabb::EMPTY;
         }
@@ -217,17 +217,17 @@ mod tests {
 
     #[test]
     fn a_point_stands_where_asking_every_box_says_also_after_boxes_have_changed() {
-        let mut state = 1;
+        let mut dice = Dice::new(1);
         for count in [0, 1, 7, 300] {
-            let mut now: Vec<Aabb> = (0..count).map(|_| random_box(&mut state)).collect();
+            let mut now: Vec<Aabb> = (0..count).map(|_| random_box(&mut dice)).collect();
             if count > 7 {
                 let open_above = now.iter_mut().step_by(5).filter(|bounds| !bounds.is_empty());
                 open_above.for_each(|bounds| bounds.max[1] = f32::INFINITY);
             }
             let mut boxes = Boxes::new(now.clone());
             for round in 0..300 {
-                let mut point = [0; 3].map(|_| whole(&mut state, 40) * 0.5 - 3.0);
-                let toward = [0; 3].map(|_| whole(&mut state, 9) - 4.0);
+                let mut point = [0; 3].map(|_| whole(&mut dice, 40) * 0.5 - 3.0);
+                let toward = [0; 3].map(|_| whole(&mut dice, 9) - 4.0);
                 if round % 50 == 0 {
                     point[round / 50 % 3] = [f32::NAN, f32::INFINITY][round / 50 % 2];
                 }
@@ -235,7 +235,7 @@ mod tests {
                 assert_eq!(boxes.locate(point, toward), expected, "{count} boxes, {point:?}");
                 if round % 10 == 0 && count > 0 {
                     let changed = round / 10 % count;
-                    now[changed] = random_box(&mut state);
+                    now[changed] = random_box(&mut dice);
                     boxes.change(SectorId(changed as u32), now[changed]);
                 }
             }

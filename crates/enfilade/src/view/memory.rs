@@ -2,10 +2,8 @@
 
 use crate::ids::ItemId;
 use crate::stats::Stats;
-use crate::threads;
 use crate::view::aperture::Rows;
 use crate::view::collector::{GlassSample, ReportBuffers};
-use crate::view::options::ViewerOptions;
 use crate::view::passage::Passage;
 use glam::DVec3;
 use std::any::{Any, TypeId};
@@ -27,8 +25,6 @@ pub struct Memory {
     pub(crate) spare_report: ReportBuffers,
     /// Counters of the current look.
     pub stats: Stats,
-    /// Options of the current look. The cover size is `None` if it is that of the screen.
-    pub options: ViewerOptions,
     /// Whether the canvas wants the test counts of covers ([`Canvas::wants_work`](crate::Canvas::wants_work)).
     pub(crate) trace: bool,
 }
@@ -44,15 +40,6 @@ impl Memory {
             .position(|(kind, _)| *kind == TypeId::of::<T>());
         let kept = place.map(|place| self.scratch.swap_remove(place).1);
         kept.and_then(|any| any.downcast().ok()).unwrap_or_default()
-    }
-
-    /// Returns the number of threads that may work on a passage.
-    pub(crate) fn threads(&self) -> usize {
-        if self.options.parallel {
-            threads::count()
-        } else {
-            1
-        }
     }
 
     /// Stores a buffer for the next [`Memory::take`] of its type.

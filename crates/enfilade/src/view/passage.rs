@@ -5,9 +5,11 @@ use crate::contract::Contract;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
 use crate::geometry::Geometry;
 use crate::ids::{OpeningId, PassageId, PortalId, SectorId};
+use crate::threads;
 use crate::view::aperture::{Aperture, CellRoom, Rect, Rows};
 use crate::view::entrance::Entrance;
 use crate::view::opening_view::{OpeningView, may_touch_eye};
+use crate::view::options::ViewerOptions;
 use crate::view::region::{Clip, Region, Volume};
 use fearless_simd::Level;
 use glam::{DAffine3, DMat3, DVec3};
@@ -41,6 +43,8 @@ pub struct Passage {
     pub near: f32,
     /// Size of the whole screen, in pixels.
     pub size: [u32; 2],
+    /// Options of the look. The cover size is `None` if it is that of the screen.
+    pub options: ViewerOptions,
     /// Whether no portal is followed and openings are empty holes (`Scene::without_portals`).
     pub(crate) flat: bool,
     /// Whether to compute visibility for any sample position in a pixel, not for the pixel centre only.
@@ -75,6 +79,7 @@ impl Passage {
             aperture: Aperture::screen(view.size),
             near: view.near,
             size: view.size,
+            options: ViewerOptions::default(),
             flat,
             any_place: false,
             chain: u64::from(sector.0),
@@ -111,6 +116,7 @@ impl Passage {
             aperture,
             near: self.near,
             size: self.size,
+            options: self.options,
             flat: self.flat,
             any_place: false,
             chain: self.chain_through(portal),
@@ -121,6 +127,15 @@ impl Passage {
             entry: Some(view.plane()),
             entrance: Some(Entrance::new(outline, there_from_here)),
         })
+    }
+
+    /// Returns the number of threads that may work on this passage.
+    pub(crate) fn threads(&self) -> usize {
+        if self.options.parallel {
+            threads::count()
+        } else {
+            1
+        }
     }
 
     /// Returns the hash of this chain extended by a portal.
@@ -175,6 +190,7 @@ impl Passage {
             aperture,
             near: self.near,
             size: self.size,
+            options: self.options,
             flat: self.flat,
             any_place: self.any_place,
             chain: self.chain,

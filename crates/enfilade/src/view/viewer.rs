@@ -54,13 +54,13 @@ impl Viewer {
         &self.memory.stats
     }
 
-    /// Copies the options to the memory, with the cover size that this view allows.
-    pub(crate) fn set_options(&mut self, view: &View) {
+    /// Returns the options, with the cover size that a view allows.
+    pub(crate) fn options_for(&self, view: &View) -> ViewerOptions {
         let clamp = |size: [u32; 2]| [0, 1].map(|axis| size[axis].clamp(1, view.size[axis].max(1)));
         let cover_size = self.options.cover_size.map(clamp);
-        self.memory.options = ViewerOptions {
+        ViewerOptions {
             cover_size: cover_size.filter(|&cells| cells != view.size),
             ..self.options
-        };
+        }
     }
 }

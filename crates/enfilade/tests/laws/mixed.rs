@@ -24,12 +24,9 @@ fn mixed(scene: &Scene, contracts: &[Contract], seed: u64) -> Scene {
         .filter(|method| scene.suits(*method) && contracts.contains(&method.contract()))
         .collect();
     let mut scene = scene.clone();
-    let mut state = seed;
+    let mut random = fastrand::Rng::with_seed(seed);
     for sector in scene.sectors() {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        let method = pool[(state >> 33) as usize % pool.len()];
+        let method = pool[random.usize(..pool.len())];
         let builds = scene.builds(sector);
         scene
             .set_method(sector, method)

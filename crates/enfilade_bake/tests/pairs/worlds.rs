@@ -3,22 +3,17 @@
 use enfilade_bake::{Cells, Portal, Witness};
 use glam::DVec3;
 
-/// A pseudorandom number generator.
-pub(crate) struct Random(u64);
+/// Random numbers, reproducible by seed.
+pub(crate) struct Random(fastrand::Rng);
 
 impl Random {
     pub(crate) fn new(seed: u64) -> Random {
-        Random(seed * 2 + 1)
+        Random(fastrand::Rng::with_seed(seed))
     }
 
     /// Returns a number in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        let mixed = (self.0 ^ self.0 >> 31).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        (mixed >> 11) as f64 / (1u64 << 53) as f64
+        self.0.f64()
     }
 }
 

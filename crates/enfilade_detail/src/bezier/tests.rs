@@ -5,19 +5,6 @@ use std::collections::HashMap;
 
 const CLAY: MaterialId = MaterialId(0);
 
-/// Returns reproducible random numbers, 0 to 1.
-struct Chance(u64);
-
-impl Chance {
-    fn unit(&mut self) -> f32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1_u64 << 24) as f32
-    }
-}
-
 /// Returns a patch of revolution around the y axis: one of four quarters, and a profile of radius and height.
 fn turned(profile: [[f32; 2]; 4], quarter: usize) -> BezierPatch {
     // The usual cubic approximation of a quarter circle.
@@ -180,14 +167,14 @@ fn on_patch(patch: &BezierPatch, [u, v]: [f64; 2]) -> DVec3 {
 
 #[test]
 fn no_point_of_a_surface_is_farther_from_its_mesh_than_the_error_says() {
-    let mut chance = Chance(5);
+    let mut random = fastrand::Rng::with_seed(5);
     let mut tight = 0.0_f64;
     for round in 0..12 {
         // Two patches that share an edge; the second has more curvature.
         let mut first = [[0.0; 3]; 16];
         for (number, point) in first.iter_mut().enumerate() {
             let around = [(number % 4) as f32, (number / 4) as f32, 0.0];
-            *point = around.map(|value| value + chance.unit() - 0.5);
+            *point = around.map(|value| value + random.f32() - 0.5);
         }
         let mut second = first;
         for (number, point) in second.iter_mut().enumerate() {
@@ -195,7 +182,7 @@ fn no_point_of_a_surface_is_farther_from_its_mesh_than_the_error_says() {
             *point = if u == 0 {
                 first[4 * v + 3]
             } else {
-                [3.0 + u as f32, v as f32, 0.0].map(|value| value + 4.0 * (chance.unit() - 0.5))
+                [3.0 + u as f32, v as f32, 0.0].map(|value| value + 4.0 * (random.f32() - 0.5))
             };
         }
         let patches = [first, second];
@@ -208,8 +195,8 @@ fn no_point_of_a_surface_is_farther_from_its_mesh_than_the_error_says() {
                 .collect();
             let mut worst = 0.0_f64;
             for _ in 0..200 {
-                let patch = &patches[usize::from(chance.unit() < 0.5)];
-                let point = on_patch(patch, [f64::from(chance.unit()), f64::from(chance.unit())]);
+                let patch = &patches[usize::from(random.f32() < 0.5)];
+                let point = on_patch(patch, [random.f64(), random.f64()]);
                 let off = triangles
                     .iter()
                     .map(|&triangle| distance(point, triangle))

@@ -1,20 +1,7 @@
 //! Random walks through the built-in scenes: no body leaks through an edge or a corner, and its sector stays correct.
 
 use enfilade::{Location, Ray, Scene, SectorId, Transform};
-use enfilade_scenes::{BuiltIn, built_in};
-
-/// A fixed pseudorandom sequence. Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014.
-struct Random(u64);
-
-impl Random {
-    /// Returns a number from −1 to 1.
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((mixed ^ mixed >> 31) >> 40) as f32 / (1_u64 << 23) as f32 - 1.0
-    }
-}
+use enfilade_scenes::{BuiltIn, Random, built_in};
 
 /// Returns the sectors whose bounds contain a position, within a small tolerance, without using portals.
 fn holders(scene: &Scene, position: [f32; 3]) -> Vec<SectorId> {
@@ -34,10 +21,10 @@ fn wander(
     seed: u64,
     check: impl Fn(&Location, &Location),
 ) -> usize {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let (mut place, mut crossings) = (from, 0);
     for step in 0..steps {
-        let mut direction: [f32; 3] = std::array::from_fn(|_| random.next());
+        let mut direction: [f32; 3] = random.point(1.0);
         // Courts have no roof: come down again from this height.
         if place.position[1] > 4.0 {
             direction[1] = -direction[1].abs();
@@ -128,7 +115,7 @@ fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
     // A block of 3 × 3 × 3 rooms with openings on all sides: every inner edge is shared by four openings, every corner
     // by eight rooms.
     let scene = honeycomb();
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let mut place = Location {
         sector: SectorId(13),
         position: [1.5; 3],
@@ -138,7 +125,7 @@ fn steps_through_edges_and_corners_of_neighbouring_openings_never_leak() {
         // Multiples of a quarter hit planes, edges and corners exactly.
         let mut end = place
             .position
-            .map(|value| value + (random.next() * 8.0).round() * 0.25);
+            .map(|value| value + (random.between(-1.0, 1.0) * 8.0).round() * 0.25);
         for value in &mut end {
             *value = value.clamp(0.25, 2.75);
         }

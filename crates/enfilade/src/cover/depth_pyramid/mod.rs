@@ -324,6 +324,7 @@ impl Sink for Depths {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Dice;
     use crate::geom::Transform;
     use crate::geometry::{GeometryBuilder, Material};
     use crate::ids::SectorId;
@@ -331,20 +332,10 @@ mod tests {
     use crate::mesh::Mesh;
     use crate::view::View;
 
-    /// Pseudo-random numbers from 0 to 1; deterministic for each seed.
-    fn dice(seed: u32) -> impl FnMut() -> f32 {
-        let mut state = seed.wrapping_mul(0x9E37_79B9) | 1;
-        move || {
-            state ^= state << 13;
-            state ^= state >> 17;
-            state ^= state << 5;
-            (state >> 8) as f32 / (1 << 24) as f32
-        }
-    }
-
     /// A pyramid over 77×43 samples with random triangles in front of the eye, added by index.
     fn pyramid(seed: u32) -> DepthPyramid {
-        let mut roll = dice(seed);
+        let mut dice = Dice::new(u64::from(seed));
+        let mut roll = || dice.roll() as f32;
         let corners = 3 * (2 + seed % 20);
         let positions: Vec<[f32; 3]> = (0..corners)
             .map(|_| [9.0 * roll() - 4.5, 6.0 * roll() - 3.0, -0.5 - 5.0 * roll()])
@@ -375,7 +366,8 @@ mod tests {
         let mut hidden = 0;
         for seed in 0..60 {
             let mut cover = pyramid(seed);
-            let mut roll = dice(seed + 1000);
+            let mut dice = Dice::new(u64::from(seed) + 1000);
+            let mut roll = || dice.roll() as f32;
             let deepest = (0..43).flat_map(|y| (0..77).map(move |x| (x, y)));
             let depths: Vec<u32> = deepest.map(|(x, y)| cover.depths.tiles.depth(x, y)).collect();
             for _ in 0..300 {

@@ -157,17 +157,15 @@ impl Sample {
 mod tests {
     use super::super::side::{Plane, Side};
     use super::*;
+    use crate::chance::Dice;
     use crate::simd::dispatch;
     use fearless_simd::Level;
 
     #[test]
     fn eight_abreast_lie_where_one_by_one_they_do() {
         // Polygons of three to six corners on a coarse grid, so that many touch the planes.
-        let mut state = 1_u32;
-        let mut next = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 29) - 3.5
-        };
+        let mut dice = Dice::new(1);
+        let mut next = move || dice.below(8) as f64 - 3.5;
         let mut polygon = |i: usize| -> Vec<DVec3> {
             let level = next();
             let corner = |_| DVec3::new(next(), next(), if i.is_multiple_of(3) { level } else { next() });

@@ -71,7 +71,7 @@ fn place_in_the_open(surveyor: &mut Surveyor, geometry: &Geometry, item: ItemId)
         [u, v] = [1.0 - u, 1.0 - v];
     }
     let start = corner(0) * (1.0 - u - v) + corner(last - 1) * u + corner(last) * v;
-    let direction = dice.direction();
+    let direction = super::direction(dice);
     let size = f64::from(geometry.bounds().longest_side());
     // Off the surface by what f32 loses, so that the ray does not end where it begins.
     let start = start + direction * (1e-5 * size);

@@ -1,8 +1,9 @@
 //! Numerically hard camera positions: in portals, on vertices, on edges and in planes of faces.
 
-use super::{Dice, SurveyView};
+use super::{SurveyView, direction};
 use crate::geometry::Geometry;
 use crate::ids::{ItemId, SectorId};
+use crate::random::SplitMix;
 use crate::scene::Scene;
 use glam::DVec3;
 
@@ -20,7 +21,7 @@ pub fn survey_hard(scene: &Scene, count: usize) -> Vec<SurveyView> {
         .filter_map(|id| scene.geometry(id).map(|geometry| (id, &**geometry)))
         .filter(|(_, geometry)| geometry.face_count() > 0)
         .collect();
-    let mut dice = Dice(0x6861_7264);
+    let mut dice = SplitMix(0x6861_7264);
     let mut found = Vec::new();
     for number in 0..TRIES * count {
         if found.len() == count || geometries.is_empty() {
@@ -61,7 +62,7 @@ enum FacePart {
 }
 
 /// Returns an eye in or next to an opening, and a target through it, along its plane or in a random direction.
-fn in_opening(geometry: &Geometry, dice: &mut Dice) -> Option<[DVec3; 2]> {
+fn in_opening(geometry: &Geometry, dice: &mut SplitMix) -> Option<[DVec3; 2]> {
     let openings = geometry.openings();
     if openings.is_empty() {
         return None;
@@ -82,14 +83,14 @@ fn in_opening(geometry: &Geometry, dice: &mut Dice) -> Option<[DVec3; 2]> {
         0 => -normal,
         1 => normal,
         2 => along,
-        _ => dice.direction(),
+        _ => direction(dice),
     };
     Some([eye, eye + ahead * size])
 }
 
 /// Returns an eye on a vertex, on an edge or in the plane of a face, and a target in that plane or in a random
 /// direction.
-fn at_face(geometry: &Geometry, dice: &mut Dice, place: FacePart) -> Option<[DVec3; 2]> {
+fn at_face(geometry: &Geometry, dice: &mut SplitMix, place: FacePart) -> Option<[DVec3; 2]> {
     let item = ItemId(dice.below(geometry.items().len()) as u32);
     let mesh = geometry.mesh_of(item);
     if mesh.face_count() == 0 {
@@ -113,7 +114,7 @@ fn at_face(geometry: &Geometry, dice: &mut Dice, place: FacePart) -> Option<[DVe
     let toward = match dice.below(3) {
         0 => b,
         1 => middle,
-        _ => eye + dice.direction() * a.distance(c),
+        _ => eye + direction(dice) * a.distance(c),
     };
     Some([eye, toward])
 }

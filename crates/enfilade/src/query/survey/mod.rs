@@ -22,6 +22,7 @@ use super::ray::RayEnd;
 use crate::geom::{Aabb, Step, nearest_points};
 use crate::geometry::Geometry;
 use crate::ids::{ItemId, SectorId};
+use crate::random::SplitMix;
 use crate::scene::Scene;
 use crate::sector::{Hit, Ray};
 use floors::{Floor, Floors, Kind};
@@ -131,7 +132,7 @@ struct Surveyor<'a> {
     scene: &'a Scene,
     geometries: Vec<(SectorId, &'a Geometry)>,
     metre: f64,
-    dice: Dice,
+    dice: SplitMix,
     budget: RayBudget,
 }
 
@@ -145,7 +146,7 @@ impl<'a> Surveyor<'a> {
             scene,
             geometries,
             metre: 1.0,
-            dice: Dice(seed),
+            dice: SplitMix(seed),
             budget: RayBudget::default(),
         }
     }
@@ -538,34 +539,11 @@ fn spread(i: usize) -> DVec3 {
     DVec3::new(radius * around.cos(), height, radius * around.sin())
 }
 
-/// SplitMix64: Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014.
-struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ z >> 31
-    }
-
-    /// Returns a random number in [0, 1).
-    fn fraction(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Returns a random integer in 0..`end`; `end` must be above 0.
-    fn below(&mut self, end: usize) -> usize {
-        (self.fraction() * end as f64) as usize
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        let height = 2.0 * self.fraction() - 1.0;
-        let around = std::f64::consts::TAU * self.fraction();
-        let radius = (1.0 - height * height).sqrt();
-        DVec3::new(radius * around.cos(), height, radius * around.sin())
-    }
+fn direction(dice: &mut SplitMix) -> DVec3 {
+    let height = 2.0 * dice.fraction() - 1.0;
+    let around = std::f64::consts::TAU * dice.fraction();
+    let radius = (1.0 - height * height).sqrt();
+    DVec3::new(radius * around.cos(), height, radius * around.sin())
 }
 
 #[cfg(test)]

@@ -33,14 +33,10 @@ fn orchard() -> File {
     file
 }
 
-/// Numbers that look random and are the same every time.
-pub(crate) fn numbers(mut state: u64) -> impl FnMut(usize) -> usize {
-    move |below| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % below
-    }
+/// Returns random numbers below those asked for, reproducible by seed.
+pub(crate) fn numbers(seed: u64) -> impl FnMut(usize) -> usize {
+    let mut random = fastrand::Rng::with_seed(seed);
+    move |below| random.usize(..below)
 }
 
 #[test]

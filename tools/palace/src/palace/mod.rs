@@ -26,6 +26,7 @@ mod picture;
 mod plan;
 mod room;
 mod rooms;
+mod sculpt;
 mod seat;
 mod secret;
 mod statue;

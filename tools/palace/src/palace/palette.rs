@@ -229,7 +229,7 @@ const TABLE: [(MaterialId, Material, Finish); 76] = [
     (WALNUT, solid(0.19, 0.092, 0.042), grained(WOOD, 1.4)),
     (MAHOGANY, solid(0.28, 0.072, 0.034), grained(WOOD, 1.4)),
     (EBONY, solid(0.025, 0.02, 0.018), grained(WOOD, 1.4)),
-    (BRONZE, solid(0.24, 0.14, 0.055), with(GILDING, 1.5)),
+    (BRONZE, solid(1.0, 1.0, 1.0), with(CAST_BRONZE, 1.0)),
     (VERDIGRIS, solid(0.16, 0.36, 0.29), with(CARVED, 1.0)),
     (IRON, solid(0.09, 0.09, 0.10), EVEN),
     (SILVER, solid(0.62, 0.63, 0.66), EVEN),

@@ -50,8 +50,8 @@ pub(crate) fn curtain(
 ) -> Arc<Mesh> {
     shop.piece(format!("curtain {wide} {high} {} {}", cloth.0, cord.0), || {
         const FOLDS: f32 = 6.0;
-        const ACROSS: usize = 60;
-        const DOWN: usize = 20;
+        const ACROSS: usize = 48;
+        const DOWN: usize = 16;
         let tie = 0.4;
         let most = if cloth == LACE { LACE_FOLD } else { FOLD };
         let breadth = |up: f32| {
@@ -179,8 +179,8 @@ pub(crate) fn swags(
     gilt: MaterialId,
 ) -> Arc<Mesh> {
     shop.piece(format!("swags {wide} {count} {stand} {}", cloth.0), || {
-        const ACROSS: usize = 14;
-        const DOWN: usize = 10;
+        const ACROSS: usize = 10;
+        const DOWN: usize = 7;
         /// Rows that lead over the rod to its front: height and distance in front of its axis.
         const OVER: [[f32; 2]; 2] = [[0.024, -0.006], [0.02, 0.03]];
         let step = wide / count as f32;

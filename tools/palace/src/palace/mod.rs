@@ -6,6 +6,7 @@ mod case;
 mod ceiling;
 mod cells;
 mod column;
+mod crown;
 mod doll_house;
 mod doors;
 mod drapery;

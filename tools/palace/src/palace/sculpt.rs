@@ -54,9 +54,9 @@ impl Block {
 /// The triangles of a sculpture, with smooth normals.
 #[derive(Default)]
 pub(crate) struct Carved {
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    corners: Vec<u32>,
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) normals: Vec<[f32; 3]>,
+    pub(crate) corners: Vec<u32>,
 }
 
 /// Returns a field's surface within a box, from a grid of `step` metres, in at most about `faces` triangles.
@@ -138,6 +138,14 @@ impl Carved {
         self
     }
 
+    /// Returns texture coordinates that run around the y axis from left to right, in front as behind, so that there is
+    /// no seam. They are true to scale at a distance of `radius`.
+    pub(crate) fn wrapped(&self, radius: f32, per_metre: f32) -> Vec<[f32; 2]> {
+        (self.positions.iter())
+            .map(|&[x, y, z]| [radius * z.abs().atan2(x) * per_metre, -y * per_metre])
+            .collect()
+    }
+
     /// Builds the mesh of a sculpture and of what belongs to it, raised by some metres.
     pub(crate) fn mesh(&self, material: MaterialId, with: &Shape, raised: f32) -> Arc<Mesh> {
         let up = |[x, y, z]: [f32; 3]| [x, y + raised, z];
@@ -145,7 +153,7 @@ impl Carved {
         let Dress::Textured { per_metre, .. } = dress(material) else {
             panic!("sculptures have texture");
         };
-        let texture: Vec<[f32; 2]> = positions.iter().map(|&at| wrapped(at, per_metre)).collect();
+        let texture = self.wrapped(0.2, per_metre);
         let sculpture = Part {
             positions: &positions,
             corners: &self.corners,
@@ -186,14 +194,6 @@ impl Carved {
     }
 }
 
-/// Returns texture coordinates that run around a statue from its left to its right, in front as behind, so that there
-/// is no seam.
-fn wrapped([x, y, z]: [f32; 3], per_metre: f32) -> [f32; 2] {
-    const RADIUS: f32 = 0.2;
-    let turn = z.abs().atan2(x);
-    [RADIUS * turn * per_metre, -y * per_metre]
-}
-
 /// Evaluates a field in all blocks near its surface.
 fn blocks([low, high]: [Vec3; 2], step: f32, field: &(impl Fn(Vec3) -> f32 + Sync)) -> Vec<Block> {
     let size = step * BLOCK as f32;
@@ -231,7 +231,7 @@ fn crossing(value: impl Fn(Cell) -> f32) -> Option<Vec3> {
 }
 
 /// Returns the gradient of a field, from differences over `tiny` metres.
-fn slope(point: Vec3, tiny: f32, field: &impl Fn(Vec3) -> f32) -> Vec3 {
+pub(crate) fn slope(point: Vec3, tiny: f32, field: &impl Fn(Vec3) -> f32) -> Vec3 {
     Vec3::from_array([0, 1, 2].map(|axis| {
         let off = Vec3::AXES[axis] * tiny;
         (field(point + off) - field(point - off)) / (2.0 * tiny)

@@ -154,13 +154,13 @@ fn body(pose: Pose) -> Carved {
     let clothes = carve(
         [vec3(-0.50, -0.04, -0.38), vec3(0.50, 2.08, 0.44)],
         0.0078,
-        4000,
+        3400,
         |at| clothes(at, pose),
     );
     let bare = carve(
         [vec3(-0.50, 0.66, -0.26), vec3(0.50, 2.08, 0.44)],
         0.0040,
-        5200,
+        3800,
         |at| {
             let own = turned.transpose() * (at - middle) / FIGURE_HEAD;
             let head = joined(FIGURE_HEAD * head(own, pose.hair()), chest(at), 0.03);
@@ -511,14 +511,14 @@ pub(crate) fn bust(shop: &mut Workshop, hair: Hair, stone: MaterialId, foot: Mat
         let cloak = carve(
             [vec3(-0.32, 0.10, -0.24), vec3(0.32, 0.56, 0.26)],
             0.0055,
-            1900,
+            1050,
             cloak,
         );
         let turned = Mat3::from_rotation_y(0.35);
         let skin = carve(
             [vec3(-0.24, 0.24, -0.26), vec3(0.24, 0.88, 0.26)],
             0.0042,
-            4600,
+            2700,
             |at| {
                 let own = turned.transpose() * (at - vec3(0.0, 0.615, 0.005)) / BUST_HEAD;
                 joined(BUST_HEAD * head(own, hair), throat(at), 0.03)

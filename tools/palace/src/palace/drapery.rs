@@ -50,10 +50,13 @@ pub(crate) fn curtain(
 ) -> Arc<Mesh> {
     shop.piece(format!("curtain {wide} {high} {} {}", cloth.0, cord.0), || {
         const FOLDS: f32 = 6.0;
-        const ACROSS: usize = 48;
         const DOWN: usize = 16;
         let tie = 0.4;
-        let most = if cloth == LACE { LACE_FOLD } else { FOLD };
+        let (most, steps) = if cloth == LACE {
+            (LACE_FOLD, 36)
+        } else {
+            (FOLD, 48)
+        };
         let breadth = |up: f32| {
             // Full width at the rod, a fifth at the cord, a little wider at the floor.
             let off = if up > tie {
@@ -66,7 +69,7 @@ pub(crate) fn curtain(
         // Fold depth limited for the width: deeper folds would show their dark sides.
         let deep = |breadth: f32| (0.008 + 0.2 * breadth / FOLDS).min(most);
         let point = |across: usize, down: usize| -> Vec3 {
-            let [u, v] = [across as f32 / ACROSS as f32, down as f32 / DOWN as f32];
+            let [u, v] = [across as f32 / steps as f32, down as f32 / DOWN as f32];
             let breadth = breadth(1.0 - v);
             vec3(
                 u * breadth,
@@ -75,11 +78,11 @@ pub(crate) fn curtain(
             )
         };
         let place = |across: usize, down: usize| {
-            let [u, v] = [across as f32 / ACROSS as f32, down as f32 / DOWN as f32];
+            let [u, v] = [across as f32 / steps as f32, down as f32 / DOWN as f32];
             // 1.5 times as wide as the rod, which makes the folds.
             woven(cloth, 1.5 * wide * u, high * (1.0 - v))
         };
-        let columns: Vec<Vec<_>> = (0..=ACROSS)
+        let columns: Vec<Vec<_>> = (0..=steps)
             .map(|across| {
                 let corner = |down| (point(across, down), place(across, down));
                 (0..=DOWN).rev().map(corner).collect()

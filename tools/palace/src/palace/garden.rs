@@ -34,7 +34,7 @@ pub(crate) fn tree(shop: &mut Workshop, which: u64) -> Arc<Mesh> {
         leaves: DARK_LEAVES,
         ..PALE
     };
-    let habit = if which % 2 == 0 { PALE } else { DARK };
+    let habit = if which.is_multiple_of(2) { PALE } else { DARK };
     grown(shop, &habit, which % 4 + 40)
 }
 

@@ -82,7 +82,7 @@ fn arms(pose: Pose) -> [Arm; 2] {
         arm(
             [0.305 * side, 1.14, -0.05],
             [0.315 * side, 0.90, 0.05],
-            open([-0.1 * side, -1.0, 0.25], [-1.0 * side, 0.0, -0.2]),
+            open([-0.1 * side, -1.0, 0.25], [-side, 0.0, -0.2]),
         )
     };
     match pose {
@@ -121,7 +121,7 @@ fn arms(pose: Pose) -> [Arm; 2] {
             arm(
                 [0.36 * side, 1.60, 0.03],
                 [0.245 * side, 1.845, 0.04],
-                open([0.05 * side, 1.0, 0.0], [-1.0 * side, 0.0, 0.0]),
+                open([0.05 * side, 1.0, 0.0], [-side, 0.0, 0.0]),
             )
         }),
     }
@@ -154,13 +154,13 @@ fn body(pose: Pose) -> Carved {
     let clothes = carve(
         [vec3(-0.50, -0.04, -0.38), vec3(0.50, 2.08, 0.44)],
         0.0078,
-        3400,
+        3300,
         |at| clothes(at, pose),
     );
     let bare = carve(
         [vec3(-0.50, 0.66, -0.26), vec3(0.50, 2.08, 0.44)],
         0.0040,
-        3800,
+        3700,
         |at| {
             let own = turned.transpose() * (at - middle) / FIGURE_HEAD;
             let head = joined(FIGURE_HEAD * head(own, pose.hair()), chest(at), 0.03);
@@ -260,7 +260,7 @@ fn clothes(at: Vec3, pose: Pose) -> f32 {
     }
     let torso = torso(p, pose);
     // The overfold: from the belt over the hips, with a hem that hangs lower at the sides.
-    let hem = 0.86 - 0.05 * (2.0 * angle).cos() * -1.0 + 0.022 * pipes(angle, 11.0, seed);
+    let hem = 0.86 + 0.05 * (2.0 * angle).cos() + 0.022 * pipes(angle, 11.0, seed);
     let [wide, deep] = skirt_size(p.y);
     let flare = 0.018 + 0.030 * ramp(1.10, 0.84, p.y);
     let over =
@@ -518,7 +518,7 @@ pub(crate) fn bust(shop: &mut Workshop, hair: Hair, stone: MaterialId, foot: Mat
         let skin = carve(
             [vec3(-0.24, 0.24, -0.26), vec3(0.24, 0.88, 0.26)],
             0.0042,
-            2700,
+            3500,
             |at| {
                 let own = turned.transpose() * (at - vec3(0.0, 0.615, 0.005)) / BUST_HEAD;
                 joined(BUST_HEAD * head(own, hair), throat(at), 0.03)

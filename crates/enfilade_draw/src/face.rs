@@ -68,6 +68,8 @@ pub(crate) struct Face<'s> {
     pub(crate) colors: Option<Box<[Varying; 4]>>,
     /// Indices of the lights that may reach it, and the planes of their beams that must be tested per sample.
     pub(crate) lights: SmallVec<[(u16, CutBy); 4]>,
+    /// Whether there are any such planes.
+    pub(crate) is_cut: bool,
 }
 
 impl Rays {
@@ -156,6 +158,7 @@ impl<'s> Face<'s> {
             normals: None,
             colors: None,
             lights: SmallVec::new(),
+            is_cut: false,
         }
     }
 
@@ -212,6 +215,7 @@ impl<'s> Face<'s> {
                 Some((number, cut))
             });
             made.lights = shining.collect();
+            made.is_cut = made.lights.iter().any(|&(_, cut)| cut != 0);
         }
         made
     }

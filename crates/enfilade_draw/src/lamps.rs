@@ -317,12 +317,20 @@ impl PassageLight {
         let penumbra = self.opening.map_or(0.0, |(normal, distance)| {
             SUN_SIZE * (normal.dot(point) - distance).abs()
         });
+        // Most points are farther from all edges than any pixel reaches.
+        let most = 0.5 * (steps[0].length() + steps[1].length() + penumbra);
         let mut part = 1.0;
         for (number, plane) in self.planes.iter().enumerate() {
             if (cut >> number.min(31)) & 1 == 0 {
                 continue;
             }
             let inside = plane.normal.dot(point) - plane.distance;
+            if inside >= most {
+                continue;
+            }
+            if inside <= -most {
+                return 0.0;
+            }
             let own = if plane.is_edge {
                 let [a, b] = steps.map(|step| plane.normal.dot(step).abs());
                 let wide = (a.max(b).powi(2) + penumbra * penumbra).sqrt();

@@ -110,8 +110,12 @@ impl<'a, 's> Row<'a, 's> {
         if !face.lights.is_empty() {
             let direction = light.rays.direction([x, self.y]);
             let along = face.off * per_facing;
-            let slopes = [self.facing.right, self.facing.down].map(|slope| slope * per_facing);
-            let steps = light.rays.steps(direction, along, slopes);
+            let steps = if face.is_cut {
+                let slopes = [self.facing.right, self.facing.down].map(|slope| slope * per_facing);
+                light.rays.steps(direction, along, slopes)
+            } else {
+                [Vec3::ZERO; 2]
+            };
             let at = |&(number, cut): &(u16, CutBy)| {
                 light.lights[usize::from(number)].at(direction * along, normal, cut, steps)
             };

@@ -133,7 +133,7 @@ fn metal(material: MaterialId, rings: &[Vec<Vec3>]) -> Shape {
     if ![RED_CURTAIN, GREEN_CURTAIN, BLUE_CURTAIN].contains(&material) {
         return loft(material, rings);
     }
-    let place = [woven(material, 0.25, BRAID); 3];
+    let place = [0.20, 0.25, 0.30].map(|across| woven(material, across, BRAID));
     let mut shape = Shape::new();
     for pair in rings.windows(2) {
         let [below, above] = [&pair[0], &pair[1]];

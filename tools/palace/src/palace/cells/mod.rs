@@ -217,6 +217,8 @@ impl Cell {
         let mut lamps = vec![Lamp::candles([x, 3.5, z], 5.0)];
         /// Distance from the wall to the axis of a curtain rod.
         const STAND: f32 = 0.07;
+        /// Gap behind its brackets: nothing may reach out of the cell.
+        const GAP: f32 = 1e-3;
         let windows = ends.iter().filter(|end| end.gate.sill > 0.0);
         for (number, window) in windows.enumerate() {
             let top = window.gate.spring + window.gate.rise;
@@ -228,7 +230,7 @@ impl Cell {
             put(
                 &format!("swags {}", number + 1),
                 swags,
-                shift(x - reach, top + 0.32, z + STAND),
+                shift(x - reach, top + 0.32, z + STAND + GAP),
             );
             // Windows are in the northern wall, whose frames face south.
             for side in [-1.0_f32, 1.0] {

@@ -26,7 +26,7 @@ const SIZE: [u32; 2] = [1280, 720];
 const PATHS: [Path; 3] = [
     Path {
         scene: "enfilade",
-        cameras: &[("enfilade", 2_006), ("rotunda", 2_090), ("gallery", 4517)],
+        cameras: &[("enfilade", 2_108), ("rotunda", 2_329), ("gallery", 4_752)],
         draws: true,
     },
     Path {

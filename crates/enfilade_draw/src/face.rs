@@ -5,7 +5,7 @@
 //! functions, with exact derivatives.
 //! Source: Heckbert, Fundamentals of texture mapping and image warping, 1989, section 2 (projective mappings).
 
-use crate::lamps::PassageLight;
+use crate::lamps::{CutBy, PassageLight};
 use crate::mips::Mips;
 use crate::stage::Stage;
 use enfilade::{Alpha, Geometry, ItemId, Passage, Surface, Transform};
@@ -66,8 +66,10 @@ pub(crate) struct Face<'s> {
     /// Interpolated vertex normals, flipped to the eye's side.
     pub(crate) normals: Option<[Varying; 3]>,
     pub(crate) colors: Option<Box<[Varying; 4]>>,
-    /// Indices of the lights that may reach it, and whether their openings must be tested per sample.
-    pub(crate) lights: SmallVec<[(u16, bool); 4]>,
+    /// Indices of the lights that may reach it, and the planes of their beams that must be tested per sample.
+    pub(crate) lights: SmallVec<[(u16, CutBy); 4]>,
+    /// Whether there are any such planes.
+    pub(crate) is_cut: bool,
 }
 
 impl Rays {
@@ -91,6 +93,16 @@ impl Rays {
             right: vector.dot(self.right),
             down: vector.dot(self.down),
         }
+    }
+
+    /// Returns the steps on a face from a sample to the next one right and down. `direction` is the sample's ray, which
+    /// meets the face at `direction` times `along`; `slopes` are the steps of the face's `facing` relative to it.
+    #[inline]
+    pub(crate) fn steps(&self, direction: Vec3, along: f32, slopes: [f32; 2]) -> [Vec3; 2] {
+        [
+            (self.right.as_vec3() - direction * slopes[0]) * along,
+            (self.down.as_vec3() - direction * slopes[1]) * along,
+        ]
     }
 
     /// Returns the ray direction of sample (x, y).
@@ -146,6 +158,7 @@ impl<'s> Face<'s> {
             normals: None,
             colors: None,
             lights: SmallVec::new(),
+            is_cut: false,
         }
     }
 
@@ -198,10 +211,11 @@ impl<'s> Face<'s> {
         let flat = made.normals.is_none().then_some(made.normal);
         if !made.unlit {
             let shining = (0..).zip(lights).filter_map(|(number, light)| {
-                let narrowed = light.shines_on(&eye_corners, flat)?;
-                Some((number, narrowed))
+                let cut = light.shines_on(&eye_corners, flat)?;
+                Some((number, cut))
             });
             made.lights = shining.collect();
+            made.is_cut = made.lights.iter().any(|&(_, cut)| cut != 0);
         }
         made
     }

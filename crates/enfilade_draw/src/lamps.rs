@@ -57,9 +57,22 @@ pub(crate) struct PassageLight {
     reach: f32,
     per_range_square: f32,
     nearest_square: f32,
-    /// The light beam through openings: points with n · x ≥ d for all planes.
-    planes: Vec<(Vec3, f32)>,
+    /// The light beam through openings.
+    planes: Vec<BeamPlane>,
+    /// For a sun, the plane of the last opening, scaled so that n · x − d is the distance from it along the light.
+    opening: Option<(Vec3, f32)>,
 }
+
+/// A plane of a light beam; points inside have n · x ≥ d.
+struct BeamPlane {
+    normal: Vec3,
+    distance: f32,
+    /// Whether it contains the light, so that an edge of light lies in it. Others are planes of openings.
+    is_edge: bool,
+}
+
+/// The planes of a beam that cut a face, as bits; the last bit stands for all planes from the 32nd on.
+pub(crate) type CutBy = u32;
 
 impl Brightness {
     /// Returns the brightness that automatic exposure adapts to: a compromise between lit spots and the rest of the
@@ -166,9 +179,21 @@ impl Lamp {
     fn near(&self, eye: DVec3) -> PassageLight {
         let at = DVec3::from(self.reach.origin) - eye;
         let is_sun = matches!(self.lamp.shape, LightShape::Sun { .. });
+        let toward = at.normalize_or_zero();
         let planes = self.reach.planes().map(|(normal, distance)| {
-            let normal = DVec3::from(normal);
-            (normal.as_vec3(), (distance - normal.dot(eye)) as f32)
+            let long = DVec3::from(normal).length().max(f64::MIN_POSITIVE);
+            let normal = DVec3::from(normal) / long;
+            let distance = distance / long - normal.dot(eye);
+            let off = if is_sun {
+                normal.dot(toward)
+            } else {
+                (normal.dot(at) - distance) / (1.0 + at.length())
+            };
+            BeamPlane {
+                normal: normal.as_vec3(),
+                distance: distance as f32,
+                is_edge: off.abs() < 1e-4,
+            }
         });
         PassageLight {
             at: at.as_vec3(),
@@ -191,14 +216,29 @@ impl Lamp {
             per_range_square: 1.0 / self.lamp.range.powi(2),
             nearest_square: (1.0 / self.lamp.falloff(0.0)) as f32,
             planes: planes.collect(),
+            opening: if is_sun { self.opening(eye, toward) } else { None },
         }
+    }
+
+    /// Returns the plane of the last opening relative to the eye, scaled to the direction of the light.
+    fn opening(&self, eye: DVec3, toward: DVec3) -> Option<(Vec3, f32)> {
+        let corners: Vec<DVec3> = self.reach.window.iter().map(|&corner| corner.into()).collect();
+        let first = *corners.first()?;
+        let normal: DVec3 = corners
+            .windows(2)
+            .map(|pair| (pair[0] - first).cross(pair[1] - first))
+            .sum();
+        let along = normal.dot(toward);
+        let scaled = normal / along;
+        let plane = (scaled.as_vec3(), scaled.dot(first - eye) as f32);
+        scaled.is_finite().then_some(plane)
     }
 }
 
 impl PassageLight {
     /// Tests whether the light may reach a face with these corners, whose normal points towards the eye. Returns `None`
-    /// if not; otherwise whether its beam's planes must be tested per point.
-    pub(crate) fn shines_on(&self, corners: &[Vec3], normal: Option<Vec3>) -> Option<bool> {
+    /// if not; otherwise the planes of its beam that must be tested per point.
+    pub(crate) fn shines_on(&self, corners: &[Vec3], normal: Option<Vec3>) -> Option<CutBy> {
         let first = *corners.first()?;
         let to_light = if self.to_sun == Vec3::ZERO {
             self.at - first
@@ -214,36 +254,43 @@ impl PassageLight {
         if self.to_sun == Vec3::ZERO && to_light.length() - radius >= self.reach {
             return None;
         }
-        let mut narrowed = false;
-        for &(normal, distance) in &self.planes {
-            let inside = |corner: &&Vec3| normal.dot(**corner) >= distance;
-            match corners.iter().filter(inside).count() {
-                0 => return None,
-                all if all == corners.len() => {}
-                _ => narrowed = true,
+        // A face that ends at a plane is not cut by it: its last samples are in full light.
+        const TOUCHES: f32 = 1e-4;
+        let mut cut = 0;
+        for (number, plane) in self.planes.iter().enumerate() {
+            let inside = |corner: &Vec3| plane.normal.dot(*corner) - plane.distance;
+            if corners.iter().all(|corner| inside(corner) < 0.0) {
+                return None;
             }
+            let is_cut = corners
+                .iter()
+                .any(|corner| inside(corner) < -TOUCHES * (1.0 + corner.length()));
+            cut |= CutBy::from(is_cut) << number.min(31);
         }
-        Some(narrowed)
+        Some(cut)
     }
 
-    /// Returns the light at a point of a white surface, relative to the eye; `narrowed` is the result of
-    /// [`PassageLight::shines_on`].
+    /// Returns the light at a point of a white surface, relative to the eye. `cut` is the result of
+    /// [`PassageLight::shines_on`], `steps` the distances on the surface to the next sample right and down.
     #[inline]
-    pub(crate) fn at(&self, point: Vec3, normal: Vec3, narrowed: bool) -> Vec3 {
-        let outside = |&(normal, distance): &(Vec3, f32)| normal.dot(point) < distance;
+    pub(crate) fn at(&self, point: Vec3, normal: Vec3, cut: CutBy, steps: [Vec3; 2]) -> Vec3 {
         if self.to_sun != Vec3::ZERO {
             let facing = normal.dot(self.to_sun);
-            if facing <= 0.0 || (narrowed && self.planes.iter().any(outside)) {
+            if facing <= 0.0 {
                 return Vec3::ZERO;
             }
-            return self.color * facing;
+            return self.color * (facing * self.passing(point, cut, steps));
         }
         let to_lamp = self.at - point;
         let facing = normal.dot(to_lamp);
         let square = to_lamp.length_squared();
         let own_square = square * self.per_square;
         let range_part = own_square * self.per_range_square;
-        if facing <= 0.0 || range_part >= 1.0 || (narrowed && self.planes.iter().any(outside)) {
+        if facing <= 0.0 || range_part >= 1.0 {
+            return Vec3::ZERO;
+        }
+        let passing = self.passing(point, cut, steps);
+        if passing <= 0.0 {
             return Vec3::ZERO;
         }
         let per_distance = 1.0 / square.sqrt();
@@ -253,8 +300,68 @@ impl PassageLight {
         });
         // As [`Light::falloff`].
         let falloff = (1.0 - range_part * range_part) / own_square.max(self.nearest_square);
-        self.color * (falloff * cone * facing * per_distance)
+        self.color * (passing * falloff * cone * facing * per_distance)
     }
+
+    /// Returns the part of the light that passes all openings, 0 to 1: at an edge of the beam, the part of the pixel
+    /// within it, and for the sun of its disc.
+    ///
+    /// The ramp is symmetric about the edge, so light through two openings side by side adds up to the whole.
+    #[inline]
+    fn passing(&self, point: Vec3, cut: CutBy, steps: [Vec3; 2]) -> f32 {
+        /// Angle at which the sun is seen, in radians.
+        const SUN_SIZE: f32 = 0.0093;
+        if cut == 0 {
+            return 1.0;
+        }
+        let penumbra = self.opening.map_or(0.0, |(normal, distance)| {
+            SUN_SIZE * (normal.dot(point) - distance).abs()
+        });
+        // Most points are farther from all edges than any pixel reaches.
+        let most = 0.5 * (steps[0].length() + steps[1].length() + penumbra);
+        let mut part = 1.0;
+        for (number, plane) in self.planes.iter().enumerate() {
+            if (cut >> number.min(31)) & 1 == 0 {
+                continue;
+            }
+            let inside = plane.normal.dot(point) - plane.distance;
+            if inside >= most {
+                continue;
+            }
+            if inside <= -most {
+                return 0.0;
+            }
+            let own = if plane.is_edge {
+                let [a, b] = steps.map(|step| plane.normal.dot(step).abs());
+                let wide = (a.max(b).powi(2) + penumbra * penumbra).sqrt();
+                part_within(inside, wide, a.min(b))
+            } else {
+                f32::from(u8::from(inside >= 0.0))
+            };
+            if own <= 0.0 {
+                return 0.0;
+            }
+            part *= own;
+        }
+        part
+    }
+}
+
+/// Returns the part of a pixel on the inner side of an edge. `inside` is the signed distance of its centre; `wide` and
+/// `narrow` are the extents of its longer and its shorter side across the edge.
+#[inline]
+fn part_within(inside: f32, wide: f32, narrow: f32) -> f32 {
+    let off = inside.abs();
+    let outer = if wide <= 0.0 {
+        0.0
+    } else if off <= 0.5 * (wide - narrow) {
+        0.5 - off / wide
+    } else if off < 0.5 * (wide + narrow) {
+        (0.5 * (wide + narrow) - off).powi(2) / (2.0 * wide * narrow)
+    } else {
+        0.0
+    };
+    if inside < 0.0 { outer } else { 1.0 - outer }
 }
 
 /// Returns the typical distance of the surfaces that a lamp lights well: the lower third of the hits of several rays.

@@ -1,7 +1,7 @@
 //! Shading of samples along one row of a face.
 
 use crate::face::{Face, LinearRow, Rays, Varying};
-use crate::lamps::PassageLight;
+use crate::lamps::{CutBy, PassageLight};
 use crate::light::{Daylight, Tone};
 use glam::Vec3;
 
@@ -108,10 +108,18 @@ impl<'a, 's> Row<'a, 's> {
         let light = self.light;
         let mut sum = light.daylight.at(normal, light.rays.back);
         if !face.lights.is_empty() {
-            let point = light.rays.direction([x, self.y]) * (face.off * per_facing);
-            let lamps: Vec3 = (face.lights.iter())
-                .map(|&(number, narrowed)| light.lights[usize::from(number)].at(point, normal, narrowed))
-                .sum();
+            let direction = light.rays.direction([x, self.y]);
+            let along = face.off * per_facing;
+            let steps = if face.is_cut {
+                let slopes = [self.facing.right, self.facing.down].map(|slope| slope * per_facing);
+                light.rays.steps(direction, along, slopes)
+            } else {
+                [Vec3::ZERO; 2]
+            };
+            let at = |&(number, cut): &(u16, CutBy)| {
+                light.lights[usize::from(number)].at(direction * along, normal, cut, steps)
+            };
+            let lamps: Vec3 = face.lights.iter().map(at).sum();
             sum += lamps * light.tone.exposure;
         }
         sum

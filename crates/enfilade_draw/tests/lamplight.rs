@@ -80,28 +80,36 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
     Some((light.into(), surface.color, (cast.sector.0, hit.item.0, hit.face)))
 }
 
-/// Returns ray directions at and around a pixel's centre.
-fn directions(view: &View, [x, y]: [u32; 2]) -> [DVec3; 5] {
+/// Returns the ray direction at an offset from a pixel's centre, in pixels.
+fn direction(view: &View, [x, y]: [u32; 2], [dx, dy]: [f64; 2]) -> DVec3 {
     let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
     let forward = (toward - eye).normalize();
     let right = forward.cross(up).normalize();
     let up = right.cross(forward);
     let step = 2.0 * (0.5 * f64::from(view.fov_y)).tan() / f64::from(view.size[1]);
-    [
+    let [dx, dy] = [dx + View::GENERIC_OFFSET[0], dy + View::GENERIC_OFFSET[1]];
+    let [right_of, above] = [
+        f64::from(x) + 0.5 + dx - 0.5 * f64::from(view.size[0]),
+        0.5 * f64::from(view.size[1]) - (f64::from(y) + 0.5 + dy),
+    ];
+    forward + right * (right_of * step) + up * (above * step)
+}
+
+/// Returns ray directions at a pixel's centre and beyond its sides and corners.
+fn directions(view: &View, pixel: [u32; 2]) -> [DVec3; 9] {
+    const FAR: f64 = 0.7;
+    let offs = [
         [0.0, 0.0],
-        [-0.02, -0.02],
-        [0.02, -0.02],
-        [-0.02, 0.02],
-        [0.02, 0.02],
-    ]
-    .map(|[dx, dy]| {
-        let [dx, dy] = [dx + View::GENERIC_OFFSET[0], dy + View::GENERIC_OFFSET[1]];
-        let [right_of, above] = [
-            f64::from(x) + 0.5 + dx - 0.5 * f64::from(view.size[0]),
-            0.5 * f64::from(view.size[1]) - (f64::from(y) + 0.5 + dy),
-        ];
-        forward + right * (right_of * step) + up * (above * step)
-    })
+        [-FAR, 0.0],
+        [FAR, 0.0],
+        [0.0, -FAR],
+        [0.0, FAR],
+        [-FAR, -FAR],
+        [FAR, -FAR],
+        [-FAR, FAR],
+        [FAR, FAR],
+    ];
+    offs.map(|off| direction(view, pixel, off))
 }
 
 #[test]
@@ -121,7 +129,7 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
                     let Some((light, color, face)) = seen[0] else {
                         continue;
                     };
-                    // Skip samples where a slightly shifted ray meets another face, or other light at a beam's edge.
+                    // Skip pixels on which another face is seen, or other light at a beam's edge, which is soft.
                     let agrees = |other: &Option<Lit>| {
                         other.is_some_and(|(near, _, at)| at == face && near.distance(light) < 0.02)
                     };
@@ -149,6 +157,54 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
     }
     assert!(compared > 50_000 && lit > 20_000, "{compared}, {lit} lit");
     assert!(through > 500, "{through} in rooms without a lamp");
+}
+
+#[test]
+fn an_edge_of_light_is_as_bright_as_the_part_of_each_pixel_within_it() {
+    const ACROSS: u32 = 6;
+    let (mut pixels, mut off) = (0, 0.0);
+    for name in ["mirror", "nested", "teleport"] {
+        let BuiltIn { scene, cameras } = built_in(name).expect("a built-in scene");
+        let dark = in_the_dark(&scene);
+        let lamplight = Lamplight::new(&scene, 4);
+        for camera in &cameras {
+            let view = camera.view(SIZE);
+            let [picture, unlit] = [&scene, &dark].map(|scene| drawn(scene, &view).0);
+            for y in 0..SIZE[1] {
+                for x in 0..SIZE[0] {
+                    let light = |direction| lamplight_along(&scene, &lamplight, &view, direction);
+                    let near = directions(&view, [x, y])
+                        .map(|direction| light(direction).map_or(0.0, |lit| lit.0.y));
+                    if near[1..].iter().all(|other| (other - near[0]).abs() < 0.02) {
+                        continue;
+                    }
+                    let within = |i: u32| (f64::from(i) + 0.5) / f64::from(ACROSS) - 0.5;
+                    let seen: Option<Vec<Lit>> = (0..ACROSS * ACROSS)
+                        .map(|i| light(direction(&view, [x, y], [within(i % ACROSS), within(i / ACROSS)])))
+                        .collect();
+                    // Pixels of one face that are partly lit, and not overexposed.
+                    let Some(seen) = seen.filter(|seen| seen.iter().all(|other| other.2 == seen[0].2)) else {
+                        continue;
+                    };
+                    let sum = |lit: &Lit| lit.0.element_sum();
+                    let [darkest, brightest] = [f64::min, f64::max]
+                        .map(|most| seen.iter().map(sum).reduce(most).expect("many samples"));
+                    if darkest > 0.5 * brightest || !(0.1..=1.5).contains(&brightest) {
+                        continue;
+                    }
+                    let mean = seen.iter().map(|lit| lit.0).sum::<DVec3>() / f64::from(ACROSS * ACROSS);
+                    let [shown, before] = [&picture, &unlit].map(|image| decode(image.get_pixel(x, y).0[1]));
+                    let color = f64::from(seen[0].1[1]);
+                    pixels += 1;
+                    off += (shown - before - mean.y * color).abs() / ((brightest - darkest) / 3.0 * color);
+                }
+            }
+        }
+    }
+    assert!(pixels > 300, "{pixels} pixels at edges of light");
+    // A sharp edge is off by a quarter on average.
+    let off = off / f64::from(pixels);
+    assert!(off < 0.08, "light at edges is off by {off:.3} of its step");
 }
 
 #[test]

@@ -50,7 +50,7 @@ pub(crate) fn check(palace: &BuiltIn, file: &str, views: usize) -> Result<()> {
         both += sets[0].intersection(&sets[1]).count();
         lost += sets[0].difference(&sets[1]).count();
         new += sets[1].difference(&sets[0]).count();
-        let mut small = view.clone();
+        let mut small = *view;
         small.size = SMALL;
         let truth = Reference::new(&read).see(&read, &small, &Limits::default());
         viewers[1].look(&read, &small);

@@ -17,7 +17,7 @@ use std::sync::Arc;
 const COARSEST: i32 = -11;
 const STEPS: i32 = 12;
 /// Grid of texture coordinates, in repetitions of the texture.
-const TEXTURE_GRID: i32 = -9;
+const TEXTURE_GRID: i32 = -11;
 const NORMAL_BITS: i32 = 8;
 
 /// The streams, and the accessors that refer to them.

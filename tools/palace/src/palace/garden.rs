@@ -1,5 +1,6 @@
 //! Garden furniture and plants: trees, hedges, a fountain, balustrades.
 
+use super::crown::{Habit, grown};
 use super::palette::*;
 use super::room::shift;
 use super::statue::bezier;
@@ -11,43 +12,30 @@ use glam::{Vec3, vec2, vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// One of four trees, about 4 m tall: a forked trunk, and alpha-tested leaves on square cards.
+/// One of four trees, about 4 m tall, two of them with dark leaves.
 pub(crate) fn tree(shop: &mut Workshop, which: u64) -> Arc<Mesh> {
-    shop.piece(format!("tree {}", which % 4), || {
-        let mut random = Random::new(which % 4 + 40);
-        let crown = vec3(0.0, 1.9, 0.0);
-        let mut shape = tube(
-            BARK,
-            &[Vec3::ZERO, vec3(0.03, 0.9, 0.02), crown],
-            |t| 0.13 - 0.05 * t,
-            9,
-        );
-        for branch in 0..7 {
-            let turn = TAU * f64::from(branch) / 7.0 + f64::from(random.unit());
-            let (sin, cos) = turn.sin_cos();
-            let reach = random.between(0.7, 1.3);
-            let end = crown + vec3(reach * cos as f32, random.between(0.5, 1.6), reach * sin as f32);
-            let bow = crown + vec3(0.3 * cos as f32, 0.6, 0.3 * sin as f32);
-            shape.join(tube(
-                BARK,
-                &bezier([crown - Vec3::Y * 0.1, bow, bow, end], 6),
-                |t| 0.06 - 0.045 * t,
-                6,
-            ));
-        }
-        for leaf in 0..900 {
-            let toward = Vec3::from(random.point(1.0)).normalize_or(Vec3::Y);
-            let out = random.unit().powf(0.25);
-            let at = vec3(0.0, 2.75, 0.0) + toward * out * vec3(1.45, 1.25, 1.45);
-            let across = toward.any_orthonormal_vector();
-            let across = (across + Vec3::from(random.point(0.6))).normalize();
-            let up = toward.cross(across).normalize_or(Vec3::Y);
-            let size = random.between(0.10, 0.17);
-            let color = if leaf % 3 == 0 { PALE_LEAF } else { LEAF };
-            leaf_of(&mut shape, color, at, across * size, up * 0.5 * size);
-        }
-        shape
-    })
+    const PALE: Habit = Habit {
+        kind: "tree",
+        boughs: PALE_BOUGHS,
+        leaves: PALE_LEAVES,
+        crown: [1.30, 1.10],
+        middle: 2.85,
+        masses: 15,
+        mass: 0.46,
+        cards: 170,
+        card: 0.24,
+        trunk: 0.15,
+        branches: 5,
+        faces: 700,
+        per_length: 1.1,
+    };
+    const DARK: Habit = Habit {
+        boughs: DARK_BOUGHS,
+        leaves: DARK_LEAVES,
+        ..PALE
+    };
+    let habit = if which.is_multiple_of(2) { PALE } else { DARK };
+    grown(shop, &habit, which % 4 + 40)
 }
 
 /// A leaf about a point, from `-along` to `along`, its sides at `-aside` and `aside`.
@@ -179,11 +167,18 @@ pub(crate) fn topiary(shop: &mut Workshop, stacked: bool) -> Arc<Mesh> {
                 shape.add(&ball(HEDGE, radius, 12, 18), shift(0.0, up, 0.0));
             }
         } else {
-            shape.join(lathe(
-                HEDGE,
-                &[[0.0, 0.15], [0.5, 0.2], [0.52, 0.3], [0.05, 2.3], [0.0, 2.35]],
-                20,
-            ));
+            let profile = [
+                [0.0, 0.15],
+                [0.40, 0.16],
+                [0.49, 0.20],
+                [0.52, 0.29],
+                [0.47, 0.60],
+                [0.28, 1.40],
+                [0.10, 2.12],
+                [0.055, 2.28],
+                [0.0, 2.35],
+            ];
+            shape.join(lathe(HEDGE, &profile, 28));
         }
         shape
     })

@@ -202,8 +202,11 @@ pub(crate) const PAINTED_SKY: MaterialId = MaterialId(73);
 pub(crate) const POND: MaterialId = MaterialId(74);
 /// The stripes of a lawn that were mown the other way.
 pub(crate) const MOWN: MaterialId = MaterialId(75);
+/// The masses of leaves behind the boughs: light and dark.
+pub(crate) const PALE_LEAVES: MaterialId = MaterialId(76);
+pub(crate) const DARK_LEAVES: MaterialId = MaterialId(77);
 
-const TABLE: [(MaterialId, Material, Finish); 76] = [
+const TABLE: [(MaterialId, Material, Finish); 78] = [
     (PLASTER, solid(0.62, 0.56, 0.45), with(PLASTERED, 0.7)),
     (IVORY, solid(0.68, 0.63, 0.52), with(PLASTERED, 0.7)),
     (STONE, solid(0.55, 0.46, 0.34), with(CARVED, 1.0)),
@@ -229,7 +232,7 @@ const TABLE: [(MaterialId, Material, Finish); 76] = [
     (WALNUT, solid(0.19, 0.092, 0.042), grained(WOOD, 1.4)),
     (MAHOGANY, solid(0.28, 0.072, 0.034), grained(WOOD, 1.4)),
     (EBONY, solid(0.025, 0.02, 0.018), grained(WOOD, 1.4)),
-    (BRONZE, solid(0.24, 0.14, 0.055), with(GILDING, 1.5)),
+    (BRONZE, solid(1.0, 1.0, 1.0), with(CAST_BRONZE, 1.0)),
     (VERDIGRIS, solid(0.16, 0.36, 0.29), with(CARVED, 1.0)),
     (IRON, solid(0.09, 0.09, 0.10), EVEN),
     (SILVER, solid(0.62, 0.63, 0.66), EVEN),
@@ -288,6 +291,8 @@ const TABLE: [(MaterialId, Material, Finish); 76] = [
     (PAINTED_SKY, solid(1.0, 1.0, 1.0), with(PAINTED_CLOUDS, 0.22)),
     (POND, glass(0.10, 0.20, 0.24, 0.82), EVEN),
     (MOWN, solid(0.20, 0.34, 0.07), with(GRASS, 0.9)),
+    (PALE_LEAVES, solid(0.23, 0.38, 0.085), with(FOLIAGE, 1.0)),
+    (DARK_LEAVES, solid(0.095, 0.24, 0.085), with(FOLIAGE, 1.0)),
 ];
 
 #[cfg(test)]

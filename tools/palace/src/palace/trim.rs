@@ -211,11 +211,15 @@ fn case(door: &Doorway, style: Style) -> Shape {
     let path: Vec<Vec2> = outline[1..].iter().chain(&outline[..1]).copied().collect();
     let closed = door.sill > 0.0;
     let mut shape = surround(trim, &path, closed, &PROFILE);
-    let line = [[0.10, 0.053], [0.10, 0.075], [0.13, 0.075], [0.13, 0.054]];
-    shape.join(surround(gilt, &path, closed, &line));
+    // Behind the lace of a window, a gilt line would show as specks.
+    if !closed {
+        let line = [[0.10, 0.053], [0.10, 0.075], [0.13, 0.075], [0.13, 0.054]];
+        shape.join(surround(gilt, &path, closed, &line));
+    }
     let top = door.spring + door.rise;
     let reach = 0.5 * door.width + ARCHITRAVE;
-    if door.rise > 0.0 {
+    // Over windows, curtains hang where a keystone would be.
+    if door.rise > 0.0 && door.sill == 0.0 {
         let key = taper(gilt, [0.2, 0.12], 0.5, [0.34, 0.2]);
         shape.add(&key, Transform::translation([0.0, top - 0.06, 0.06]));
     } else if door.sill == 0.0 {

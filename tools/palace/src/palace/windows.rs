@@ -1,6 +1,6 @@
 //! Windows: panes, bars and curtains in openings that are not doors.
 
-use super::drapery;
+use super::drapery::{self, LACE_STAND, ROD_STAND};
 use super::lamps::Lamp;
 use super::palette::{GOLD, IVORY, LACE};
 use super::room::{Doorway, Room, arched, shift};
@@ -25,26 +25,42 @@ pub(crate) fn glaze(room: &mut Room, glass: MaterialId, cloth: MaterialId) {
     }
     for window in windows {
         let frame = room.walls()[window.wall].at(window.along, 0.0);
-        let Doorway {
-            width, spring, rise, ..
-        } = window;
         sash(room, &window, glass);
-        let top = spring + rise;
-        let reach = 0.5 * width;
+        let rod = window.spring + window.rise + 0.35;
+        let reach = 0.5 * window.width + beside(room, &window);
         let [heavy, light] = [
-            drapery::curtain(room.shop, 0.475 * width, top + 0.1, cloth, GOLD),
-            drapery::curtain(room.shop, 0.4 * width, top, LACE, IVORY),
+            drapery::curtain(room.shop, 0.92 * reach - 0.2, rod - 0.12, cloth, GOLD),
+            drapery::curtain(room.shop, 0.92 * reach - 0.08, rod - 0.2, LACE, IVORY),
         ];
-        let swags = drapery::swags(room.shop, width + 0.9, 3, cloth, GOLD);
-        room.put("swags", &swags, frame * shift(-reach - 0.45, top + 0.35, 0.0));
+        let swags = drapery::swags(room.shop, 2.0 * reach, 3, ROD_STAND, cloth, GOLD);
+        room.put("swags", &swags, frame * shift(-reach, rod, ROD_STAND));
         for side in [-1.0, 1.0] {
             let mirrored = Transform::scaling([side, 1.0, 1.0]);
-            let outer = frame * shift(-(reach + 0.42) * side, 0.1, 0.0) * mirrored;
+            let outer = frame * shift(-reach * side, 0.1, ROD_STAND) * mirrored;
             room.put("curtain", &heavy, outer);
-            let inner = frame * shift(-(reach + 0.35) * side, 0.2, -0.06) * mirrored;
+            let inner = frame * shift((0.09 - reach) * side, 0.192, LACE_STAND) * mirrored;
             room.put("lace", &light, inner);
         }
     }
+}
+
+/// Returns the width of the curtains beside a window: up to the outer edge of its frame and a little more, but so that
+/// the rod ends before the next window's and before the corner of the room.
+fn beside(room: &Room, window: &Doorway) -> f32 {
+    const USUAL: f32 = 0.38;
+    const APART: f32 = 0.04;
+    let [from, to] = window.reach(0.0);
+    let wall = room.walls()[window.wall].length();
+    let neighbours = room
+        .doorways
+        .iter()
+        .filter(|other| other.wall == window.wall && other.along != window.along)
+        .map(|other| {
+            let [left, right] = other.reach(0.0);
+            0.5 * (left - to).max(from - right)
+        });
+    let free = neighbours.fold(from.min(wall - to), f32::min);
+    (free - drapery::ROD_END - APART).min(USUAL)
 }
 
 /// Panes and bars in a window.

@@ -1,6 +1,7 @@
 //! A cache of meshes that occur more than once in the palace.
 
 use super::palette::dress;
+use super::sculpt::Carved;
 use crate::shape::Shape;
 use enfilade::Mesh;
 use std::collections::HashMap;
@@ -10,6 +11,7 @@ use std::sync::Arc;
 #[derive(Default)]
 pub(crate) struct Workshop {
     made: HashMap<String, Arc<Mesh>>,
+    carved: HashMap<String, Arc<Carved>>,
 }
 
 impl Workshop {
@@ -22,5 +24,10 @@ impl Workshop {
     /// As [`Workshop::piece`], for meshes that are not built from a [`Shape`].
     pub(crate) fn mesh(&mut self, kind: String, make: impl FnOnce() -> Arc<Mesh>) -> Arc<Mesh> {
         Arc::clone(self.made.entry(kind).or_insert_with(make))
+    }
+
+    /// As [`Workshop::piece`], for sculptures, which occur in several materials.
+    pub(crate) fn carved(&mut self, kind: String, make: impl FnOnce() -> Carved) -> Arc<Carved> {
+        Arc::clone(self.carved.entry(kind).or_insert_with(|| Arc::new(make())))
     }
 }

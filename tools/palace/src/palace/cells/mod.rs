@@ -215,16 +215,26 @@ impl Cell {
         let lustre = shop.piece("lustre".to_owned(), lustre);
         put("lustre", lustre, shift(x, 3.0, z));
         let mut lamps = vec![Lamp::candles([x, 3.5, z], 5.0)];
+        /// Distance from the wall to the axis of a curtain rod.
+        const STAND: f32 = 0.07;
+        /// Gap behind its brackets: nothing may reach out of the cell.
+        const GAP: f32 = 1e-3;
         let windows = ends.iter().filter(|end| end.gate.sill > 0.0);
         for (number, window) in windows.enumerate() {
             let top = window.gate.spring + window.gate.rise;
             let wide = 0.42 * window.gate.width;
-            let cloth = drapery::curtain(shop, wide, top + 0.1, curtains, LACE);
+            let reach = 0.5 * window.gate.width + 0.36;
+            let cloth = drapery::curtain(shop, wide, top + 0.24, curtains, curtains);
+            let swags = drapery::swags(shop, 2.0 * reach, 3, STAND, curtains, curtains);
             let [x, z] = window.gate.at;
+            put(
+                &format!("swags {}", number + 1),
+                swags,
+                shift(x - reach, top + 0.32, z + STAND + GAP),
+            );
             // Windows are in the northern wall, whose frames face south.
             for side in [-1.0_f32, 1.0] {
                 let mirrored = Transform::scaling([side, 1.0, 1.0]);
-                let reach = 0.5 * window.gate.width + 0.45;
                 let name = format!(
                     "curtain {} {}",
                     number + 1,
@@ -233,7 +243,7 @@ impl Cell {
                 put(
                     &name,
                     cloth.clone(),
-                    shift(x - side * reach, 0.06, z + 0.05) * mirrored,
+                    shift(x - side * reach, 0.06, z + STAND) * mirrored,
                 );
             }
             lamps.push(Lamp::daylight([x, 2.2, z + 1.6], [1.3, 1.6, 2.0], 8.0));

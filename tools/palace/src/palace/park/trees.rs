@@ -1,160 +1,75 @@
-//! Alpha-tested trees: boughs on cards around a trunk.
+//! Woods, rows of trees and single ones; long grass and wild flowers.
 
 use super::ground::{Ground, to_the_basin, to_the_edge};
 use super::{AXIS, KNOLL};
+use crate::palace::crown::{Habit, grown};
 use crate::palace::palette::{
-    BARK, DARK_BOUGHS, IVORY, LONG_GRASS, PALE_BOUGHS, RED_SILK, YELLOW_SILK, dress,
+    DARK_BOUGHS, DARK_LEAVES, IVORY, LONG_GRASS, PALE_BOUGHS, PALE_LEAVES, RED_SILK, YELLOW_SILK,
 };
 use crate::palace::room::{Room, scaled};
 use crate::palace::rooms::court::flower_bed;
-use crate::palace::workshop::Workshop;
-use crate::shape::{Shape, tube};
-use enfilade::{Attributes, MaterialId, Mesh, Part, Transform};
+use crate::shape::Shape;
+use enfilade::{Mesh, Transform};
 use enfilade_scenes::Random;
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Shape of a tree one metre tall: half width and half height of its crown, height of the crown's middle, size of its
-/// boughs, and their number.
-struct Habit {
-    kind: &'static str,
-    leaves: MaterialId,
-    crown: [f32; 2],
-    middle: f32,
-    bough: f32,
-    count: usize,
-}
+/// Trees of the woods, one metre tall.
+const TREE: Habit = Habit {
+    kind: "lime",
+    boughs: PALE_BOUGHS,
+    leaves: PALE_LEAVES,
+    crown: [0.27, 0.31],
+    middle: 0.62,
+    masses: 11,
+    mass: 0.105,
+    cards: 72,
+    card: 0.080,
+    trunk: 0.026,
+    branches: 2,
+    faces: 108,
+    per_length: 7.0,
+};
 
 /// The kinds of trees; the last one is slim.
 const HABITS: [Habit; 4] = [
-    Habit {
-        kind: "lime",
-        leaves: PALE_BOUGHS,
-        crown: [0.30, 0.32],
-        middle: 0.62,
-        bough: 0.225,
-        count: 32,
-    },
+    TREE,
     Habit {
         kind: "oak",
-        leaves: PALE_BOUGHS,
-        crown: [0.40, 0.28],
+        crown: [0.37, 0.26],
         middle: 0.66,
-        bough: 0.245,
-        count: 34,
+        masses: 13,
+        mass: 0.12,
+        card: 0.090,
+        trunk: 0.032,
+        ..TREE
     },
     Habit {
         kind: "beech",
-        leaves: DARK_BOUGHS,
-        crown: [0.33, 0.33],
-        middle: 0.62,
-        bough: 0.235,
-        count: 32,
+        boughs: DARK_BOUGHS,
+        leaves: DARK_LEAVES,
+        crown: [0.30, 0.32],
+        ..TREE
     },
     Habit {
         kind: "poplar",
-        leaves: DARK_BOUGHS,
-        crown: [0.11, 0.42],
+        boughs: DARK_BOUGHS,
+        leaves: DARK_LEAVES,
+        crown: [0.085, 0.40],
         middle: 0.55,
-        bough: 0.15,
-        count: 30,
+        masses: 12,
+        mass: 0.056,
+        card: 0.056,
+        trunk: 0.018,
+        branches: 0,
+        ..TREE
     },
 ];
 
-/// A tree one metre tall. Normals follow the crown's ellipsoid.
-fn grown(shop: &mut Workshop, habit: &Habit) -> Arc<Mesh> {
-    shop.mesh(habit.kind.to_owned(), || {
-        let mut random = Random::new(habit.count as u64 + u64::from(habit.leaves.0));
-        let mut boughs = Boughs::default();
-        let [wide, high] = habit.crown;
-        for number in 0..habit.count {
-            // Evenly distributed over the crown by the golden angle.
-            let up = 1.0 - 2.0 * (number as f32 + 0.5) / habit.count as f32;
-            let (sin, cos) = (2.399_963_f64 * number as f64).sin_cos();
-            let level = (1.0 - up * up).sqrt();
-            let out = vec3(level * cos as f32, up, level * sin as f32);
-            let deep = if number % 3 == 0 { 0.45 } else { 0.80 };
-            let at = vec3(0.0, habit.middle, 0.0) + out * vec3(wide, high, wide) * deep;
-            let facing = (out + Vec3::from(random.point(0.75))).normalize_or(Vec3::Y);
-            boughs.add(at, facing, out, habit.bough * random.between(0.85, 1.25));
-        }
-        boughs.mesh(habit)
-    })
-}
-
-/// Cards, each of two faces back to back.
-#[derive(Default)]
-struct Boughs {
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    texture: Vec<[f32; 2]>,
-    corners: Vec<u32>,
-}
-
-impl Boughs {
-    fn add(&mut self, at: Vec3, facing: Vec3, out: Vec3, half: f32) {
-        let right = Vec3::Y.cross(facing).normalize_or(Vec3::X);
-        let up = facing.cross(right);
-        // Shading flips a normal that points away from the eye, so each side has its normal on its own side.
-        for front in [facing, -facing] {
-            let first = self.positions.len() as u32;
-            let round = out + Vec3::Y * 0.55;
-            let away = round.dot(front).min(0.0);
-            let normal = (round - front * (1.05 * away)).normalize_or(front);
-            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                self.positions.push((at + (right * x + up * y) * half).to_array());
-                self.normals.push(normal.to_array());
-                self.texture.push([0.5 + 0.5 * x, 0.5 - 0.5 * y]);
-            }
-            let mut quad = [0, 1, 2, 3].map(|corner| first + corner);
-            if front != facing {
-                quad.reverse();
-            }
-            self.corners.extend(quad);
-        }
-    }
-
-    /// Adds a trunk that reaches into the crown.
-    fn mesh(&self, habit: &Habit) -> Arc<Mesh> {
-        let sides = vec![4; self.corners.len() / 4];
-        let part = Part {
-            positions: &self.positions,
-            corners: &self.corners,
-            sides: Some(&sides),
-            material: habit.leaves,
-            attributes: Attributes {
-                normals: &self.normals,
-                texture: &self.texture,
-                ..Attributes::default()
-            },
-        };
-        let thick = 0.014 + 0.02 * habit.crown[0];
-        let path = [
-            Vec3::Y * -0.03,
-            vec3(0.006, 0.5 * habit.middle, 0.004),
-            Vec3::Y * habit.middle,
-        ];
-        let trunk = tube(BARK, &path, |t| thick * (1.25 - 0.7 * t), 7).dressed(dress);
-        let faces = (0..trunk.face_count()).flat_map(|face| trunk.face(face));
-        let wood = Part {
-            positions: trunk.positions(),
-            corners: &faces.copied().collect::<Vec<u32>>(),
-            sides: None,
-            material: BARK,
-            attributes: Attributes {
-                texture: trunk.texture(),
-                normals: trunk.normals(),
-                ..Attributes::default()
-            },
-        };
-        Arc::new(Mesh::new(&[wood, part]).expect("cards are flat"))
-    }
-}
-
 /// Woods on the hills at the edges, rows of trees beside the lawn, single ones in between.
 pub(super) fn plant(room: &mut Room, ground: &Ground) {
-    let kinds = HABITS.map(|habit| grown(room.shop, &habit));
+    let kinds = [0, 1, 2, 3].map(|kind| grown(room.shop, &HABITS[kind], 60 + kind as u64));
     let mut random = Random::new(177);
     let mut trees: Vec<Vec2> = Vec::new();
     for _ in 0..2600 {

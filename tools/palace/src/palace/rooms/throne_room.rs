@@ -131,14 +131,14 @@ fn dais(room: &mut Room) {
         let post = column::plain_column(room.shop, 3.6, GOLD, OLD_GOLD);
         room.put("canopy post", &post, top * shift(1.5 * side, 0.0, -1.0));
         room.put("canopy post", &post, top * shift(1.5 * side, 0.0, 0.9));
-        let fall = drapery::curtain(room.shop, 1.3, 3.5, RED_CURTAIN, GOLD);
-        let place = top * shift(1.45 * side, 0.0, -1.25) * Transform::scaling([-side, 1.0, 1.0]);
+        let fall = drapery::curtain(room.shop, 1.3, 3.6, RED_CURTAIN, GOLD);
+        let place = top * shift(1.5 * side, 0.0, -1.26) * Transform::scaling([-side, 1.0, 1.0]);
         room.put("curtain", &fall, place);
         light::candelabrum(room, top * shift(2.5 * side, 0.0, 0.6), 1.7, GOLD);
     }
     let canopy = room.shop.piece("canopy".to_owned(), || {
         let mut shape = block(DARK_RED, [-1.8, 0.0, -1.3], [1.8, 0.1, 1.2]);
-        shape.join(block(GOLD, [-1.86, 0.1, -1.36], [1.86, 0.28, 1.26]));
+        shape.join(block(GOLD, [-1.86, 0.1, -1.36], [1.86, 0.28, 1.2]));
         let crown = [
             [0.0, 0.0],
             [1.5, 0.0],
@@ -157,6 +157,6 @@ fn dais(room: &mut Room) {
         shape
     });
     room.put("canopy", &canopy, top * shift(0.0, 3.6, 0.0));
-    let valance = drapery::swags(room.shop, 3.6, 4, RED_CURTAIN, GOLD);
-    room.put("valance", &valance, top * shift(-1.8, 3.64, 1.12));
+    let valance = drapery::swags(room.shop, 3.5, 4, 0.06, RED_CURTAIN, GOLD);
+    room.put("valance", &valance, top * shift(-1.75, 3.65, 1.26));
 }

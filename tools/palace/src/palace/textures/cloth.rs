@@ -96,7 +96,8 @@ pub(super) fn lace() -> Arc<Texture> {
         let bloom = step(petal + 0.02, petal - 0.02, off.length()) * step(0.07, 0.10, off.length());
         let turned = vec2(at.x + at.y, at.x - at.y) * 9.0;
         let mesh = (turned - turned.round()).abs();
-        let net = step(0.36, 0.42, mesh.max_element());
+        // More thread than holes, so that from afar it is white rather than gone.
+        let net = step(0.29, 0.35, mesh.max_element());
         let thread = 0.92 + 0.08 * clouds(at, [32, 32], 1, 231);
         (Vec3::splat(thread), bloom.max(net))
     })

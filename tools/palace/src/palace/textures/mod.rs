@@ -56,8 +56,10 @@ pub(crate) const GRASS_TUFT: TextureId = TextureId(29);
 pub(crate) const PANELLED: [TextureId; 2] = [TextureId(30), TextureId(31)];
 pub(crate) const INLAID: TextureId = TextureId(32);
 pub(crate) const PAINTED_CLOUDS: TextureId = TextureId(33);
+pub(crate) const CAST_BRONZE: TextureId = TextureId(34);
+pub(crate) const FOLIAGE: TextureId = TextureId(35);
 /// The first painting; the others follow, wide ones before tall ones.
-pub(crate) const FIRST_PAINTING: u32 = 34;
+pub(crate) const FIRST_PAINTING: u32 = 36;
 
 /// Number of textures.
 const COUNT: usize = FIRST_PAINTING as usize + BROAD + HIGH;
@@ -151,6 +153,8 @@ fn texture(number: u32) -> Arc<Texture> {
         GRASS_TUFT => plants::tuft(),
         id if id == PANELLED[0] => joinery::panelled_wall("green panels", vec3(0.30, 0.46, 0.32), 500),
         id if id == PANELLED[1] => joinery::panelled_wall("rose panels", vec3(0.60, 0.31, 0.26), 505),
+        CAST_BRONZE => stone::bronze(),
+        FOLIAGE => plants::foliage(),
         INLAID => joinery::inlaid_floor(),
         PAINTED_CLOUDS => joinery::painted_sky(),
         TextureId(number) => pictures::painting((number - FIRST_PAINTING) as usize),

@@ -62,6 +62,11 @@ pub(super) fn hedge() -> Arc<Texture> {
     leaves("hedge", 14, 0.45, 0.25, 300)
 }
 
+/// Leaves of a tree's crown, as dense as nothing is seen between them.
+pub(super) fn foliage() -> Arc<Texture> {
+    leaves("foliage", 13, 0.52, 0.50, 340)
+}
+
 /// Mown grass.
 pub(super) fn lawn() -> Arc<Texture> {
     let blades = leaves("blades", 20, 0.14, 0.55, 400);

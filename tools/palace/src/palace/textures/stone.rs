@@ -93,3 +93,14 @@ pub(super) fn gilt() -> Arc<Texture> {
         Vec3::new(1.0, 0.98, 0.92) * (0.86 + 0.14 * shine) - Vec3::new(0.10, 0.16, 0.12) * worn
     })
 }
+
+/// Cast bronze: dark where it was touched least, with green patina that ran down it.
+pub(super) fn bronze() -> Arc<Texture> {
+    tile("bronze", 128, |at| {
+        let rubbed = step(-0.5, 0.6, clouds(at, [4, 4], 4, 46));
+        let run = step(0.05, 0.75, clouds(bent(at, 47), [13, 5], 3, 48));
+        let speck = 1.0 + 0.10 * clouds(at, [20, 20], 2, 49);
+        let metal = Vec3::new(0.15, 0.088, 0.042).lerp(Vec3::new(0.36, 0.225, 0.105), rubbed);
+        metal.lerp(Vec3::new(0.155, 0.25, 0.185), 0.42 * run) * speck
+    })
+}

@@ -3,9 +3,13 @@
 mod items;
 mod queue;
 
-pub(crate) use items::{box_visibility, emit_item, emit_openings, emit_whole, may_be_visible};
+#[cfg(feature = "classic")]
+pub(crate) use items::may_be_visible;
+pub(crate) use items::{box_visibility, emit_item, emit_openings, emit_whole};
 
-pub(crate) use queue::{Queue, Tree, begin, go_on, walk};
+pub(crate) use queue::{Queue, Tree, walk};
+#[cfg(feature = "terrain")]
+pub(crate) use queue::{begin, go_on};
 
 use crate::faces::Faces;
 use crate::geom::Aabb;

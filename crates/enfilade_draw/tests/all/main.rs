@@ -2,6 +2,7 @@
 //! documentation specifies.
 
 mod glass;
+mod lamplight;
 mod samples;
 mod shading;
 mod stage;

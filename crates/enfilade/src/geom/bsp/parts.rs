@@ -221,15 +221,16 @@ mod tests {
 
     #[test]
     fn a_tree_in_parts_is_the_one_that_is_built_in_turn() {
-        for seed in 0..6 {
-            let polygons = jumble(&mut Dice::new(seed), 900);
+        for seed in 0..4 {
+            let polygons = jumble(&mut Dice::new(seed), 500);
             let options = BspOptions::default();
             let input = InputPlanes::of(&polygons);
             let in_turn = whole(&polygons, &input, &options);
-            for largest_part in [1, 7, 60, 500, 900] {
+            let expected = format!("{in_turn:?}");
+            for largest_part in [1, 7, 60, 500] {
                 let parts = build(&polygons, &input, &options, largest_part).expect("no limit is reached");
                 assert!(parts.splits > 100);
-                assert_eq!(format!("{parts:?}"), format!("{in_turn:?}"), "{largest_part}");
+                assert!(format!("{parts:?}") == expected, "{largest_part}");
             }
             let limit_bytes = in_turn.bytes();
             for (limit_bytes, fits) in [(limit_bytes, true), (limit_bytes - 1, false)] {

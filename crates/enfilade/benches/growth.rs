@@ -38,7 +38,7 @@ const INSIDE: [(&str, u8, usize); 12] = [
     ("porcelain cabinet", 3, 20),
     ("treasury", 0, 168),
     ("treasury", 1, 34),
-    ("green salon", 1, 25),
+    ("green salon", 1, 24),
     ("green salon", 2, 5),
     ("green salon", 3, 8),
     ("red salon", 1, 10),

@@ -154,7 +154,10 @@ fn check(
     assert!(sides.values().all(|&count| count == 0), "{text}");
     for _ in 0..20 {
         let corner = corners[number(corners.len())];
-        let [x, y] = [0, 1].map(|axis| corner[axis] as f64 + (number(4000) as f64 - 2000.0) / 997.0 + 1e-4);
+        // Apart from each other, so that the point is on no diagonal.
+        let apart = [1e-4, 1.7e-4];
+        let [x, y] =
+            [0, 1].map(|axis| corner[axis] as f64 + (number(4000) as f64 - 2000.0) / 997.0 + apart[axis]);
         let times = cut
             .iter()
             .filter(|triangle| inside(&triangle[..], [x, y]))

@@ -96,10 +96,12 @@ fn cases() -> impl Iterator<Item = Case> {
     attributes.chain(indices)
 }
 
-/// Returns random numbers below those asked for, reproducible by seed.
-fn numbers(seed: u64) -> impl FnMut(usize) -> usize {
-    let mut random = fastrand::Rng::with_seed(seed);
-    move |below| random.usize(..below)
+/// Returns the random numbers that the stored streams were encoded from, below those asked for.
+fn numbers(mut state: u64) -> impl FnMut(usize) -> usize {
+    move |below| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 33) as usize % below
+    }
 }
 
 /// Elements whose words are, by turns: constant, floats along a curve, two walks of 16 bits, four of 8 bits, random in five bits

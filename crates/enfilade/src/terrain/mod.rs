@@ -28,7 +28,8 @@ const MAX_SAMPLES: u32 = (1 << 16) + 1;
 
 /// A heightmap: heights at the samples of a grid.
 ///
-/// Add it to a geometry with [`GeometryBuilder::terrain`]. For terrain too large for memory see [`LargeTerrain`].
+/// Add it to a geometry with [`GeometryBuilder::terrain`](crate::GeometryBuilder::terrain). For terrain too large for
+/// memory see [`LargeTerrain`](crate::LargeTerrain).
 #[doc(alias = "heightmap")]
 #[doc(alias = "terrain")]
 #[derive(Clone, Debug, PartialEq)]

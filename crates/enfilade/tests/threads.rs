@@ -163,7 +163,7 @@ fn see_what_one_does(names: &[&str]) -> BTreeMap<&'static str, [u64; 2]> {
         look(name, &built.scene, &cameras.collect::<Vec<_>>());
     }
     look("town", &town(), &views_of_the_town());
-    assert!(looked_at > 300, "hardly anything was looked at: {looked_at}");
+    assert!(looked_at > 150, "hardly anything was looked at: {looked_at}");
     asked
 }
 

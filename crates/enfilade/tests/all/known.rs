@@ -2,25 +2,33 @@
 
 use enfilade::laws::OwnerPicture;
 use enfilade::{
-    Contract, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Owner, Scene, SceneBuilder, View,
-    Viewer, ViewerOptions,
+    Contract, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Owner, Scene, SceneBuilder,
+    Transform, View, Viewer, ViewerOptions,
 };
 
 const SIZE: [u32; 2] = [100, 100];
 
 /// Builds a scene of items with one material; each is a list of triangles.
 fn scene(items: &[Vec<[[f32; 3]; 3]>], method: Method) -> Scene {
+    let placed: Vec<_> = items
+        .iter()
+        .map(|item| (item.clone(), Transform::IDENTITY))
+        .collect();
+    placed_scene(&placed, method)
+}
+
+fn placed_scene(items: &[(Vec<[[f32; 3]; 3]>, Transform)], method: Method) -> Scene {
     let double_sided = Material {
         double_sided: true,
         ..Material::opaque([0.5; 3])
     };
     let mut geometry = GeometryBuilder::new([double_sided]);
-    for triangles in items {
+    for (triangles, place) in items {
         let positions: Vec<[f32; 3]> = triangles.iter().flatten().copied().collect();
         let corners: Vec<u32> = (0..positions.len() as u32).collect();
         let mesh = Mesh::triangles(&positions, &corners, MaterialId(0)).expect("sound triangles");
         let mesh = geometry.mesh(mesh);
-        geometry.item("", mesh, enfilade::Transform::IDENTITY);
+        geometry.item("", mesh, *place);
     }
     let mut scene = SceneBuilder::new();
     scene.add("world", geometry.build().expect("sound items"), method);
@@ -105,17 +113,22 @@ fn where_faces_coincide_the_lower_item_is_seen_whatever_comes_first() {
 
 #[test]
 fn what_was_found_before_the_wall_that_hides_it_is_taken_back() {
-    // A fence along the view direction: it begins beside the eye, out of view, and enters the view behind the wall. So
-    // its box comes before the wall's.
+    // A fence askew: it begins beside the eye, out of view, and enters the view behind the wall. Its box, which is askew
+    // too, comes before the wall's.
     let fence = quad([
-        [7.0, -0.1, -1.0],
-        [7.0, 0.1, -1.0],
-        [7.0, 0.1, -30.0],
-        [7.0, -0.1, -30.0],
+        [0.0, -0.1, 0.0],
+        [30.0, -0.1, 0.0],
+        [30.0, 0.1, 0.0],
+        [0.0, 0.1, 0.0],
     ]);
+    let askew = Transform::translation([-20.0, 0.0, -1.0])
+        * Transform::rotation([0.0, 1.0, 0.0], 45.0_f64.to_radians());
     let wall = upright([-6.0, 6.0], [-6.0, 6.0], -5.0);
     for method in methods(Contract::Conservative).chain(methods(Contract::Exact)) {
-        let scene = scene(&[fence.clone(), wall.clone()], method);
+        let scene = placed_scene(
+            &[(fence.clone(), askew), (wall.clone(), Transform::IDENTITY)],
+            method,
+        );
         let mut viewer = Viewer::with_options(ViewerOptions {
             occluders: Some(0),
             ..ViewerOptions::default()

@@ -53,21 +53,33 @@ fn a_wall_hides_what_is_behind_it_and_nothing_else() {
 #[test]
 fn a_rectangle_at_the_stored_depth_of_a_sample_is_seen_and_one_behind_it_is_not() {
     let passage = square(64);
-    // Two layers in some tiles.
-    let panes = [([0.0, 0.0, 64.0, 64.0], 7.0), ([20.0, 9.0, 47.0, 40.0], 3.0)];
-    let panes = panes.map(|(rect, distance)| pane(&passage, rect, distance));
-    let cover = covered(&passage, &panes);
-    let mut seen = Vec::new();
-    for (x, y) in samples(passage.aperture.rect()) {
-        let stored = cover.rev_depth_at(x, y);
-        let rect = Rect {
-            x0: x,
-            y0: y,
-            x1: x + 1,
-            y1: y + 1,
-        };
-        cover.sees_rects(&[(rect, stored), (rect, stored.next_down())], &mut seen);
-        assert_eq!(seen, [true, false], "sample {x} {y}");
+    let panes = [
+        ([0.0, 0.0, 64.0, 64.0], 7.0),
+        ([3.0, 5.0, 61.0, 59.0], 7.0),
+        ([16.0, 0.0, 48.0, 64.0], 3.0),
+    ];
+    let [far, smaller, near] = panes.map(|(rect, distance)| pane(&passage, rect, distance));
+    // Each as the reference layer of some tiles, and as the working layer of others.
+    for panes in [[far.clone(), near.clone()], [near.clone(), far], [smaller, near]] {
+        let cover = covered(&passage, &panes);
+        let mut seen = Vec::new();
+        for (x, y) in samples(passage.aperture.rect()) {
+            let stored = cover.rev_depth_at(x, y);
+            if stored == 0.0 {
+                continue;
+            }
+            // Of one sample, and of all up to the middle of the near pane, which hides its own.
+            for middle in [x, 32] {
+                let rect = Rect {
+                    x0: x.min(middle),
+                    y0: y,
+                    x1: x.max(middle) + 1,
+                    y1: y + 1,
+                };
+                cover.sees_rects(&[(rect, stored), (rect, stored.next_down())], &mut seen);
+                assert_eq!(seen, [true, false], "sample {x} {y} of {rect:?}");
+            }
+        }
     }
 }
 

@@ -72,6 +72,19 @@ fn the_size_of_an_item_is_the_longer_side_of_its_rectangle() {
 }
 
 #[test]
+fn what_is_seen_in_a_mirror_is_mirrored_and_in_a_mirror_of_a_mirror_is_not() {
+    let built = enfilade_scenes::built_in("mirrors").expect("a built-in scene");
+    let mut viewer = Viewer::new();
+    let set = viewer.look(&built.scene, &built.cameras[0].view(SIZE));
+    let mut most = 0;
+    for passage in set.passages() {
+        assert_eq!(passage.mirrored(), passage.crossings % 2 == 1);
+        most = most.max(passage.crossings);
+    }
+    assert!(most > 3, "{most} mirrors in a row");
+}
+
+#[test]
 fn where_faces_coincide_the_lower_item_is_seen_whatever_comes_first() {
     // Squares in one plane: of several sizes where they are parallel to the screen, so that their depths are the same
     // bit for bit.

@@ -51,6 +51,15 @@ fn a_wall_hides_what_is_behind_it_and_nothing_else() {
 }
 
 #[test]
+fn a_wall_behind_a_doorway_hides_what_is_behind_it() {
+    let mut passage = square(100);
+    passage.entry = Some((DVec3::Z, 2.0));
+    let mut cover = covered(&passage, &[pane(&passage, [20.0, 20.0, 80.0, 80.0], 5.0)]);
+    assert!(!sees(&mut cover, &passage, [-2.0, -2.0, -9.0], [2.0, 2.0, -8.0]));
+    assert!(sees(&mut cover, &passage, [-2.0, -2.0, -4.0], [2.0, 2.0, -3.0]));
+}
+
+#[test]
 fn a_rectangle_at_the_stored_depth_of_a_sample_is_seen_and_one_behind_it_is_not() {
     let passage = square(64);
     let panes = [

@@ -51,12 +51,20 @@ fn a_wall_hides_what_is_behind_it_and_nothing_else() {
 }
 
 #[test]
-fn a_wall_behind_a_doorway_hides_what_is_behind_it() {
+fn the_part_of_a_wall_behind_a_doorway_hides_what_is_behind_it() {
     let mut passage = square(100);
     passage.entry = Some((DVec3::Z, 2.0));
-    let mut cover = covered(&passage, &[pane(&passage, [20.0, 20.0, 80.0, 80.0], 5.0)]);
-    assert!(!sees(&mut cover, &passage, [-2.0, -2.0, -9.0], [2.0, 2.0, -8.0]));
-    assert!(sees(&mut cover, &passage, [-2.0, -2.0, -4.0], [2.0, 2.0, -3.0]));
+    // It crosses the plane of the doorway in the middle of the screen.
+    let corners = [
+        [-1.0, -9.0, -1.0],
+        [7.0, -9.0, -9.0],
+        [7.0, 9.0, -9.0],
+        [-1.0, 9.0, -1.0],
+    ];
+    let wall = Polygon::new(&corners.map(DVec3::from), &passage);
+    let mut cover = covered(&passage, &[wall]);
+    assert!(!sees(&mut cover, &passage, [4.2, -1.0, -9.0], [4.7, 1.0, -8.5]));
+    assert!(sees(&mut cover, &passage, [-4.7, -1.0, -9.0], [-4.2, 1.0, -8.5]));
 }
 
 #[test]

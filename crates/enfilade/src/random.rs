@@ -1,4 +1,4 @@
-//! Random numbers of which results depend, so their sequence is fixed.
+//! Random numbers that results depend on, so their sequence is fixed.
 
 /// SplitMix64: Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014.
 pub(crate) struct SplitMix(pub(crate) u64);

@@ -121,13 +121,13 @@ fn views_of_the_town() -> [View; 3] {
 
 #[test]
 fn two_threads_and_eight_see_what_one_does() {
-    see_what_one_does(&["mirror", "glass", "bottles", "house"]);
+    see_what_one_does(&["mirror", "glass", "bottles", "house"], 300);
 }
 
 #[test]
 #[ignore = "takes a minute without optimization"]
 fn two_threads_and_eight_see_what_one_does_in_the_palace() {
-    for (method, [one, eight]) in see_what_one_does(&["enfilade"]) {
+    for (method, [one, eight]) in see_what_one_does(&["enfilade"], 150) {
         // These look on one thread: what the masked cover hides depends on the order of its faces, and baked cells need
         // no occlusion tests.
         let alone = ["masked", "pvs"].contains(&method);
@@ -139,8 +139,9 @@ fn two_threads_and_eight_see_what_one_does_in_the_palace() {
     }
 }
 
-/// Looks at built-in scenes, and at the town; returns the boxes tested by one thread and by eight, per method.
-fn see_what_one_does(names: &[&str]) -> BTreeMap<&'static str, [u64; 2]> {
+/// Looks at built-in scenes, and at the town; at least at `least` views in which something is rasterized. Returns the
+/// boxes tested by one thread and by eight, per method.
+fn see_what_one_does(names: &[&str], least: usize) -> BTreeMap<&'static str, [u64; 2]> {
     let pools = pools();
     let mut asked: BTreeMap<&'static str, [u64; 2]> = BTreeMap::new();
     let mut looked_at = 0;
@@ -163,7 +164,7 @@ fn see_what_one_does(names: &[&str]) -> BTreeMap<&'static str, [u64; 2]> {
         look(name, &built.scene, &cameras.collect::<Vec<_>>());
     }
     look("town", &town(), &views_of_the_town());
-    assert!(looked_at > 150, "hardly anything was looked at: {looked_at}");
+    assert!(looked_at > least, "hardly anything was looked at: {looked_at}");
     asked
 }
 

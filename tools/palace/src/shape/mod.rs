@@ -2,16 +2,20 @@
 
 mod clip;
 mod dress;
+#[path = "../../../../crates/enfilade_scenes/src/shape/fill.rs"]
 mod fill;
 mod loft;
+#[path = "../../../../crates/enfilade_scenes/src/shape/solid.rs"]
 mod solid;
+mod superquadric;
 mod sweep;
 
 pub(crate) use clip::clip;
 pub(crate) use dress::Dress;
 pub(crate) use fill::fill;
 pub(crate) use loft::{around, ball, band, cloth, fluted, knot, lathe, loft, round_tube, tube};
-pub(crate) use solid::{block, cuboid, prism, superquadric, taper};
+pub(crate) use solid::{block, cuboid, prism, taper};
+pub(crate) use superquadric::superquadric;
 pub(crate) use sweep::{frame, moulding, surround};
 
 use enfilade::{ConvexPolygon, MaterialId, Mesh, Transform};

@@ -248,24 +248,7 @@ impl Octree {
             for &thing in self.things.get(node.things) {
                 visit(Step::Thing(thing), all);
             }
-            self.each_child_back_to_front(node, eye, &mut |child| {
-                pending[count] = (child, all);
-                count += 1;
-            });
-        }
-    }
-
-    fn each_child_back_to_front(&self, node: &Node, eye: [f64; 3], each: &mut dyn FnMut(u32)) {
-        const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
-        let octant: usize = (0..3)
-            .map(|axis| usize::from(eye[axis] > f64::from(node.center[axis])) << axis)
-            .sum();
-        for step in FRONT_TO_BACK.into_iter().rev() {
-            let child = octant ^ step;
-            if node.children >> child & 1 == 1 {
-                let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
-                each(node.first_child + before);
-            }
+            count = push_children(node, eye, all, &mut pending, count);
         }
     }
 
@@ -304,6 +287,30 @@ impl Octree {
     pub(crate) fn bytes(&self) -> u64 {
         (self.nodes.len() * size_of::<Node>() + self.things.bytes() + self.spare.bytes()) as u64
     }
+}
+
+/// Pushes the children of a node, the nearest last; returns the new number of pending nodes. Apart from
+/// [`Octree::walk_by`], which is compiled for each visitor.
+fn push_children(
+    node: &Node,
+    eye: [f64; 3],
+    all: bool,
+    pending: &mut [(u32, bool)],
+    mut count: usize,
+) -> usize {
+    const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
+    let octant: usize = (0..3)
+        .map(|axis| usize::from(eye[axis] > f64::from(node.center[axis])) << axis)
+        .sum();
+    for step in FRONT_TO_BACK.into_iter().rev() {
+        let child = octant ^ step;
+        if node.children >> child & 1 == 1 {
+            let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
+            pending[count] = (node.first_child + before, all);
+            count += 1;
+        }
+    }
+    count
 }
 
 impl Default for Octree {

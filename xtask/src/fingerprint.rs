@@ -7,7 +7,7 @@
 
 use crate::verify::{open, scenes};
 use anyhow::{Context, Result, ensure};
-use enfilade::{Method, View, Viewer, VisibleSet, survey};
+use enfilade::{Camera, Method, Viewer, VisibleSet, survey};
 use enfilade_draw::{Settings, Stage};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -87,8 +87,11 @@ fn fingerprint(name: &str, args: &Args, lines: &mut Vec<String>) -> Result<()> {
         let stage = Stage::new(&scene);
         let mut viewer = Viewer::new();
         for (number, place) in places.iter().enumerate() {
-            let mut view = View::new(place.eye, place.toward, [args.size[0], args.size[1]]);
-            view.sector = Some(place.sector);
+            let camera = Camera {
+                sector: Some(place.sector),
+                ..Camera::new(place.eye, place.toward)
+            };
+            let view = camera.view([args.size[0], args.size[1]]).expect("a valid view");
             let picture = stage.draw(&mut viewer, &scene, &view, &Settings::default());
             let mut sum = Sum::new();
             sum.add_bytes(picture.image.as_raw());
@@ -138,7 +141,7 @@ fn sum_of(set: &VisibleSet) -> u64 {
         sum.add(passage.portal.map_or(u64::MAX, |portal| portal.0.into()));
         sum.add(passage.sector.0.into());
         sum.add(passage.crossings.into());
-        sum.add(passage.near.to_bits().into());
+        sum.add(passage.z_near.to_bits().into());
     }
     for item in set.items() {
         sum.add(item.passage.0.into());

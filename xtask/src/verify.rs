@@ -195,7 +195,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
             }
             reference = Reference::new(&scene);
         }
-        let mut view = View::new(place.eye, place.toward, size);
+        let mut view = View::new(place.eye, place.toward, size).expect("a valid view");
         // Items that move may enlarge the bounds of sectors.
         view.sector = Some(place.sector);
         let truth = reference.see(&scene, &view, &limits);
@@ -223,7 +223,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
         if !candidates.iter_mut().any(|candidate| strict(&candidate)) {
             break;
         }
-        let view = View::new(place.eye, place.toward, strict_size);
+        let view = View::new(place.eye, place.toward, strict_size).expect("a valid view");
         let truth = reference.see_anywhere(&scene, &view, &limits, args.places, number as u64);
         for candidate in candidates.iter_mut().filter(strict) {
             let verdict = truth.check(candidate.viewer.look(&candidate.scene, &view), None);
@@ -270,7 +270,7 @@ impl Candidate {
         let broken = contract.never_misses() && (!verdict.missed.is_empty() || verdict.pixels_different > 0)
             || contract == Contract::Exact && verdict.extra > 0;
         if broken {
-            let [eye, toward] = [view.eye, view.toward].map(|[x, y, z]| format!("{x},{y},{z}"));
+            let [eye, toward] = [view.eye(), view.toward()].map(|[x, y, z]| format!("{x},{y},{z}"));
             println!(
                 "{name}, view {number}: {} missed {:?}, {} wrong pixels, {} extra:\n  enfilade look {name} \
                  --method {} --check --size {}x{} --eye={eye} --toward={toward}",
@@ -279,8 +279,8 @@ impl Candidate {
                 verdict.pixels_different,
                 verdict.extra,
                 self.method,
-                view.size[0],
-                view.size[1],
+                view.size()[0],
+                view.size()[1],
             );
         }
         broken

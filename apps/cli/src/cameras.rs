@@ -5,10 +5,11 @@ use crate::open::OpenedScene;
 use crate::out;
 use crate::progress::Progress;
 use crate::read::read_file;
+use crate::report::single;
 use crate::text::{plural, short};
 use crate::values::among;
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Ray, Scene, Survey, SurveyView, View, Viewer, survey_hard};
+use enfilade::{Camera, Ray, Scene, Survey, SurveyView, View, Viewer, survey_hard};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,9 +18,8 @@ use std::path::Path;
 /// Returns the selected views, all valid. Empty only if the survey finds no open space.
 pub(crate) fn views(args: &CameraArgs, opened: &OpenedScene) -> Result<Vec<View>> {
     let views = if let (Some(eye), Some(toward)) = (args.eye, args.toward) {
-        vec![checked(plain(args, eye, toward), || {
-            "--eye and --toward".to_owned()
-        })?]
+        let view = camera(args, eye, toward).view(args.size);
+        vec![view.context("--eye and --toward")?]
     } else if let Some(path) = &args.path {
         read_path(path, args)?
     } else if let Some(count) = args.survey {
@@ -29,9 +29,7 @@ pub(crate) fn views(args: &CameraArgs, opened: &OpenedScene) -> Result<Vec<View>
     } else if let Some(name) = &args.camera {
         vec![named(name, args, opened)?]
     } else if let Some(camera) = opened.cameras.first() {
-        vec![checked(camera.view(args), || {
-            format!("{}: camera `{}`", opened.file, camera.name)
-        })?]
+        vec![view_of(camera, args, opened)?]
     } else {
         return first_picture(args, opened).map(|view| vec![view]);
     };
@@ -57,24 +55,31 @@ fn warn_of_solids(opened: &OpenedScene, views: &[View]) {
         return;
     }
     for view in inside_solids {
-        let [x, y, z] = view.eye;
+        let [x, y, z] = view.eye().map(single);
         out::warn(format_args!(
             "the eye at {x},{y},{z} seems to be inside something solid: it is surrounded by back faces"
         ));
     }
 }
 
-/// Returns a view with the size, `--fov` and `--up` of the command line.
-fn plain(args: &CameraArgs, eye: [f32; 3], toward: [f32; 3]) -> View {
-    let mut view = View::new(eye, toward, args.size);
-    view.up = args.up.unwrap_or(view.up);
-    view.fov_y = args.fov.map_or(view.fov_y, f32::to_radians);
-    view
+/// Returns a camera with `--fov` and `--up` of the command line.
+fn camera(args: &CameraArgs, eye: [f32; 3], toward: [f32; 3]) -> Camera {
+    with_options(args, Camera::new(eye, toward))
 }
 
-fn checked(view: View, source: impl FnOnce() -> String) -> Result<View> {
-    view.check().with_context(source)?;
-    Ok(view)
+/// Returns the same camera with `--fov` and `--up` of the command line.
+fn with_options(args: &CameraArgs, camera: Camera) -> Camera {
+    Camera {
+        up: args.up.map_or(camera.up, |up| up.map(f64::from)),
+        fov_y: args.fov.map_or(camera.fov_y, f32::to_radians),
+        ..camera
+    }
+}
+
+/// Returns the view of a camera of the scene.
+fn view_of(camera: &Camera, args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
+    let view = with_options(args, camera.clone()).view(args.size);
+    view.with_context(|| format!("{}: camera `{}`", opened.file, camera.name))
 }
 
 fn named(name: &str, args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
@@ -90,7 +95,7 @@ fn named(name: &str, args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
             let names = opened.cameras.iter().map(|camera| camera.name.as_str());
             anyhow!("{file}: no camera `{name}`; {}", among(name, names))
         })?;
-    checked(camera.view(args), || format!("{file}: camera `{name}`"))
+    view_of(camera, args, opened)
 }
 
 fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
@@ -105,11 +110,7 @@ fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>>
     if !found.views.is_empty() {
         out::note(describe(&found));
     }
-    Ok(found
-        .views
-        .iter()
-        .map(|survey_view| at(args, survey_view))
-        .collect())
+    views_at(args, &found.views)
 }
 
 /// Describes the views of a survey, and the scale it assumed.
@@ -150,11 +151,18 @@ fn hard(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
         )),
         _ => {}
     }
-    Ok(found.iter().map(|survey_view| at(args, survey_view)).collect())
+    views_at(args, &found)
 }
 
-fn at(args: &CameraArgs, survey_view: &SurveyView) -> View {
-    plain(args, survey_view.eye, survey_view.toward)
+fn views_at(args: &CameraArgs, found: &[SurveyView]) -> Result<Vec<View>> {
+    let views = found
+        .iter()
+        .map(|survey_view| at(args, survey_view).view(args.size));
+    Ok(views.collect::<Result<_, _>>()?)
+}
+
+fn at(args: &CameraArgs, survey_view: &SurveyView) -> Camera {
+    camera(args, survey_view.eye, survey_view.toward)
 }
 
 /// Returns the default view of a scene without cameras: outdoors the whole scene from outside, else the survey view
@@ -168,7 +176,7 @@ fn first_picture(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
         out::warn(
             "the survey found no open space, so the camera is outside the scene; use --eye and --toward",
         );
-        return Ok(from_outside(args, scene));
+        return from_outside(args, scene);
     }
     let under_sky = found
         .views
@@ -178,7 +186,7 @@ fn first_picture(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
         out::note(format_args!(
             "{file}: it has no camera and is mostly outdoors; showing all of it from outside ({OTHERS})"
         ));
-        return Ok(from_outside(args, scene));
+        return from_outside(args, scene);
     }
     out::note(format_args!(
         "{file}: it has no camera; showing the survey view that shows most ({OTHERS})"
@@ -186,8 +194,7 @@ fn first_picture(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
     let mut viewer = Viewer::new();
     let (mut best, mut best_shown) = (&found.views[0], -1.0);
     for survey_view in &found.views {
-        let mut view = at(args, survey_view);
-        view.size = [160, 90];
+        let view = at(args, survey_view).view([160, 90])?;
         // Weighted by the square root of their size: neither one large wall nor a hundred specks should win.
         let items = viewer.look(scene, &view).items().iter();
         let shown: f64 = items.map(|item| f64::from(item.size_px).sqrt()).sum();
@@ -195,7 +202,7 @@ fn first_picture(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
             (best, best_shown) = (survey_view, shown);
         }
     }
-    Ok(at(args, best))
+    Ok(at(args, best).view(args.size)?)
 }
 
 /// Whether a ray straight up from a view hits nothing.
@@ -213,12 +220,13 @@ fn survey(scene: &Scene, count: usize) -> Survey {
 }
 
 /// Returns a view of the whole scene, from the front and above.
-fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
+fn from_outside(args: &CameraArgs, scene: &Scene) -> Result<View> {
     let boxes = scene
         .sectors()
         .map(|id| scene.bounds(id))
         .filter(|bounds| !bounds.is_empty());
-    let nowhere = || plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
+    let lens = camera(args, [0.0; 3], [0.0, 0.0, -1.0]);
+    let nowhere = || Ok(lens.view(args.size)?);
     let Some(bounds) = boxes.reduce(|a, b| a.union(&b)) else {
         return nowhere();
     };
@@ -226,7 +234,6 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
     let away = DVec3::new(0.35, 0.7, 0.8).normalize();
     let right = DVec3::Y.cross(away).normalize();
     let [width, height] = args.size.map(f64::from);
-    let lens = plain(args, [0.0; 3], [0.0, 0.0, -1.0]);
     let tan_y = (0.5 * f64::from(lens.fov_y)).tan();
     let tan_x = tan_y * width / height;
     let corners = (0..8).map(|corner| {
@@ -267,9 +274,9 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> View {
     };
     let center = center + middle(right) + middle(upward);
     let eye = center + away * distance;
-    let view = plain(args, eye.as_vec3().to_array(), center.as_vec3().to_array());
+    let view = camera(args, eye.as_vec3().to_array(), center.as_vec3().to_array()).view(args.size);
     // With huge coordinates the step away may be lost in rounding.
-    if view.check().is_ok() { view } else { nowhere() }
+    view.or_else(|_| nowhere())
 }
 
 /// One line of a `--path` file.
@@ -306,10 +313,13 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
         }
         let line: PathLine =
             serde_json::from_str(text).map_err(|error| anyhow!("{}: {error}; {wants}", location()))?;
-        let mut view = plain(args, line.eye, line.toward);
-        view.up = line.up.unwrap_or(view.up);
-        view.fov_y = line.fov.map_or(view.fov_y, f32::to_radians);
-        views.push(checked(view, location)?);
+        let camera = camera(args, line.eye, line.toward);
+        let camera = Camera {
+            up: line.up.map_or(camera.up, |up| up.map(f64::from)),
+            fov_y: line.fov.map_or(camera.fov_y, f32::to_radians),
+            ..camera
+        };
+        views.push(camera.view(args.size).with_context(location)?);
         unread.extend(line.others.into_keys().filter(|key| key != "name"));
     }
     if views.is_empty() {
@@ -338,7 +348,7 @@ fn is_inside_solid(scene: &Scene, view: &View) -> bool {
     let (mut rays, mut from_behind) = (0, 0);
     for direction in directions.filter(|direction| *direction != [0.0; 3]) {
         let Some(hit) = scene.sector(sector).cast(&Ray {
-            origin: view.eye,
+            origin: view.eye().map(single),
             direction,
         }) else {
             return false;

@@ -88,7 +88,7 @@ pub(crate) fn check_view(
     view: &View,
 ) -> (CheckResult, OwnerPicture) {
     let looked = truth.check(viewer.look(&prepared.scene, view), None);
-    let mut picture = OwnerPicture::new(view.size);
+    let mut picture = OwnerPicture::new(view.size());
     viewer.draw(&prepared.scene, view, &mut picture);
     let drawn = truth.check(viewer.visible(), Some(&picture));
     let mut contested = truth.contested();

@@ -3,7 +3,6 @@
 
 mod args;
 mod bench;
-mod camera;
 mod cameras;
 mod check;
 mod choose;

@@ -1,13 +1,12 @@
 //! Opens scenes: files, or built-in scenes by name. Configures threads and SIMD.
 
 use crate::args::{HowArgs, LimitArgs, PortalArgs};
-use crate::camera::Camera;
 use crate::out;
 use crate::progress::Progress;
 use crate::run_files::RunFiles;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Method, Scene, SceneError, Unsuited};
+use enfilade::{Camera, Method, Scene, SceneError, Unsuited};
 use enfilade_draw::Stage;
 use enfilade_import::{BrokenRule, ImportError, MapSummary, ReadOptions, SourceNodes};
 use std::ffi::OsStr;
@@ -25,6 +24,8 @@ pub(crate) struct OpenedScene {
     pub(crate) format: &'static str,
     pub(crate) scene: Scene,
     pub(crate) cameras: Vec<Camera>,
+    /// For each camera the height of its view volume, if it is orthographic.
+    pub(crate) orthographic_heights: Vec<Option<f32>>,
     /// The glTF nodes the items come from, by sector; empty for a built-in scene.
     pub(crate) nodes: Vec<SourceNodes>,
     /// Summary of a compiled map; `None` for other files.
@@ -89,7 +90,8 @@ fn open_built_in(file: &str, name: &str) -> Result<OpenedScene> {
         file: file.to_owned(),
         format: "built-in",
         scene: built.scene,
-        cameras: built.cameras.into_iter().map(Camera::from).collect(),
+        orthographic_heights: vec![None; built.cameras.len()],
+        cameras: built.cameras,
         nodes: Vec::new(),
         map: None,
         warnings: Vec::new(),
@@ -153,7 +155,8 @@ fn open_file(
         file: file.to_owned(),
         format: format(path),
         scene,
-        cameras: import.cameras.into_iter().map(Camera::from).collect(),
+        cameras: import.cameras,
+        orthographic_heights: import.orthographic_heights,
         nodes: import.rooms.into_iter().map(|room| room.nodes).collect(),
         map: import.map,
         warnings: import.warnings.iter().map(ToString::to_string).collect(),

@@ -148,7 +148,7 @@ fn chosen(
     view: Option<&View>,
 ) -> Result<PreparedScene> {
     let scene = &opened.scene;
-    let size = view.map_or([1280, 720], |view| view.size);
+    let size = view.map_or([1280, 720], |view| view.size());
     let options = choose::auto_options(aim, !how.conservative, how.limits.memory());
     let choices = choose::choose(scene, size, &options);
     let mut with_choices = scene.clone();
@@ -170,7 +170,7 @@ fn check_cover_size(opened: &OpenedScene, choice: Choice, how: &HowArgs, view: O
     let (Some([width, height]), Some(view)) = (how.cover_size, view) else {
         return Ok(());
     };
-    let screen = view.size;
+    let screen = view.size();
     ensure!(
         width <= screen[0] && height <= screen[1],
         "--cover-size {width}x{height} is larger than the screen; use {}x{} at most, or a larger --size",
@@ -247,7 +247,7 @@ fn finish(
     // A cover of the screen's size has one cell per sample, so it is the default.
     let cover_size = how
         .cover_size
-        .filter(|&cells| view.is_none_or(|view| view.size != cells));
+        .filter(|&cells| view.is_none_or(|view| view.size() != cells));
     let options = ViewerOptions {
         coherence: !how.no_coherence,
         occluders: how.occluders,

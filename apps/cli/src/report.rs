@@ -367,14 +367,19 @@ fn seen_items(looks: &[LookResult], names: &Names, nodes: &[SourceNodes]) -> See
     items
 }
 
+/// Rounds a coordinate as it was typed or read, so that 0.1 is printed as such.
+pub(crate) fn single(coordinate: f64) -> f32 {
+    coordinate as f32
+}
+
 impl ViewReport {
     fn new(view: &View, look: LookResult, items: &SeenItems, scene: &Scene) -> ViewReport {
         let visible = || look.visible.iter().map(|item| &items[item]);
         ViewReport {
-            eye: view.eye,
-            toward: view.toward,
-            up: view.up,
-            fov: rounded(f64::from(view.fov_y).to_degrees()),
+            eye: view.eye().map(single),
+            toward: view.toward().map(single),
+            up: view.up().map(single),
+            fov: rounded(f64::from(view.fov_y()).to_degrees()),
             passages: look.passages.len(),
             through: look
                 .passages

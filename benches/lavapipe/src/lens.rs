@@ -19,13 +19,13 @@ pub(crate) struct Lens {
 
 impl Lens {
     pub(crate) fn new(view: &View) -> Lens {
-        let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
+        let [eye, toward, up] = [view.eye(), view.toward(), view.up()].map(DVec3::from);
         let back = (eye - toward).normalize();
         let right = up.cross(back).normalize();
         let up = back.cross(right);
-        let [width, height] = view.size.map(f64::from);
-        let slope = (0.5 * f64::from(view.fov_y)).tan();
-        let near = f64::from(view.near);
+        let [width, height] = view.size().map(f64::from);
+        let slope = (0.5 * f64::from(view.fov_y())).tan();
+        let near = f64::from(view.z_near());
         let clip_from_relative = Mat4::from_cols_array_2d(
             &[
                 (right * (height / (width * slope))).extend(0.0).as_vec4(),

@@ -23,7 +23,7 @@ impl SurveyedScene {
         let scene = read(file, &options)?.scene(Method::ZBuffer, Method::DEFAULT_LIMIT)?;
         let views: Vec<View> = survey(&scene, views)
             .iter()
-            .map(|at| View::new(at.eye, at.toward, size))
+            .map(|at| View::new(at.eye, at.toward, size).expect("a valid view"))
             .collect();
         anyhow::ensure!(
             !views.is_empty(),

@@ -187,7 +187,7 @@ mod tests {
         builder.item("far pane", glass, at(-3.0));
         let geometry = Arc::new(builder.build().expect("valid geometry"));
         let stock = Stock::new(&geometry);
-        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 64]);
+        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 64]).expect("a valid view");
         let lens = Lens::new(&view);
 
         let mut plan = Plan::default();

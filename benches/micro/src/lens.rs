@@ -21,18 +21,18 @@ impl Lens {
     /// Creates the projection of a view. Its samples must be at pixel centres, and its up vector not parallel to the
     /// view direction.
     pub(super) fn new(view: &View) -> Lens {
-        let [eye, toward, up] = [view.eye, view.toward, view.up].map(|point| point.map(f64::from));
+        let [eye, toward, up] = [view.eye(), view.toward(), view.up()];
         let ahead = unit(minus(toward, eye));
         let right = unit(cross(ahead, up));
         Lens {
-            size: view.size,
-            near: f64::from(view.near),
+            size: view.size(),
+            near: f64::from(view.z_near()),
             eye,
             right,
             up: cross(right, ahead),
             ahead,
             // The documentation of `View` says that the tangent is rounded to f32.
-            focal: 0.5 * f64::from(view.size[1]) / f64::from((0.5 * f64::from(view.fov_y)).tan() as f32),
+            focal: 0.5 * f64::from(view.size()[1]) / f64::from((0.5 * f64::from(view.fov_y())).tan() as f32),
         }
     }
 
@@ -90,11 +90,11 @@ mod tests {
 
     #[test]
     fn a_point_is_where_it_was_put() {
-        let view = View::new([1.0, 2.0, 3.0], [4.0, 1.0, -7.0], [640, 480]);
+        let view = View::new([1.0, 2.0, 3.0], [4.0, 1.0, -7.0], [640, 480]).expect("a valid view");
         let lens = Lens::new(&view);
         let [x, y, w] = lens.corner(lens.point([100.0, 50.0], 8.0));
         assert!((x / w - 100.0).abs() < 1e-4 && (y / w - 50.0).abs() < 1e-4 && (w - 8.0).abs() < 1e-5);
-        let [x, y, w] = lens.corner(view.toward);
+        let [x, y, w] = lens.corner(view.toward());
         let [dx, dy] = View::GENERIC_OFFSET;
         assert!((x / w + dx - 320.0).abs() < 1e-9 && (y / w + dy - 240.0).abs() < 1e-9 && w > 0.0);
     }

@@ -26,7 +26,7 @@ pub(super) const BACKDROP: f64 = 2000.0;
 
 impl Screen {
     pub(super) fn new(size: [u32; 2]) -> Result<Screen> {
-        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], size);
+        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], size).expect("a valid view");
         let lens = Lens::new(&view);
         let passage = passage(&view)?;
         let (mut filled, mut filled_truth) = (MaskedDepth::default(), Truth::new(lens));

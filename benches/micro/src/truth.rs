@@ -245,7 +245,7 @@ mod tests {
     use enfilade::View;
 
     fn empty() -> Truth {
-        Truth::new(Lens::new(&View::new([0.0; 3], [0.0, 0.0, -1.0], [32, 16])))
+        Truth::new(Lens::new(&View::new([0.0; 3], [0.0, 0.0, -1.0], [32, 16]).expect("a valid view")))
     }
 
     /// Returns a face from its corners: pixel and distance of each.

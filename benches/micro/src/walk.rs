@@ -63,7 +63,7 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
     let parts = Rc::new(parts);
     let row = |(name, (size, best_ms)): (&'static str, ([u32; 2], f64))| {
         let look = |survey_view: &enfilade::SurveyView| {
-            let view = View::new(survey_view.eye, survey_view.toward, size);
+            let view = View::new(survey_view.eye, survey_view.toward, size).expect("a valid view");
             let passage = passage(&view)?;
             let in_view = |part: &Part| part.sector == survey_view.sector && passage.may_show(&part.bounds);
             let in_view = (0..parts.len()).filter(|&part| in_view(&parts[part])).collect();

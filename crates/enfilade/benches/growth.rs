@@ -141,14 +141,14 @@ fn view(palace: &BuiltIn, name: &str, turns: u8) -> View {
     let camera = palace.cameras.iter().find(|camera| camera.name == name);
     let camera = camera.expect("a camera of the palace");
     let (sine, cosine) = (f64::from(turns) * FRAC_PI_2).sin_cos();
-    let [eye, toward] = [camera.eye, camera.toward].map(|at| at.map(f64::from));
+    let [eye, toward] = [camera.eye, camera.toward];
     let [x, z] = [toward[0] - eye[0], toward[2] - eye[2]];
     let toward = [
         eye[0] + x * cosine - z * sine,
         toward[1],
         eye[2] + x * sine + z * cosine,
     ];
-    View::new(camera.eye, toward.map(|value| value as f32), SIZE)
+    View::new(eye, toward, SIZE).expect("a valid view")
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

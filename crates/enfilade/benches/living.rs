@@ -118,6 +118,7 @@ impl Town {
             [middle + 4.0, 2.0, middle + 90.0],
             SIZE,
         )
+        .expect("a valid view")
     }
 }
 
@@ -201,9 +202,9 @@ fn quality(things: u32, edits: u32) {
         let mut asked = [0; 2];
         let base = town.view();
         for turn in 0..16_u8 {
-            let (sin, cos) = (f32::from(turn) * 0.39).sin_cos();
-            let mut view = base;
-            view.toward = [base.eye[0] + 50.0 * cos, 2.0, base.eye[2] + 50.0 * sin];
+            let (sin, cos) = (f64::from(turn) * 0.39).sin_cos();
+            let toward = [base.eye()[0] + 50.0 * cos, 2.0, base.eye()[2] + 50.0 * sin];
+            let view = View::new(base.eye(), toward, SIZE).expect("a valid view");
             for (scene, asked) in [&town.scene, &fresh].into_iter().zip(&mut asked) {
                 let mut viewer = viewer();
                 viewer.look(scene, &view);

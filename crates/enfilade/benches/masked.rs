@@ -45,8 +45,8 @@ fn filled(cover: &mut MaskedDepth, passage: &Passage, occluders: &[Occluder]) ->
 
 /// Builds triangles with two sides of the given length in pixels, all over the screen, at all depths and orientations.
 fn triangles(pixels: f32, count: u32) -> Geometry {
-    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE);
-    let focal = 0.5 * SIZE[1] as f32 / (0.5 * view.fov_y).tan();
+    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE).expect("a valid view");
+    let focal = 0.5 * SIZE[1] as f32 / (0.5 * view.fov_y()).tan();
     let mut builder = GeometryBuilder::new([Material {
         double_sided: true,
         ..Material::opaque([1.0; 3])
@@ -79,7 +79,10 @@ fn fill(criterion: &mut Criterion) {
         let all = scene.add("all", triangles(pixels, COUNT), Method::ZBuffer);
         let scene = scene.build().expect("one sector");
         let geometry = scene.geometry(all).expect("a geometry");
-        let passage = passage(&scene, &View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE));
+        let passage = passage(
+            &scene,
+            &View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE).expect("a valid view"),
+        );
         let mut rooms = Vec::new();
         let occluders = occluders(geometry, &passage, COUNT as usize, &mut rooms);
         assert_eq!(occluders.len(), COUNT as usize);
@@ -119,7 +122,13 @@ fn ask(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("masked: test, boxes of @crowd");
     for (name, expected) in ASKED {
         let camera = built.cameras.iter().find(|camera| camera.name == name);
-        let passage = passage(&built.scene, &camera.expect("a camera of that scene").view(SIZE));
+        let passage = passage(
+            &built.scene,
+            &camera
+                .expect("a camera of that scene")
+                .view(SIZE)
+                .expect("a valid view"),
+        );
         let mut rooms = Vec::new();
         let occluders = occluders(geometry, &passage, 16, &mut rooms);
         let mut cover = MaskedDepth::default();

@@ -66,7 +66,8 @@ fn methods(criterion: &mut Criterion) {
         let built = enfilade_scenes::built_in(path.scene).expect("a built-in scene");
         let view = |name: &str| -> View {
             let camera = built.cameras.iter().find(|camera| camera.name == name);
-            camera.expect("a camera of that scene").view(SIZE)
+            let camera = camera.expect("a camera of that scene");
+            camera.view(SIZE).expect("a valid view")
         };
         let views: Vec<View> = path.cameras.iter().map(|(name, _)| view(name)).collect();
         let mut looks = criterion.benchmark_group(format!("look @{}", path.scene));
@@ -119,7 +120,7 @@ fn four_cylinders(criterion: &mut Criterion) {
     const FACES: u64 = 240;
     let built = enfilade_scenes::built_in("four-cylinders").expect("a built-in scene");
     let geometry = built.scene.geometry(SectorId(0)).expect("a geometry");
-    let view = built.cameras[0].view(SIZE);
+    let view = built.cameras[0].view(SIZE).expect("a valid view");
     let mut group = criterion.benchmark_group("@four-cylinders");
     let pieces = |tree: &Bsp<FarToNear>| tree.build_stats(geometry).faces;
     for (name, free_splits) in [
@@ -139,7 +140,7 @@ fn four_cylinders(criterion: &mut Criterion) {
         group.bench_function(name, |bench| bench.iter(build));
     }
     let tree = BspTree::build(&polygons(geometry), &BspOptions::default());
-    let (eye, mut stack, mut list) = (view.eye.map(f64::from), Vec::new(), Vec::new());
+    let (eye, mut stack, mut list) = (view.eye().map(f64::from), Vec::new(), Vec::new());
     group.bench_function("list all polygons in tree order", |bench| {
         bench.iter(|| {
             list.clear();

@@ -124,6 +124,7 @@ fn view_from(room: usize) -> View {
         [DOORS[0] + 0.5 * WIDTH, 1.3, z - LENGTH],
         SIZE,
     )
+    .expect("a valid view")
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -190,7 +191,7 @@ fn rooms_in_a_row(times: bool) {
                 named.sector = Some(SectorId(room as u32));
                 let named = ms(|| look(&mut viewer, &scene, &named));
                 let locate = ms(|| {
-                    black_box(scene.locate(view.eye, view.toward));
+                    black_box(scene.locate(view.eye(), view.toward()));
                 });
                 println!(
                     "{place:34}{looked:8.3}{named:10.3}{locate:10.5}{boxes:12}{:12}{:12}",
@@ -260,13 +261,16 @@ fn closed_doors(times: bool) {
     let views = [
         (
             "all in view",
-            View::new([0.0, 20.0, 20.0], [0.0, 20.0, -30.0], SIZE),
+            View::new([0.0, 20.0, 20.0], [0.0, 20.0, -30.0], SIZE).expect("a valid view"),
         ),
         (
             "a few in view",
-            View::new([0.0, 10.0, -27.0], [0.0, 10.0, -30.0], SIZE),
+            View::new([0.0, 10.0, -27.0], [0.0, 10.0, -30.0], SIZE).expect("a valid view"),
         ),
-        ("none in view", View::new([0.0, 2.0, 0.0], [0.0, 1.0, 10.0], SIZE)),
+        (
+            "none in view",
+            View::new([0.0, 2.0, 0.0], [0.0, 1.0, 10.0], SIZE).expect("a valid view"),
+        ),
     ];
     for (method, (name, view)) in METHODS
         .into_iter()
@@ -326,7 +330,7 @@ fn mirrors_face_to_face(times: bool) {
             .scene
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("small");
-        let view = mirrors.cameras[0].view(SIZE);
+        let view = mirrors.cameras[0].view(SIZE).expect("a valid view");
         let mut viewer = viewer();
         let set = viewer.look(&scene, &view);
         let (seen, complete) = (set.passages().len(), set.complete());
@@ -349,9 +353,12 @@ fn memory_of_mirrors() {
     let scenes = [
         (
             mirrors::hundred_mirrors(),
-            View::new([0.0, 0.0, 1.0], [0.0, 0.0, -4.0], [1920, 1080]),
+            View::new([0.0, 0.0, 1.0], [0.0, 0.0, -4.0], [1920, 1080]).expect("a valid view"),
         ),
-        (within.scene, within.cameras[0].view([1920, 1080])),
+        (
+            within.scene,
+            within.cameras[0].view([1920, 1080]).expect("a valid view"),
+        ),
     ];
     for method in Method::ALL
         .into_iter()

@@ -48,8 +48,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scene.door((hall, OpeningId(0)), (study, OpeningId(0)));
     let (scene, mut viewer) = (scene.build()?, Viewer::new());
     for x in [-4.5, -3.5, -2.5, -1.5] {
-        let view = View::new([x, 1.6, 0.0], [5.0, 1.2, 0.0], [640, 360]);
-        let mut picture = laws::OwnerPicture::new(view.size);
+        let view = View::new([x, 1.6, 0.0], [5.0, 1.2, 0.0], [640, 360]).expect("a valid view");
+        let mut picture = laws::OwnerPicture::new(view.size());
         let set = viewer.draw(&scene, &view, &mut picture);
         let through = set.items().iter().filter(|seen| seen.passage != PassageId(0));
         let (through, painted) = (through.count(), picture.painted());

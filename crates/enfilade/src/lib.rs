@@ -10,7 +10,7 @@
 //! let scene = Scene::single(room.build()?, Method::HierarchicalZ)?;
 //!
 //! let mut viewer = Viewer::new();
-//! let set = viewer.look(&scene, &View::new([0.0; 3], [0.0, 0.0, -1.0], [1280, 720]));
+//! let set = viewer.look(&scene, &View::new([0.0; 3], [0.0, 0.0, -1.0], [1280, 720])?);
 //! assert_eq!(set.names(&scene).collect::<Vec<_>>(), ["crate"]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -38,7 +38,7 @@
 //! let scene = scene.build()?;
 //!
 //! let mut viewer = Viewer::new();
-//! let set = viewer.look(&scene, &View::new([0.0, 1.0, 0.0], [0.0, 1.0, -1.0], [640, 360]));
+//! let set = viewer.look(&scene, &View::new([0.0, 1.0, 0.0], [0.0, 1.0, -1.0], [640, 360])?);
 //! // The clock is beside the doorway.
 //! assert_eq!(set.names(&scene).collect::<Vec<_>>(), ["vase", "lamp"]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -165,4 +165,4 @@ pub use view::passage::Passage;
 pub use view::region::{Region, Visibility};
 pub use view::viewer::Viewer;
 pub use view::visible::{VisibleItem, VisibleSet};
-pub use view::{View, ViewError};
+pub use view::{Camera, ClipDepth, View, ViewError, Viewport};

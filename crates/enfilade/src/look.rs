@@ -19,8 +19,8 @@ impl Viewer {
     /// Computes the visible set of a view.
     ///
     /// Exact and conservative methods miss nothing that is visible at the view's sample positions, strict ones nothing at any
-    /// position in a pixel ([`Contract`](crate::Contract)). Returns an empty set without passages for a view that fails
-    /// [`View::check`] or whose sector is not in the scene; [`VisibleSet::complete`] is `false` then.
+    /// position in a pixel ([`Contract`](crate::Contract)). Returns an empty set without passages for a view whose sector is
+    /// not in the scene; [`VisibleSet::complete`] is `false` then.
     #[doc(alias = "cull")]
     #[doc(alias = "visibility query")]
     #[doc(alias = "occlusion query")]
@@ -131,8 +131,7 @@ impl Look<'_> {
         self.memory.spare_rows.extend(rows);
         self.set.items.clear();
         self.set.clusters.clear();
-        let sound = view.check().is_ok();
-        let sector = self.scene.sector_of(view).filter(|_| sound);
+        let sector = self.scene.sector_of(view);
         // `follow` clears it if a limit is hit.
         self.set.complete = sector.is_some();
         if let Some(sector) = sector {

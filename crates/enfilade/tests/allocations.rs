@@ -1,8 +1,8 @@
 //! Looks allocate nothing once their buffers have grown.
 
 use allocation_counter::measure;
-use enfilade::{Method, PortalId, Scene, Viewer};
-use enfilade_scenes::{Camera, built_in};
+use enfilade::{Camera, Method, PortalId, Scene, Viewer};
+use enfilade_scenes::built_in;
 use rayon::ThreadPoolBuilder;
 
 const SMALL: [u32; 2] = [96, 54];
@@ -13,7 +13,11 @@ fn allocates_nothing(name: &str, scene: &Scene, cameras: &[Camera], size: [u32; 
         let scene = scene.with_method(method, Method::DEFAULT_LIMIT);
         let scene = scene.expect("they are not that large");
         let mut viewer = Viewer::new();
-        let views: Vec<_> = cameras.iter().take(4).map(|camera| camera.view(size)).collect();
+        let views: Vec<_> = cameras
+            .iter()
+            .take(4)
+            .map(|camera| camera.view(size).expect("a valid view"))
+            .collect();
         let mut seen = 0;
         let mut round = || {
             for view in &views {

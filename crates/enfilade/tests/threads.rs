@@ -1,8 +1,8 @@
 //! Results do not depend on the number of threads, neither of looks nor of builds.
 
 use enfilade::{
-    GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Stats,
-    Transform, View, Viewer,
+    Camera, GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId,
+    Stats, Transform, View, Viewer,
 };
 use enfilade_scenes::built_in;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -29,12 +29,15 @@ fn by_each_method(scene: &Scene) -> impl Iterator<Item = (Method, Scene)> {
 
 /// A camera at its position and one and two steps on, so that looks test the geometry seen last first (temporal
 /// coherence).
-fn steps(at: &View) -> [View; 3] {
+fn steps(at: &Camera) -> [View; 3] {
     [0.0, 0.02, 0.04].map(|far| {
-        let on = |[x, y, z]: [f32; 3]| [x + far, y, z + 0.5 * far];
-        let mut view = *at;
-        [view.eye, view.toward] = [on(at.eye), on(at.toward)];
-        view
+        let on = |[x, y, z]: [f64; 3]| [x + far, y, z + 0.5 * far];
+        let camera = Camera {
+            eye: on(at.eye),
+            toward: on(at.toward),
+            ..at.clone()
+        };
+        camera.view(SIZE).expect("a valid view")
     })
 }
 
@@ -109,13 +112,17 @@ fn town() -> Scene {
     scene.build().expect("one sector")
 }
 
-/// From the middle of a street, from above, and from beside the town.
 fn views_of_the_town() -> [View; 3] {
-    let view = |eye, toward| View::new(eye, toward, SIZE);
+    cameras_in_the_town().map(|camera| camera.view(SIZE).expect("a valid view"))
+}
+
+/// In the middle of a street, above, and beside the town.
+fn cameras_in_the_town() -> [Camera; 3] {
+    let camera = |eye: [f32; 3], toward: [f32; 3]| Camera::new(eye, toward);
     [
-        view([97.5, 1.0, 97.5], [130.0, 1.0, 150.0]),
-        view([100.0, 60.0, -40.0], [100.0, 0.0, 80.0]),
-        view([-30.0, 8.0, -30.0], [60.0, 0.0, 60.0]),
+        camera([97.5, 1.0, 97.5], [130.0, 1.0, 150.0]),
+        camera([100.0, 60.0, -40.0], [100.0, 0.0, 80.0]),
+        camera([-30.0, 8.0, -30.0], [60.0, 0.0, 60.0]),
     ]
 }
 
@@ -145,7 +152,7 @@ fn see_what_one_does(names: &[&str], least: usize) -> BTreeMap<&'static str, [u6
     let pools = pools();
     let mut asked: BTreeMap<&'static str, [u64; 2]> = BTreeMap::new();
     let mut looked_at = 0;
-    let mut look = |name: &str, scene: &Scene, cameras: &[View]| {
+    let mut look = |name: &str, scene: &Scene, cameras: &[Camera]| {
         for (method, scene) in by_each_method(scene) {
             for (number, camera) in cameras.iter().enumerate() {
                 let place = format!("{method} in @{name} from camera {number}");
@@ -160,10 +167,9 @@ fn see_what_one_does(names: &[&str], least: usize) -> BTreeMap<&'static str, [u6
     };
     for name in names {
         let built = built_in(name).expect("a built-in scene");
-        let cameras = built.cameras.iter().take(3).map(|camera| camera.view(SIZE));
-        look(name, &built.scene, &cameras.collect::<Vec<_>>());
+        look(name, &built.scene, &built.cameras[..built.cameras.len().min(3)]);
     }
-    look("town", &town(), &views_of_the_town());
+    look("town", &town(), &cameras_in_the_town());
     assert!(looked_at > least, "hardly anything was looked at: {looked_at}");
     asked
 }

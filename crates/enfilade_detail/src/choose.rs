@@ -89,7 +89,7 @@ impl Details {
 /// portal.
 fn beginnings(scene: &Scene, passage: &Passage) -> [Option<Aabb>; 2] {
     let [width, height] = passage.size.map(f64::from);
-    let near = f64::from(passage.near);
+    let near = f64::from(passage.z_near);
     let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]].map(|corner| {
         let [eye, toward] = passage.ray(corner);
         [0, 1, 2].map(|axis| (eye[axis] + near * toward[axis]) as f32)

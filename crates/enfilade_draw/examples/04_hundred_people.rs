@@ -52,7 +52,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     // Cameras in the rotunda and in the red salon.
     let stage = Stage::new(&scene);
-    let mut viewers = [4, 2].map(|camera| (palace.cameras[camera].view(SIZE), Viewer::new()));
+    let mut viewers =
+        [palace.cameras[4].view(SIZE)?, palace.cameras[2].view(SIZE)?].map(|view| (view, Viewer::new()));
     let file = std::fs::File::create("people.png")?;
     let mut clip = Clip::new(file, [2 * SIZE[0], SIZE[1]], FRAMES, 12)?;
     for frame in 0..FRAMES {

@@ -15,7 +15,7 @@
 //! scene.add("meadow", geometry.build()?, Method::ZBuffer);
 //! let scene = scene.build()?;
 //!
-//! let view = View::new([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], [64, 48]);
+//! let view = View::new([0.0, 0.0, 3.0], [0.0, 0.0, 0.0], [64, 48])?;
 //! // Mip chains and light reach, prepared once for all pictures of the scene.
 //! let stage = Stage::new(&scene);
 //! let picture = stage.draw(&mut Viewer::new(), &scene, &view, &Settings::default());

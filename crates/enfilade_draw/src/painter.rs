@@ -60,17 +60,17 @@ impl<'a> Painter<'a> {
     /// Creates an empty picture of the view's size. [`Stage::draw`] does the whole rendering.
     pub fn on(stage: &'a Stage, scene: &'a Scene, view: &View, settings: &Settings) -> Painter<'a> {
         let show = settings.show;
-        let samples = view.size[0] as usize * view.size[1] as usize;
+        let samples = view.size()[0] as usize * view.size()[1] as usize;
         let counted = matches!(show, Show::Overdraw | Show::Order);
         let tone = Tone::of(&stage.lamps, scene.sector_of(view), settings.exposure);
         Painter {
             scene,
             stage,
             settings: *settings,
-            size: view.size,
+            size: view.size(),
             pixels: vec![UNPAINTED; samples],
             counts: vec![0; if counted { samples } else { 0 }],
-            cover: (show == Show::Cover).then(|| CoverPicture::new(view.size)),
+            cover: (show == Show::Cover).then(|| CoverPicture::new(view.size())),
             sky: Sky::new(view),
             sector: SectorId(0),
             rays: Rays::default(),

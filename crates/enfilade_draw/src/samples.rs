@@ -58,7 +58,7 @@ pub(crate) fn draw(
     view: &View,
     settings: &Settings,
 ) -> Picture {
-    let count = view.size[0] as usize * view.size[1] as usize;
+    let count = view.size()[0] as usize * view.size()[1] as usize;
     let mut sums = vec![[0_u32; 3]; count];
     let mut others = SampleCache {
         number: 0,
@@ -66,8 +66,7 @@ pub(crate) fn draw(
     };
     let mut total: Option<Picture> = None;
     for sample in View::FOUR_SAMPLES {
-        let mut view = *view;
-        view.sample = sample;
+        let view = view.at_sample(sample).expect("a position in the pixel");
         let mut painter = Painter::on(stage, scene, &view, settings).beside(others);
         viewer.draw(scene, &view, &mut painter);
         let (pixels, left, picture) = painter.finish_samples();
@@ -91,7 +90,7 @@ pub(crate) fn draw(
     };
     let pixels: Vec<Pixel> = sums.iter().map(mean).collect();
     Picture {
-        image: pixels::image(&pixels, view.size),
+        image: pixels::image(&pixels, view.size()),
         ..total.expect("four samples were rendered")
     }
 }

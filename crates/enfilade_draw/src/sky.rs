@@ -13,19 +13,13 @@ pub(crate) struct Sky {
 
 impl Sky {
     pub(crate) fn new(view: &View) -> Sky {
-        let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
-        let forward = (toward - eye).normalize_or(DVec3::NEG_Z);
-        let right = forward.cross(up).normalize_or(forward.any_orthonormal_vector());
-        let down = forward.cross(right);
-        let [width, height] = view.size.map(f64::from);
-        let [dx, dy] = [0, 1].map(|axis| f64::from(view.sample[axis]) + View::GENERIC_OFFSET[axis]);
-        let step = 2.0 * (0.5 * f64::from(view.fov_y)).tan() / height;
-        let corner =
-            forward + right * (step * (dx + 0.5 - 0.5 * width)) + down * (step * (dy + 0.5 - 0.5 * height));
+        let [dx, dy] = [0, 1].map(|axis| f64::from(view.sample()[axis]) + View::GENERIC_OFFSET[axis]);
+        let direction = |x: f64, y: f64| DVec3::from(view.ray([x + 0.5 + dx, y + 0.5 + dy])[1]);
+        let corner = direction(0.0, 0.0);
         Sky {
             corner,
-            right: right * step,
-            down: down * step,
+            right: direction(1.0, 0.0) - corner,
+            down: direction(0.0, 1.0) - corner,
         }
     }
 

@@ -137,7 +137,7 @@ mod tests {
             scene.add("all", builder.build().expect("one item"), Method::ZBuffer);
             let scene = scene.build().expect("one sector");
             let stage = Stage::new(&scene);
-            let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 48]);
+            let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 48]).expect("a valid view");
             let rays = crate::face::Rays::new(&Viewer::new().look(&scene, &view).passages()[0]);
             let geometry = scene.geometry(SectorId(0)).expect("a geometry");
             let surface = scene.sector(SectorId(0)).surface(ItemId(0), 0);

@@ -130,11 +130,12 @@ fn walk(scene: &Scene, start: &View) -> ([Cost; 2], usize) {
 /// The frames of a walk.
 fn path(start: &View) -> impl Iterator<Item = View> {
     let turn = Transform::rotation([0.0, 1.0, 0.0], TURN_DEGREES.to_radians());
-    let (mut eye, size) = (start.eye, start.size);
-    let mut ahead: [f32; 3] = std::array::from_fn(|axis| start.toward[axis] - start.eye[axis]);
+    let (mut eye, size) = (start.eye().map(|value| value as f32), start.size());
+    let mut ahead: [f32; 3] = std::array::from_fn(|axis| (start.toward()[axis] - start.eye()[axis]) as f32);
     let reach = ahead.iter().map(|side| side * side).sum::<f32>().sqrt();
     (0..FRAMES).map(move |_| {
-        let view = View::new(eye, std::array::from_fn(|axis| eye[axis] + ahead[axis]), size);
+        let view =
+            View::new(eye, std::array::from_fn(|axis| eye[axis] + ahead[axis]), size).expect("a valid view");
         eye = std::array::from_fn(|axis| eye[axis] + ahead[axis] / reach * STEP_M);
         ahead = turn.direction(ahead);
         view

@@ -120,7 +120,7 @@ fn valleys(scene: &Scene) -> Vec<View> {
             .expect("there are places");
         let eye = [x, y + EYE, z];
         for [east, south] in [[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]] {
-            views.push(View::new(eye, [x + east, y + EYE, z + south], SIZE));
+            views.push(View::new(eye, [x + east, y + EYE, z + south], SIZE).expect("a valid view"));
         }
     }
     views

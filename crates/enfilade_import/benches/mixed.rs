@@ -92,10 +92,10 @@ fn items(scene: &Scene, exact: &Scene, views: &[View]) -> usize {
         assert!(
             must.is_subset(&found),
             "{:?}: {:?} missed",
-            view.eye,
+            view.eye(),
             &must - &found
         );
-        assert!(!is_exact || found == must, "{:?}: more than is seen", view.eye);
+        assert!(!is_exact || found == must, "{:?}: more than is seen", view.eye());
         sum += found.len();
     }
     sum

@@ -90,7 +90,7 @@
 //! # What is read of glTF
 //!
 //! Base color and emissive textures (PNG and JPEG; embedded, in separate files, or data URIs), samplers, alpha test and
-//! alpha blend, emission, vertex normals and colors, lights, and perspective and orthographic cameras ([`Camera`]).
+//! alpha blend, emission, vertex normals and colors, lights, and perspective and orthographic cameras ([`Camera`](enfilade::Camera)).
 //! Accessors may be sparse, quantized or compressed. Supported extensions:
 //!
 //! | extension | result |
@@ -113,7 +113,6 @@
 
 mod authoring;
 mod budget;
-mod camera;
 mod error;
 mod faults;
 mod gltf;
@@ -130,7 +129,6 @@ mod terrain;
 mod warning;
 
 pub use authoring::AuthoringError;
-pub use camera::Camera;
 pub use error::{BrokenRule, ImportError};
 pub use faults::AuthoringErrors;
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
@@ -148,7 +146,7 @@ pub use terrain::{GridError, GridPlace, TerrainError};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
-use enfilade::{Geometry, LargeTerrain, Light, Method, Portal, Scene, SceneBuilder, SceneError};
+use enfilade::{Camera, Geometry, LargeTerrain, Light, Method, Portal, Scene, SceneBuilder, SceneError};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
@@ -169,7 +167,12 @@ pub struct Import {
     /// one that reflects.
     pub portals: Vec<Portal>,
     /// The cameras of the default scene, in node order, named like items.
+    ///
+    /// A view has a perspective projection, so an orthographic camera becomes one with a narrow field of view, far behind its
+    /// position in the file. Its sector is set, because that position does not tell it.
     pub cameras: Vec<Camera>,
+    /// For each camera the height of its view volume, in scene units, if it is orthographic in the file.
+    pub orthographic_heights: Vec<Option<f32>>,
     /// The lights, each with the room that contains it. Colors keep the units of the file; the renderer chooses an
     /// exposure.
     pub lights: Vec<Light>,

@@ -1,7 +1,7 @@
 //! The list of all built-in scenes.
 
-use crate::{Camera, laws, palace, thesis};
-use enfilade::Scene;
+use crate::{laws, palace, thesis};
+use enfilade::{Camera, Scene};
 
 /// A scene with its cameras; the first camera is the default.
 #[derive(Clone)]

@@ -3,10 +3,11 @@
 //! Most scenes have positions on a coarse grid, so that faces, openings and eyes share planes, edges and corners. The
 //! whole scene is then scaled, rotated and translated: tiny, huge, or far from the origin, because coordinates are f32.
 
+use crate::engine_view::engine_view;
 use crate::random::Random;
 use enfilade::{
-    Alpha, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, OpeningId, Scene,
-    SceneBuilder, SectorId, Transform, View,
+    Alpha, Camera, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, OpeningId,
+    Scene, SceneBuilder, SectorId, Transform, View,
 };
 use glam::{Vec2, Vec3, vec3};
 
@@ -450,22 +451,30 @@ fn view(rooms: &[(SectorId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, rand
             std::array::from_fn(|axis| eye[axis] + [0.0, 0.0, world.scale][axis] + eye[axis].abs() * 1e-3);
     }
     let size = [1 + random.below(24) as u32, 1 + random.below(16) as u32];
-    let mut view = View::new(eye, toward, size);
-    view.fov_y = random.between(20.0, 120.0).to_radians();
-    view.up = random.pick(&[
-        [0.0, 1.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.3, 0.9, -0.2],
-        [0.0, 0.0, 1.0],
-    ]);
+    let mut camera = Camera {
+        fov_y: random.between(20.0, 120.0).to_radians(),
+        up: random.pick(&[
+            [0.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.3, 0.9, -0.2],
+            [0.0, 0.0, 1.0],
+        ]),
+        ..Camera::new(eye, toward)
+    };
     if random.once_in(2) {
-        view.sector = Some(*sector);
+        camera.sector = Some(*sector);
     }
     if random.once_in(4) {
-        view.near = random.pick(&[1e-6, 1e-4, 0.05, 0.5]) * world.scale;
+        camera.z_near = Some(random.pick(&[1e-6, 1e-4, 0.05, 0.5]) * world.scale);
     }
+    let view = if random.once_in(3) {
+        engine_view(&camera, size, random)
+    } else {
+        camera.view(size).expect("two points and a field of view")
+    };
     if random.once_in(4) {
-        view.sample = View::FOUR_SAMPLES[random.below(4)];
+        let sample = View::FOUR_SAMPLES[random.below(4)];
+        return view.at_sample(sample).expect("a position in the pixel");
     }
     view
 }

@@ -14,6 +14,7 @@
 
 mod camera;
 mod catalog;
+mod engine_view;
 mod envelope;
 mod fuzz_scene;
 mod laws;
@@ -24,8 +25,8 @@ mod random_scene;
 mod shape;
 mod thesis;
 
-pub use camera::Camera;
 pub use catalog::{BuiltIn, Group, NAMES, Named, SCENES, built_in, figures, law_scenes};
+pub use engine_view::engine_view;
 pub use fuzz_scene::{FuzzScene, fuzz_scene};
 pub use laws::random_house;
 pub use palace::PALACE;

@@ -3,8 +3,8 @@
 //!
 //! A file: `tools/palace` of the repository generates it.
 
-use crate::{BuiltIn, Camera};
-use enfilade::Method;
+use crate::BuiltIn;
+use enfilade::{Camera, Method};
 use enfilade_import::{ReadOptions, read_bytes};
 
 /// The palace as glTF.
@@ -13,12 +13,9 @@ pub const PALACE: &[u8] = include_bytes!("palace.glb");
 /// Reads the palace.
 pub(crate) fn palace() -> BuiltIn {
     let import = read_bytes(PALACE, None, &ReadOptions::default()).expect("the palace is a sound file");
-    let camera = |camera: &enfilade_import::Camera| Camera {
-        name: camera.name.clone(),
-        eye: camera.eye,
-        toward: camera.toward,
-        up: camera.up,
-        fov_y: camera.fov_y,
+    let camera = |camera: &Camera| Camera {
+        z_near: None,
+        ..camera.clone()
     };
     BuiltIn {
         scene: (import.scene(Method::HierarchicalZ, Method::DEFAULT_LIMIT)).expect("the palace stands"),

@@ -1,5 +1,7 @@
 //! Small random scenes, to test properties that must hold for every scene.
 
+use crate::BuiltIn;
+use crate::camera::camera_with_fov;
 use crate::envelope::Side;
 use crate::laws::Stage;
 use crate::laws::stage::{
@@ -8,7 +10,6 @@ use crate::laws::stage::{
 };
 use crate::random::Random;
 use crate::shape::{Shape, around, ball, block, cuboid, prism};
-use crate::{BuiltIn, Camera};
 use enfilade::{MaterialId, Method, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
 
@@ -85,7 +86,7 @@ pub fn random_scene(seed: u64) -> BuiltIn {
                 random.between(0.0, 3.0),
                 random.between(-3.0, 3.0),
             ];
-            Camera::new(&format!("camera {i}"), eye, toward).lens(random.between(25.0, 110.0))
+            camera_with_fov(&format!("camera {i}"), eye, toward, random.between(25.0, 110.0))
         })
         .collect();
     finished(scene, cameras)

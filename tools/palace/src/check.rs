@@ -3,7 +3,7 @@
 use crate::export::terrain_of;
 use anyhow::{Context, Result, ensure};
 use enfilade::laws::Reference;
-use enfilade::{Limits, Method, Scene, View, Viewer, survey};
+use enfilade::{Camera, Limits, Method, Scene, View, Viewer, survey};
 use enfilade_import::{ReadOptions, read};
 use enfilade_scenes::BuiltIn;
 use std::collections::BTreeSet;
@@ -26,17 +26,20 @@ pub(crate) fn check(palace: &BuiltIn, file: &str, views: usize) -> Result<()> {
     println!("built in {:.2?}", start.elapsed());
     contents(&palace.scene, &scene)?;
     ensure!(import.cameras.len() == palace.cameras.len(), "cameras");
-    let mut looked: Vec<View> = palace.cameras.iter().map(|camera| camera.view(SIZE)).collect();
+    let mut looked: Vec<View> = palace.cameras.iter().map(|camera| camera.view(SIZE).expect("a valid view")).collect();
     for (ours, view) in import.cameras.iter().zip(&looked) {
         ensure!(
-            ours.eye == view.eye && ours.fov_y == view.fov_y,
+            ours.eye == view.eye() && ours.fov_y == view.fov_y(),
             "camera {}",
             ours.name
         );
     }
     for found in survey(&scene, views).views {
-        let mut view = View::new(found.eye, found.toward, SIZE);
-        view.sector = Some(found.sector);
+        let camera = Camera {
+            sector: Some(found.sector),
+            ..Camera::new(found.eye, found.toward)
+        };
+        let view = camera.view(SIZE).expect("a valid view");
         looked.push(view);
     }
     let [generated, read] =

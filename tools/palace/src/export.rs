@@ -4,8 +4,8 @@ use crate::document::{Document, number, numbers};
 use crate::meshes::{Grid, Streams};
 use crate::textures;
 use anyhow::{Context, Result, ensure};
-use enfilade::{Geometry, ItemId, Light, LightShape, Mesh, Method, Portal, Scene, Transform, View};
-use enfilade_scenes::{BuiltIn, Camera};
+use enfilade::{Camera, Geometry, ItemId, Light, LightShape, Mesh, Method, Portal, Scene, Transform};
+use enfilade_scenes::BuiltIn;
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
@@ -254,13 +254,13 @@ fn lamp(light: &Light, node: &mut Value) -> Value {
 }
 
 fn lens(camera: &Camera, document: &mut Document) -> Value {
-    let near = View::new(camera.eye, camera.toward, [1, 1]).near;
+    let near = camera.view([1, 1]).expect("a valid camera").z_near();
     let number = document.push(
         "cameras",
         json!({"type": "perspective", "perspective": {"yfov": number(camera.fov_y), "znear": number(near)}}),
     );
     let mut node = json!({"name": camera.name, "camera": number});
-    let back = wide(camera.eye) - wide(camera.toward);
-    place(&mut node, &transform(frame(wide(camera.eye), back)));
+    let [eye, toward] = [camera.eye, camera.toward].map(DVec3::from);
+    place(&mut node, &transform(frame(eye, eye - toward)));
     node
 }

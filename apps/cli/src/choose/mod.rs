@@ -88,7 +88,7 @@ fn views(scene: &Scene, size: [u32; 2], from: usize) -> Vec<View> {
         positions.into_iter().skip(from).step_by(2)
     });
     positions
-        .map(|position| View::new(position.eye, position.toward, size))
+        .map(|position| View::new(position.eye, position.toward, size).expect("a valid view"))
         .collect()
 }
 

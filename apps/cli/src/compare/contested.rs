@@ -100,9 +100,10 @@ mod tests {
         scene.add("plane", geometry.build().expect("sound"), Method::ZBuffer);
         let scene = scene.build().expect("sound");
         // With an odd width, the middle of the middle column is on the square's left edge.
-        let mut view = View::new([0.0, 0.0, 3.0], [0.0; 3], [15, 9]);
-        view.sample = View::GENERIC_OFFSET.map(|offset| -offset as f32);
-        let mut canvas = Neighbours::new(view.size);
+        let view = View::new([0.0, 0.0, 3.0], [0.0; 3], [15, 9]).expect("a valid view");
+        let view = view.at_sample(View::GENERIC_OFFSET.map(|offset| -offset as f32));
+        let view = view.expect("a position in the pixel");
+        let mut canvas = Neighbours::new(view.size());
         let mut viewer = Viewer::new();
         viewer.draw(&scene, &view, &mut canvas);
         let limits: Limits = viewer.options.limits;

@@ -72,9 +72,9 @@ impl<'a> ViewRenderer<'a> {
     pub(super) fn begin<'b>(&'b mut self, view: &'b View, truth: &'b Truth) -> Result<ViewRendering<'a, 'b>> {
         let baseline = &self.baseline;
         let mut viewer = baseline.viewer();
-        let mut neighbours = Neighbours::new(view.size);
+        let mut neighbours = Neighbours::new(view.size());
         viewer.draw(&baseline.scene, view, &mut neighbours);
-        let step = step(view.size);
+        let step = step(view.size());
         let image = shrunk(&picture(baseline, &mut viewer, view, Show::Image), step);
         let items = shrunk(&picture(baseline, &mut viewer, view, Show::Items), step);
         let contested = neighbours.contested(truth);

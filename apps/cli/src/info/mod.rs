@@ -8,11 +8,12 @@ use crate::args::InfoArgs;
 use crate::json::{Sink, rounded};
 use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
+use crate::report::single;
 use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, plural, point};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{Aabb, Alpha, Geometry, LightShape, Material, Portal, Scene, Transform};
+use enfilade::{Aabb, Alpha, Camera, Geometry, LightShape, Material, Portal, Scene, Transform};
 use map::MapEntry;
 use occluders::Occluders;
 use serde::Serialize;
@@ -185,7 +186,12 @@ impl Inventory {
             occluders: Occluders::of(&geometries),
             bytes: scene.bytes(),
             load_ms: rounded(opened.load_ms),
-            cameras: opened.cameras.into_iter().map(CameraEntry::from).collect(),
+            cameras: opened
+                .cameras
+                .into_iter()
+                .zip(opened.orthographic_heights)
+                .map(CameraEntry::new)
+                .collect(),
             lights: Lights::of(scene),
             warnings: opened.warnings,
             file: opened.file,
@@ -343,16 +349,16 @@ impl Lights {
     }
 }
 
-impl From<crate::camera::Camera> for CameraEntry {
-    fn from(camera: crate::camera::Camera) -> CameraEntry {
+impl CameraEntry {
+    fn new((camera, height): (Camera, Option<f32>)) -> CameraEntry {
         let fov = rounded(f64::from(camera.fov_y).to_degrees());
         CameraEntry {
             name: camera.name,
-            eye: camera.eye,
-            toward: camera.toward,
-            up: camera.up,
+            eye: camera.eye.map(single),
+            toward: camera.toward.map(single),
+            up: camera.up.map(single),
             fov,
-            height: camera.height,
+            height,
         }
     }
 }

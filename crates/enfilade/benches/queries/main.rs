@@ -8,8 +8,8 @@
 mod pairs;
 
 use enfilade::{
-    Aabb, BoxVisibility, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh, Method,
-    OccluderSet, Ray, Scene, SceneBuilder, SectorId, Transform, View,
+    Aabb, BoxVisibility, Camera, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh,
+    Method, OccluderSet, Ray, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in};
 use enfilade_walk::Capsule;
@@ -164,8 +164,11 @@ fn items(bench: &Bench, place: &str, geometry: &Geometry) {
 
     let mut found = 0_u64;
     let ours = bench.ns(|i| {
-        let mut view = View::new(points[i], points[(i + 1) % points.len()], [1280, 720]);
-        view.fov_y = 1.0;
+        let camera = Camera {
+            fov_y: 1.0,
+            ..Camera::new(points[i], points[(i + 1) % points.len()])
+        };
+        let view = camera.view([1280, 720]).expect("a valid view");
         geometry.items_in_frustum(&view, |item| {
             found += 1;
             black_box(item);
@@ -361,7 +364,7 @@ fn main() {
     let sector = palace.scene.locate(camera.eye, camera.toward).expect("a hall");
     let place = Location {
         sector,
-        position: camera.eye,
+        position: camera.eye.map(|value| value as f32),
     };
     capsule(&bench, "palace", &palace.scene, place);
     let mut streets = SceneBuilder::new();

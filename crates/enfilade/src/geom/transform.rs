@@ -33,6 +33,11 @@ impl Transform {
             .map(|column| column.map(|value| value as f32))
     }
 
+    /// Returns the columns of the linear part and the translation, in full precision.
+    pub fn columns_f64(&self) -> [[f64; 3]; 4] {
+        self.0.to_cols_array_2d()
+    }
+
     /// Creates a translation by `offset`, in scene units.
     pub fn translation(offset: [f32; 3]) -> Transform {
         Transform(DAffine3::from_translation(DVec3::from(offset.map(f64::from))))

@@ -107,7 +107,7 @@ pub struct Report {
 /// # let crate_mesh = builder.mesh(Mesh::cuboid([-0.5; 3], [0.5; 3], MaterialId(0))?);
 /// # builder.item("crate", crate_mesh, Transform::IDENTITY);
 /// # let scene = Scene::single(builder.build()?, Method::HierarchicalZ)?;
-/// let views = [View::new([4.0, 1.0, 5.0], [0.0; 3], [64, 36])];
+/// let views = [View::new([4.0, 1.0, 5.0], [0.0; 3], [64, 36])?];
 /// let report = laws::check(&scene, &views, Limits::default());
 /// assert!(report.visible > 0, "the views show nothing, so nothing was tested");
 /// assert!(report.broken.is_empty(), "{}", report.broken[0]);
@@ -291,7 +291,7 @@ impl Contestants {
                     what,
                 });
             };
-            let mut picture = OwnerPicture::new(view.size);
+            let mut picture = OwnerPicture::new(view.size());
             viewer.draw(scene, view, &mut picture);
             if let Some(what) = contract_broken(&truth, viewer.visible(), &picture) {
                 broken(what);
@@ -310,11 +310,10 @@ impl Contestants {
 
     /// The contract at another sample position.
     fn sample(&self, view: &View, sample: [f32; 2], report: &mut Report) {
-        let mut view = *view;
-        view.sample = sample;
+        let view = view.at_sample(sample).expect("a position in the pixel");
         let truth = self.reference.see(&self.scene, &view, &self.limits);
         for Contestant { method, scene, .. } in &self.all {
-            let mut picture = OwnerPicture::new(view.size);
+            let mut picture = OwnerPicture::new(view.size());
             let mut viewer = viewer(self.limits);
             viewer.draw(scene, &view, &mut picture);
             if let Some(what) = contract_broken(&truth, viewer.visible(), &picture) {
@@ -331,7 +330,7 @@ impl Contestants {
     fn layers(&mut self, view: &View, report: &mut Report) {
         let truth = self.reference.layers(&self.scene, view, &self.limits);
         for Contestant { method, scene, .. } in &self.all {
-            let mut picture = LayerPicture::new(view.size);
+            let mut picture = LayerPicture::new(view.size());
             let mut viewer = viewer(self.limits);
             viewer.draw(scene, view, &mut picture);
             let verdict = truth.check(&picture);
@@ -429,7 +428,7 @@ impl Trial<'_> {
     fn painting(&mut self) {
         let looked = self.look_anew(self.view);
         let mut drawn = viewer(self.limits);
-        let mut paint = Paint::new(self.view.size);
+        let mut paint = Paint::new(self.view.size());
         drawn.draw(&self.contestant.scene, self.view, &mut paint);
         let [looked, drew] = [&looked, &drawn].map(|viewer| items_of(viewer.visible()));
         let differs: Vec<_> = looked.symmetric_difference(&drew).collect();
@@ -443,13 +442,9 @@ impl Trial<'_> {
     }
 
     fn wider(&mut self) {
-        let [width, height] = self.view.size;
-        let mut wide = *self.view;
-        // Three times, so that the samples of the view are among those of the wide one, for odd widths too.
-        wide.size = [3 * width, height];
-        if wide.check().is_err() {
+        let Some(wide) = self.view.three_times_as_wide() else {
             return;
-        }
+        };
         // A wider screen may lead to another selection of occluders; then only what certainly is visible must stay.
         let narrow = self.look_anew(self.view);
         let before = match contract_of(narrow.visible()) {
@@ -457,15 +452,15 @@ impl Trial<'_> {
             Contract::Exact => items_of(narrow.visible()),
             Contract::Conservative | Contract::Strict => self.truth.visible(),
         };
-        let wide = self.look_anew(&wide);
+        let looked = self.look_anew(&wide);
         // With a limit reached, a wide screen may follow other portals first.
-        if !narrow.visible().complete() || !wide.visible().complete() {
+        if !narrow.visible().complete() || !looked.visible().complete() {
             return;
         }
-        let after = items_of(wide.visible());
+        let after = items_of(looked.visible());
         let lost: Vec<_> = before.difference(&after).collect();
         self.hold(Law::WiderSeesMore, lost.is_empty(), || {
-            format!("{lost:?} are lost on a screen of {} columns", 3 * width)
+            format!("{lost:?} are lost on a screen of {} columns", wide.size()[0])
         });
     }
 

@@ -4,7 +4,7 @@ use super::DELTA_PX;
 use super::bundle::Bundle;
 use crate::random::SplitMix;
 use crate::view::View;
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 
 /// Rays per sample: one through the centre and four around it.
 pub(super) const RAYS: usize = 5;
@@ -17,11 +17,12 @@ pub(super) fn of_pixel(seed: u64, [x, y]: [u32; 2]) -> SplitMix {
     SplitMix(seed ^ u64::from(x) << 40 ^ u64::from(y) << 20)
 }
 
-/// Computes ray directions from one 4×4 matrix, derived from the documentation of [`View`] alone.
+/// Computes ray directions from the matrices of a view, independently of the methods.
 pub(super) struct Lens {
     eye: DVec3,
-    /// From clip space (x right, y up, −w to w; reversed depth, infinite far plane) to sector space.
-    sector_from_clip: DMat4,
+    /// From (x, y, w) of clip space, without translations, to sector space.
+    sector_from_clip: DMat3,
+    /// The distance along the view direction of a direction vector is its dot product with this.
     forward: DVec3,
     size: [f64; 2],
     sample: [f64; 2],
@@ -29,31 +30,17 @@ pub(super) struct Lens {
 
 impl Lens {
     pub(super) fn new(view: &View) -> Lens {
-        let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
-        let forward = (toward - eye).normalize();
-        let is_usable = |up: &DVec3| forward.cross(up.normalize_or_zero()).length_squared() > 1e-16;
-        let up = [up, DVec3::Z, DVec3::X]
-            .into_iter()
-            .find(is_usable)
-            .unwrap_or(DVec3::Y);
-        let [width, height] = view.size.map(f64::from);
-        // Rounded to f32 as the contract demands: not all machines compute the same tangent in f64.
-        let half_tangent = f64::from((0.5 * f64::from(view.fov_y)).tan() as f32);
-        let clip_from_eye = DMat4::from_cols(
-            DVec4::new(height / (width * half_tangent), 0.0, 0.0, 0.0),
-            DVec4::new(0.0, 1.0 / half_tangent, 0.0, 0.0),
-            DVec4::new(0.0, 0.0, 0.0, -1.0),
-            DVec4::new(0.0, 0.0, f64::from(view.near), 0.0),
-        );
+        let clip_from_eye = DMat4::from_cols_array_2d(&view.clip_from_eye());
         // No translation: rays start at the eye, and a translation would lose precision far from the origin.
-        let eye_from_sector =
-            glam::dcamera::rh::view::look_to_mat4(DVec3::ZERO, forward, up.normalize_or_zero());
+        let eye_from_sector = view.eye_from_sector().0.matrix3;
+        let [x, y, w] = [0, 1, 3].map(|row| clip_from_eye.row(row).truncate());
+        let clip_from_sector = DMat3::from_cols(x, y, w).transpose() * eye_from_sector;
         Lens {
-            eye,
-            sector_from_clip: (clip_from_eye * eye_from_sector).inverse(),
-            forward,
-            size: [width, height],
-            sample: (DVec2::from(view.sample.map(f64::from)) + DVec2::from(View::GENERIC_OFFSET)).into(),
+            eye: view.eye().into(),
+            sector_from_clip: clip_from_sector.inverse(),
+            forward: eye_from_sector.transpose() * w.normalize(),
+            size: view.size().map(f64::from),
+            sample: (DVec2::from(view.sample().map(f64::from)) + DVec2::from(View::GENERIC_OFFSET)).into(),
         }
     }
 
@@ -86,13 +73,8 @@ impl Lens {
     /// direction is 1.
     fn direction(&self, x: f64, y: f64) -> DVec3 {
         let [x, y] = [x + self.sample[0], y + self.sample[1]];
-        let clip = DVec4::new(
-            2.0 * x / self.size[0] - 1.0,
-            1.0 - 2.0 * y / self.size[1],
-            0.0,
-            1.0,
-        );
-        let direction = (self.sector_from_clip * clip).truncate();
+        let clip = DVec3::new(2.0 * x / self.size[0] - 1.0, 1.0 - 2.0 * y / self.size[1], 1.0);
+        let direction = self.sector_from_clip * clip;
         direction / direction.dot(self.forward)
     }
 }

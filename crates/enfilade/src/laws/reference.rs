@@ -56,7 +56,7 @@ impl Reference {
             },
             RowTruth::settle,
         );
-        Truth::new(view.size, rows)
+        Truth::new(view.size(), rows)
     }
 
     /// Traces one ray through each of `places` random positions per pixel, chosen by `seed`: every item hit must be in
@@ -80,7 +80,7 @@ impl Reference {
             },
             RowTruth::settle,
         );
-        Truth::new(view.size, rows)
+        Truth::new(view.size(), rows)
     }
 
     /// Finds the alpha-blended and alpha-tested layers in front of the opaque surface at each sample of a view, in
@@ -96,7 +96,7 @@ impl Reference {
             },
             |_| {},
         );
-        Layers::of_rows(view.size, rows)
+        Layers::of_rows(view.size(), rows)
     }
 
     /// Calls `pixel` for each pixel and `settle` after each row, rows in parallel. Returns the chains and the result of
@@ -117,18 +117,18 @@ impl Reference {
                 reference: self,
                 scene,
                 limits,
-                near: f64::from(view.near),
+                near: f64::from(view.z_near()),
                 sector,
                 chains: Chains::default(),
                 rays: std::array::from_fn(|_| RayResult::default()),
                 pending: Vec::new(),
             };
             let mut result = T::default();
-            (0..view.size[0]).for_each(|x| pixel(&mut tracer, [x, y], &mut result));
+            (0..view.size()[0]).for_each(|x| pixel(&mut tracer, [x, y], &mut result));
             settle(&mut result);
             (tracer.chains, result)
         };
-        (0..view.size[1]).into_par_iter().map(row).collect()
+        (0..view.size()[1]).into_par_iter().map(row).collect()
     }
 }
 

@@ -10,7 +10,7 @@ pub(super) fn sector_of_eye(scene: &Scene, view: &View) -> Option<SectorId> {
     if let Some(named) = view.sector {
         return scene.sectors().find(|&id| id == named);
     }
-    let [eye, toward] = [view.eye, view.toward].map(|point| DVec3::from(point.map(f64::from)));
+    let [eye, toward] = [view.eye(), view.toward()].map(DVec3::from);
     let solid = || {
         let all = scene.sectors().map(|id| (id, scene.bounds(id)));
         all.filter(|(_, bounds)| !bounds.is_empty()).map(|(id, bounds)| {

@@ -3,7 +3,7 @@
 use crate::ids::PortalId;
 use crate::query::Location;
 use crate::scene::Scene;
-use crate::view::View;
+use crate::view::{Camera, View};
 use glam::DVec3;
 
 /// Distances of the frames in front of the opening's plane (negative: behind it), in fifths of the near distance.
@@ -53,10 +53,12 @@ pub fn views_through(scene: &Scene, portal: PortalId, size: [u32; 2]) -> Vec<Vie
                 .0
                 .transform_vector3(direction.normalize() * longest);
             let toward = (eye + direction).as_vec3();
-            let mut view = View::new(walked.location.position, toward.into(), size);
-            view.sector = Some(walked.location.sector);
-            view.near = near as f32;
-            views.push(view);
+            let camera = Camera {
+                sector: Some(walked.location.sector),
+                z_near: Some(near as f32),
+                ..Camera::new(walked.location.position, toward.into())
+            };
+            views.push(camera.view(size).expect("a view of a valid camera"));
         }
     }
     views

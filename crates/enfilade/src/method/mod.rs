@@ -177,7 +177,7 @@ impl Method {
         cover_size: Option<[u32; 2]>,
         limit_bytes: u64,
     ) -> Result<(), UnsuitedMethod> {
-        let needs_bytes = self.screen_bytes(view.size, cover_size);
+        let needs_bytes = self.screen_bytes(view.size(), cover_size);
         if needs_bytes > limit_bytes {
             return Err(self.unsuited(Unsuited::TooLarge {
                 needs_bytes,

@@ -90,15 +90,20 @@ impl<'a> Chooser<'a> {
         passage: &'a Passage,
         measure: OccluderMeasure,
     ) -> Chooser<'a> {
-        let focal = passage.focal();
+        let screen_from_eye = passage.screen_from_eye();
+        let eye_from_screen = screen_from_eye.inverse();
         let rect = passage.aperture.rect();
-        let [width, height] = passage.size.map(f64::from);
-        // The corner of the aperture farthest from the centre of the screen, where areas project largest.
-        let off = [
-            f64::from(rect.x1).max(width - f64::from(rect.x0)) - 0.5 * width,
-            f64::from(rect.y1).max(height - f64::from(rect.y0)) - 0.5 * height,
+        // Areas project largest in the corner of the aperture that is farthest from the view direction.
+        let corners = [
+            [rect.x0, rect.y0],
+            [rect.x1, rect.y0],
+            [rect.x0, rect.y1],
+            [rect.x1, rect.y1],
         ];
-        let secant = (1.0 + (off[0] * off[0] + off[1] * off[1]) / (focal * focal)).sqrt();
+        let secant = corners
+            .map(|[x, y]| (eye_from_screen * DVec3::new(f64::from(x), f64::from(y), 1.0)).length())
+            .into_iter()
+            .fold(1.0, f64::max);
         // Portals may scale.
         let scale = greatest_stretch(passage.eye_from_sector().0.matrix3);
         Chooser {
@@ -107,7 +112,7 @@ impl<'a> Chooser<'a> {
             passage,
             measure,
             eye: eye_in(&passage.screen_from_sector),
-            pixels: focal * focal * secant * scale * scale * ROUND_UP,
+            pixels: screen_from_eye.determinant().abs() * secant * scale * scale * ROUND_UP,
         }
     }
 
@@ -158,7 +163,7 @@ impl<'a> Chooser<'a> {
         eye: DVec3,
         shrink: f64,
     ) -> Option<f64> {
-        let near = f64::from(self.passage.near);
+        let near = f64::from(self.passage.z_near);
         let Volume { origin, sides } = Volume::new(screen_from_local, bounds);
         let [mut least, mut greatest] = [origin.z; 2];
         for side in sides {
@@ -208,7 +213,7 @@ impl<'a> Chooser<'a> {
 fn pixels(corners: &mut Vec<DVec3>, passage: &Passage) -> f64 {
     let rect = passage.aperture.rect();
     let [x0, y0, x1, y1] = [rect.x0, rect.y0, rect.x1, rect.y1].map(f64::from);
-    clip(corners, DVec3::Z, f64::from(passage.near));
+    clip(corners, DVec3::Z, f64::from(passage.z_near));
     for (normal, edge) in [(DVec3::X, x0), (DVec3::Y, y0), (-DVec3::X, -x1), (-DVec3::Y, -y1)] {
         clip(corners, normal - DVec3::Z * edge, 0.0);
     }

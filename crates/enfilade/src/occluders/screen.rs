@@ -86,7 +86,7 @@ impl OccluderSet {
         make_convex(corners, whole);
         // By the rounding of corners, a ray may hit the faces nearer than it hits the polygon.
         let nearer = 1.0 / (1.0 - 3.0 * seen.slack / seen.height.abs());
-        clip(corners, DVec3::Z, f64::from(passage.near) * nearer);
+        clip(corners, DVec3::Z, f64::from(passage.z_near) * nearer);
         if let Some((normal, distance)) = passage.entry {
             clip(corners, normal, distance * BEYOND * nearer);
         }

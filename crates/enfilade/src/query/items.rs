@@ -64,18 +64,16 @@ impl Geometry {
         self.items_by(center.into(), meets, item, visit);
     }
 
-    /// Visits the items that are potentially in the frustum of a view inside this geometry: beyond [`View::near`] and
+    /// Visits the items that are potentially in the frustum of a view inside this geometry: beyond [`View::z_near`] and
     /// between the four side planes of the viewport. Each once, in no order.
     ///
     /// Conservative: may visit an item near a corner of the frustum, but never misses one. An item is culled if its
     /// bounding box, or the transformed box of its mesh, is fully behind one plane.
-    /// [`VisibleSet::in_frustum`](crate::VisibleSet::in_frustum) counts by the same rule. Visits nothing if
-    /// [`View::check`] returns an error. Ignores [`View::sector`].
+    /// [`VisibleSet::in_frustum`](crate::VisibleSet::in_frustum) counts by the same rule. Ignores
+    /// [`View::sector`].
     #[doc(alias = "frustum culling")]
     pub fn items_in_frustum(&self, view: &View, visit: impl FnMut(ItemId)) {
-        if view.check().is_ok() {
-            self.items_in_passage(&Passage::at_the_eye(view, SectorId(0), false), visit);
-        }
+        self.items_in_passage(&Passage::at_the_eye(view, SectorId(0), false), visit);
     }
 
     /// Visits the items that are potentially in the frustum of a passage's view and beyond its last portal.
@@ -133,7 +131,7 @@ fn planes_of(passage: &Passage) -> [DVec4; 5] {
     let row = |axis: usize| map.matrix3.row(axis).extend(map.translation[axis]);
     let [x, y, w] = [0, 1, 2].map(row);
     let [width, height] = passage.size.map(f64::from);
-    let near = DVec4::new(0.0, 0.0, 0.0, f64::from(passage.near));
+    let near = DVec4::new(0.0, 0.0, 0.0, f64::from(passage.z_near));
     [x, w * width - x, y, w * height - y, w - near]
 }
 

@@ -204,7 +204,11 @@ impl<'a> Batch<'a> {
         Batch {
             rect: passage.aperture.rect(),
             // Openings are not clipped by the near plane: an opening that contains the eye must stay visible.
-            near: if is_opening { 0.0 } else { f64::from(passage.near) },
+            near: if is_opening {
+                0.0
+            } else {
+                f64::from(passage.z_near)
+            },
             entry: passage.entry,
             front: faces.front(passage),
             // Only a lone face ever has cuts.

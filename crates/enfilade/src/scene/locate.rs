@@ -74,7 +74,7 @@ impl Boxes {
     }
 
     /// See [`Scene::locate`](super::Scene::locate).
-    pub(super) fn locate(&self, point: [f32; 3], toward: [f32; 3]) -> Option<SectorId> {
+    pub(super) fn locate(&self, point: [f64; 3], toward: [f64; 3]) -> Option<SectorId> {
         self.around(point, toward)
             .or_else(|| self.nearest(point))
             .or((!self.boxes.is_empty()).then_some(0))
@@ -83,8 +83,8 @@ impl Boxes {
 
     /// Returns the smallest box that contains a point in its interior; otherwise, of those with the point on their
     /// boundary, the one farthest ahead.
-    fn around(&self, point: [f32; 3], toward: [f32; 3]) -> Option<u32> {
-        let [eye, toward] = [point, toward].map(|point| DVec3::from(point.map(f64::from)));
+    fn around(&self, point: [f64; 3], toward: [f64; 3]) -> Option<u32> {
+        let [eye, toward] = [point, toward].map(DVec3::from);
         let ahead = |bounds: &Aabb| -> f64 {
             let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
             let middle = 0.5 * (min + max);
@@ -92,37 +92,40 @@ impl Boxes {
             let to_middle = DVec3::select(middle.is_finite_mask(), middle - eye, DVec3::ZERO);
             to_middle.dot(toward - eye)
         };
-        let inside = |bounds: &Aabb| (0..3).all(|a| bounds.min[a] < point[a] && point[a] < bounds.max[a]);
+        let compare_all = |bounds: &Aabb, is_in: fn(f64, f64) -> bool| {
+            let axis = |a: usize| {
+                is_in(f64::from(bounds.min[a]), point[a]) && is_in(point[a], f64::from(bounds.max[a]))
+            };
+            (0..3).all(axis)
+        };
+        let inside = |bounds: &Aabb| compare_all(bounds, |low, high| low < high);
+        let contains = |bounds: &Aabb| compare_all(bounds, |low, high| low <= high);
         let mut smallest: Option<([f64; 2], u32)> = None;
         let mut farthest_ahead: Option<(f64, u32)> = None;
-        self.each(
-            point,
-            |bounds| bounds.contains(point),
-            |number, bounds| {
-                if inside(bounds) {
-                    let this = (size(bounds), number);
-                    let less =
-                        smallest.is_none_or(|best| compare(this.0, best.0).then(number.cmp(&best.1)).is_lt());
-                    smallest = if less { Some(this) } else { smallest };
-                } else if smallest.is_none() {
-                    let this = (ahead(bounds), number);
-                    let more = farthest_ahead
-                        .is_none_or(|best| this.0.total_cmp(&best.0).then(number.cmp(&best.1)).is_gt());
-                    farthest_ahead = if more { Some(this) } else { farthest_ahead };
-                }
-            },
-        );
+        self.each(point, contains, |number, bounds| {
+            if inside(bounds) {
+                let this = (size(bounds), number);
+                let less =
+                    smallest.is_none_or(|best| compare(this.0, best.0).then(number.cmp(&best.1)).is_lt());
+                smallest = if less { Some(this) } else { smallest };
+            } else if smallest.is_none() {
+                let this = (ahead(bounds), number);
+                let more = farthest_ahead
+                    .is_none_or(|best| this.0.total_cmp(&best.0).then(number.cmp(&best.1)).is_gt());
+                farthest_ahead = if more { Some(this) } else { farthest_ahead };
+            }
+        });
         let smallest = smallest.map(|(_, number)| number);
         smallest.or(farthest_ahead.map(|(_, number)| number))
     }
 
     /// Returns the box nearest to a point that no box contains.
-    fn nearest(&self, point: [f32; 3]) -> Option<u32> {
+    fn nearest(&self, point: [f64; 3]) -> Option<u32> {
         // Monotonic in the box even with rounding: no box is nearer than the node that contains it.
         let away = |bounds: &Aabb| -> f64 {
             let off = |a: usize| {
-                let [min, point, max] = [bounds.min[a], point[a], bounds.max[a]].map(f64::from);
-                (min - point).max(point - max).max(0.0)
+                let [min, max] = [bounds.min[a], bounds.max[a]].map(f64::from);
+                (min - point[a]).max(point[a] - max).max(0.0)
             };
             (0..3).map(|a| off(a).powi(2)).sum()
         };
@@ -142,7 +145,7 @@ impl Boxes {
     }
 
     /// Calls `take` with each box that passes `wanted`. Visits nodes near to far, and skips those that fail `wanted`.
-    fn each(&self, point: [f32; 3], wanted: impl Fn(&Aabb) -> bool, mut take: impl FnMut(u32, &Aabb)) {
+    fn each(&self, point: [f64; 3], wanted: impl Fn(&Aabb) -> bool, mut take: impl FnMut(u32, &Aabb)) {
         let mut offer = |number: u32| {
             let bounds = &self.boxes[number as usize];
             if !bounds.is_empty() && wanted(bounds) {
@@ -150,7 +153,7 @@ impl Boxes {
             }
         };
         self.unbounded.iter().copied().for_each(&mut offer);
-        self.tree.walk(point.map(f64::from), |step| match step {
+        self.tree.walk(point, |step| match step {
             Step::Node(bounds) => wanted(bounds),
             Step::Thing(number) => {
                 offer(number);
@@ -232,7 +235,11 @@ mod tests {
                     point[round / 50 % 3] = [f32::NAN, f32::INFINITY][round / 50 % 2];
                 }
                 let expected = by_brute_force(&now, point, toward);
-                assert_eq!(boxes.locate(point, toward), expected, "{count} boxes, {point:?}");
+                assert_eq!(
+                    boxes.locate(point.map(f64::from), toward.map(f64::from)),
+                    expected,
+                    "{count} boxes, {point:?}"
+                );
                 if round % 10 == 0 && count > 0 {
                     let changed = round / 10 % count;
                     now[changed] = random_box(&mut dice);

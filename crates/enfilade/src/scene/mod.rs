@@ -275,8 +275,8 @@ impl Scene {
     ///
     /// Cost: O(log sectors) where few boxes overlap.
     #[doc(alias = "point location")]
-    pub fn locate(&self, point: [f32; 3], toward: [f32; 3]) -> Option<SectorId> {
-        self.boxes.locate(point, toward)
+    pub fn locate<T: Into<f64>>(&self, point: [T; 3], toward: [T; 3]) -> Option<SectorId> {
+        self.boxes.locate(point.map(Into::into), toward.map(Into::into))
     }
 
     /// Returns the sector of a view: [`View::sector`] if it is set, else the one that contains the eye
@@ -284,7 +284,7 @@ impl Scene {
     pub fn sector_of(&self, view: &View) -> Option<SectorId> {
         match view.sector {
             Some(id) => ((id.0 as usize) < self.sectors.len()).then_some(id),
-            None => self.locate(view.eye, view.toward),
+            None => self.locate(view.eye(), view.toward()),
         }
     }
 

@@ -346,7 +346,7 @@ mod tests {
             .into_iter()
             .enumerate()
         {
-            let view = View::new([0.3 * i as f32, 1.0, 2.0], toward, [160, 90]);
+            let view = View::new([0.3 * i as f32, 1.0, 2.0], toward, [160, 90]).expect("a valid view");
             let passage = Passage::at_the_eye(&view, SectorId(0), false);
             for farthest in [0.0, 0.05] {
                 let octree = met::<OctreeOrder>(&geometry, &passage, farthest);

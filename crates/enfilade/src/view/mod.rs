@@ -2,89 +2,81 @@
 //! set of a look.
 
 pub(crate) mod aperture;
+mod camera;
 pub(crate) mod canvas;
 pub(crate) mod collector;
 mod entrance;
+mod error;
+mod matrices;
 pub(crate) mod memory;
 pub(crate) mod opening_view;
 pub(crate) mod options;
 pub(crate) mod passage;
 pub(crate) mod region;
+#[cfg(test)]
+mod tests;
 pub(crate) mod viewer;
 pub(crate) mod visible;
 
-use crate::geom::{MAX_COORDINATE, is_in_range};
-use crate::ids::SectorId;
-use glam::{DAffine3, DMat3, DVec3};
-use thiserror::Error;
+pub use camera::Camera;
+pub use error::ViewError;
+pub use matrices::ClipDepth;
 
-/// A perspective camera: position, direction, vertical field of view, near plane and viewport size.
+use crate::geom::{MAX_COORDINATE, Transform};
+use crate::ids::SectorId;
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
+
+/// A perspective camera with its viewport: what a look takes.
 ///
-/// Space is right-handed; there is no far plane. [`View::new`] sets defaults; change the fields directly.
+/// Four constructors, for cameras as they are at hand: [`View::new`] from a position and a target, [`Camera::view`] with
+/// more parameters, [`View::from_pose`] from a position, an orientation and the four tangents of an off-centre frustum,
+/// [`View::from_matrices`] from the matrices of an engine. Each refuses an invalid view with the rule that it breaks, so
+/// every `View` is valid.
+///
+/// There is no far plane: nothing is too far away to be visible.
 #[doc(alias = "camera")]
 #[doc(alias = "frustum")]
-#[doc(alias = "viewport")]
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct View {
-    /// The sector that contains the eye. Default `None`: [`Scene::locate`](crate::Scene::locate) finds it by position,
-    /// which is ambiguous where sectors overlap.
+    /// The sector that contains the eye. `None`: [`Scene::locate`](crate::Scene::locate) finds it by position, which is
+    /// ambiguous where sectors overlap.
     pub sector: Option<SectorId>,
-    /// Eye position, in scene units, in the space of its sector.
-    pub eye: [f32; 3],
-    /// Target point: it is projected to the centre of the screen. Must differ from `eye`.
-    pub toward: [f32; 3],
-    /// Up vector, of any length. Default +y. If it is zero or parallel to the view direction, +z or +x is used instead.
-    pub up: [f32; 3],
-    /// Vertical field of view, in radians, above 0 and below π. Default 60 degrees.
-    pub fov_y: f32,
-    /// Viewport width and height, 1 to [`View::MAX_PIXELS`] pixels each. Sample (x, y) is at (x + ½, y + ½) plus
-    /// `sample` and [`View::GENERIC_OFFSET`], with y down.
-    pub size: [u32; 2],
-    /// Sample position relative to the pixel centre, in pixels, −½ to ½ each. Default (0, 0). [`View::FOUR_SAMPLES`]
-    /// has the positions of usual 4x multisampling.
-    pub sample: [f32; 2],
-    /// Near-plane distance, in scene units, above 0. Geometry between the eye and this plane is neither visible nor an
-    /// occluder. Set it to your renderer's near plane: with a smaller value, geometry that your renderer clips away can
-    /// still hide other geometry.
-    #[doc(alias = "near plane")]
-    pub near: f32,
+    eye: DVec3,
+    toward: DVec3,
+    up: DVec3,
+    fov_y: f32,
+    z_near: f32,
+    viewport: Viewport,
+    sample: [f32; 2],
+    eye_from_sector: DAffine3,
+    clip_from_eye: DMat4,
+    /// From eye space to (X, Y, W): the position in the viewport is (X / W, Y / W), in pixels, y down, and W is the
+    /// distance along the view direction.
+    viewport_from_eye: DMat3,
 }
 
-/// Why a view is invalid; returned by [`View::check`].
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ViewError {
-    /// A coordinate is NaN or infinite.
-    #[error("{0} is not finite")]
-    NotFinite(&'static str),
-    /// A coordinate is beyond ±[`MAX_COORDINATE`].
-    #[error(
-        "{0} is farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to the origin"
-    )]
-    TooFar(&'static str),
-    /// `eye` and `toward` are equal.
-    #[error("the eye and its target point are the same; they must differ")]
-    NoDirection,
-    /// Width or height is 0 or above [`View::MAX_PIXELS`].
-    #[error("viewport of {0}x{1} pixels; width and height must be 1 to {max}", max = View::MAX_PIXELS)]
-    Size(u32, u32),
-    /// `fov_y` is not above 0 and below π; the value is in degrees.
-    #[error("vertical field of view of {0} degrees; it must be above 0 and below 180")]
-    FieldOfView(f32),
-    /// `sample` is outside its pixel.
-    #[error("sample at ({0}, {1}) from the pixel centre; both must be from -0.5 to 0.5")]
-    Sample(f32, f32),
-    /// `near` is zero, negative or not finite.
-    #[error("near-plane distance of {0}; it must be above 0 and finite")]
-    Near(f32),
+/// A rectangle of pixels in a render target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Viewport {
+    /// Left and top edge, in pixels of the render target. Only [`Passage::scissor`](crate::Passage::scissor) uses it: all
+    /// other positions are relative to the viewport.
+    pub origin: [u32; 2],
+    /// Width and height, 1 to [`View::MAX_PIXELS`] pixels each.
+    pub size: [u32; 2],
+}
+
+impl From<[u32; 2]> for Viewport {
+    /// Returns the viewport of a whole render target of `size` pixels.
+    fn from(size: [u32; 2]) -> Viewport {
+        Viewport { origin: [0, 0], size }
+    }
 }
 
 impl View {
     /// Maximum viewport width and height, in pixels.
     pub const MAX_PIXELS: u32 = 16_384;
 
-    /// Sample positions of 4x multisampling, for [`View::sample`]: in pixels from the pixel centre, x right, y down.
+    /// Sample positions of 4x multisampling, for [`View::at_sample`]: in pixels from the pixel centre, x right, y down.
     ///
     /// Source: Microsoft, Direct3D 11.3 Functional Specification, 19.2.4.1, standard sample patterns.
     pub const FOUR_SAMPLES: [[f32; 2]; 4] =
@@ -100,152 +92,261 @@ impl View {
     /// Source: Edelsbrunner, Mücke, Simulation of Simplicity, ACM Transactions on Graphics 9, 1990, for the idea.
     pub const GENERIC_OFFSET: [f64; 2] = [0.001_131, 0.000_717];
 
-    /// Creates a view with a vertical field of view of 60 degrees, up +y, and `near` = 10⁻³ of the distance from `eye`
-    /// to `toward`, clamped to 10⁻⁶ to 0.01.
+    /// Creates a view with a vertical field of view of 60 degrees, up +y, and a near plane as [`Camera::z_near`] says.
     ///
-    /// `size` is the viewport's width and height in pixels.
-    pub fn new(eye: [f32; 3], toward: [f32; 3], size: [u32; 2]) -> View {
-        let distance = DVec3::from(eye.map(f64::from)).distance(DVec3::from(toward.map(f64::from))) as f32;
-        View {
+    /// `eye` and `toward` (the target point, in the centre of the picture) are in the space of the eye's sector, as `f32` or
+    /// `f64`; `viewport` is a size in pixels or a [`Viewport`].
+    ///
+    /// # Errors
+    /// Returns the [`ViewError`] of the first rule that is broken.
+    pub fn new<T: Into<f64>>(
+        eye: [T; 3],
+        toward: [T; 3],
+        viewport: impl Into<Viewport>,
+    ) -> Result<View, ViewError> {
+        Camera::new(eye, toward).view(viewport)
+    }
+
+    /// Creates the view of a tracked eye: a position, an orientation and the tangents of an off-centre frustum, as VR
+    /// runtimes report them.
+    ///
+    /// * `eye`: position in the space of its sector.
+    /// * `orientation`: unit quaternion (x, y, z, w) that rotates eye space (x right, y up, −z ahead) to the space of the
+    ///   sector.
+    /// * `tangents`: of the angles from the view direction to the left, right, bottom and top edge of the viewport, positive
+    ///   to the right and up; so left and bottom are mostly negative.
+    /// * `z_near`: distance of the near plane along the view direction, above 0.
+    ///
+    /// # Errors
+    /// Returns the [`ViewError`] of the first rule that is broken.
+    #[doc(alias = "OpenXR")]
+    #[doc(alias = "asymmetric frustum")]
+    pub fn from_pose(
+        eye: [f64; 3],
+        orientation: [f64; 4],
+        tangents: [f64; 4],
+        z_near: f32,
+        viewport: impl Into<Viewport>,
+    ) -> Result<View, ViewError> {
+        let (viewport, [left, right, bottom, top]) = (viewport.into(), tangents);
+        check_position("the eye", eye)?;
+        let rotation = DQuat::from_array(orientation);
+        if !(rotation.is_finite() && (rotation.length_squared() - 1.0).abs() < 1e-3) {
+            return Err(ViewError::Orientation);
+        }
+        let is_frustum = |low: f64, high: f64| low.is_finite() && high.is_finite() && low < high;
+        if !(is_frustum(left, right) && is_frustum(bottom, top)) {
+            return Err(ViewError::Tangents);
+        }
+        let [x, y] = [2.0 / (right - left), 2.0 / (top - bottom)];
+        let clip_from_eye = DMat4::from_cols(
+            DVec4::new(x, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, y, 0.0, 0.0),
+            DVec4::new(0.5 * x * (right + left), 0.5 * y * (top + bottom), 0.0, -1.0),
+            DVec4::new(0.0, 0.0, f64::from(z_near), 0.0),
+        );
+        let eye = DVec3::from(eye);
+        let from_sector = DMat3::from_quat(rotation.normalize()).transpose();
+        let eye_from_sector = DAffine3 {
+            matrix3: from_sector,
+            translation: from_sector * -eye,
+        };
+        View::of_projection(eye, eye_from_sector, clip_from_eye, z_near, viewport)
+    }
+
+    /// Creates a view from a view matrix and a projection matrix, after all checks but those of the size and of `z_near`.
+    /// Neither has an offset: the eye is the origin of eye space.
+    fn of_projection(
+        eye: DVec3,
+        eye_from_sector: DAffine3,
+        clip_from_eye: DMat4,
+        z_near: f32,
+        viewport: Viewport,
+    ) -> Result<View, ViewError> {
+        check_viewport(viewport, z_near)?;
+        let viewport_from_eye = matrices::viewport_from_eye(&clip_from_eye, viewport.size);
+        let sector_from_viewport = (viewport_from_eye * eye_from_sector.matrix3).inverse();
+        if !sector_from_viewport.is_finite() {
+            return Err(ViewError::Singular);
+        }
+        let ahead = (viewport_from_eye * eye_from_sector.matrix3).row(2);
+        let [width, height] = viewport.size.map(f64::from);
+        let [top, bottom] = [0.0, height].map(|y| sector_from_viewport * DVec3::new(0.5 * width, y, 1.0));
+        Ok(View {
             sector: None,
             eye,
-            toward,
-            up: [0.0, 1.0, 0.0],
-            fov_y: 60.0_f32.to_radians(),
-            size,
+            toward: eye + ahead.normalize_or_zero(),
+            up: (sector_from_viewport * DVec3::NEG_Y).normalize_or_zero(),
+            fov_y: top.angle_between(bottom) as f32,
+            z_near,
+            viewport,
             sample: [0.0; 2],
-            near: (1e-3 * distance).clamp(1e-6, 0.01),
+            eye_from_sector,
+            clip_from_eye,
+            viewport_from_eye,
+        })
+    }
+
+    /// Returns the same view of an eye in a given sector.
+    #[must_use]
+    pub fn in_sector(self, sector: SectorId) -> View {
+        View {
+            sector: Some(sector),
+            ..self
         }
     }
 
-    /// Checks that all fields are in range.
+    /// Returns the same view with its samples elsewhere in their pixels.
+    ///
+    /// `sample` is the position relative to the pixel centre, in pixels, −½ to ½ each, y down. Default (0, 0).
+    /// [`View::FOUR_SAMPLES`] has the positions of usual 4x multisampling.
     ///
     /// # Errors
-    /// Returns the [`ViewError`] of the first invalid field.
-    pub fn check(&self) -> Result<(), ViewError> {
-        let named = [
-            ("the eye", self.eye),
-            ("the target point", self.toward),
-            ("the up vector", self.up),
-        ];
-        if let Some((name, _)) = named
-            .iter()
-            .find(|(_, point)| point.iter().any(|value| !value.is_finite()))
-        {
-            return Err(ViewError::NotFinite(name));
-        }
-        if let Some((name, _)) = named[..2]
-            .iter()
-            .find(|(_, point)| !point.iter().all(|&value| is_in_range(value)))
-        {
-            return Err(ViewError::TooFar(name));
-        }
-        if self.eye == self.toward {
-            return Err(ViewError::NoDirection);
-        }
-        if self.size.iter().any(|&side| side == 0 || side > View::MAX_PIXELS) {
-            return Err(ViewError::Size(self.size[0], self.size[1]));
-        }
-        if !(self.fov_y > 0.0 && self.fov_y < std::f32::consts::PI) {
-            return Err(ViewError::FieldOfView(self.fov_y.to_degrees()));
-        }
-        let [dx, dy] = self.sample;
+    /// Returns [`ViewError::Sample`] for a position outside the pixel.
+    pub fn at_sample(self, sample: [f32; 2]) -> Result<View, ViewError> {
+        let [dx, dy] = sample;
         if !(dx.abs() <= 0.5 && dy.abs() <= 0.5) {
             return Err(ViewError::Sample(dx, dy));
         }
-        if !(self.near > 0.0 && self.near.is_finite()) {
-            return Err(ViewError::Near(self.near));
-        }
-        Ok(())
+        Ok(View { sample, ..self })
     }
 
-    /// Returns the view matrix. Eye space: x right, y up, z back, origin at the eye.
-    pub(crate) fn eye_from_sector(&self) -> DAffine3 {
-        let [eye, toward, up] = [self.eye, self.toward, self.up].map(|v| DVec3::from(v.map(f64::from)));
-        let back = (eye - toward).normalize_or(DVec3::Z);
-        let upright = |up: DVec3| {
-            let right = up.normalize_or_zero().cross(back);
-            (right.length_squared() > 1e-16).then_some(right)
+    /// Returns the eye position, in the space of its sector.
+    pub fn eye(&self) -> [f64; 3] {
+        self.eye.into()
+    }
+
+    /// Returns the target point: that of the constructor, else the point one unit ahead of the eye along the view
+    /// direction.
+    pub fn toward(&self) -> [f64; 3] {
+        self.toward.into()
+    }
+
+    /// Returns the up vector: that of the constructor, else the unit vector that points up on the screen.
+    pub fn up(&self) -> [f64; 3] {
+        self.up.into()
+    }
+
+    /// Returns the angle between the top and the bottom edge of the viewport, in radians, at its middle column.
+    pub fn fov_y(&self) -> f32 {
+        self.fov_y
+    }
+
+    /// Returns the distance of the near plane along the view direction, in units of eye space, above 0. Geometry in front
+    /// of it is neither visible nor an occluder.
+    ///
+    /// Set it to your renderer's near plane: with a smaller value, geometry that your renderer clips away can still hide
+    /// other geometry.
+    #[doc(alias = "near plane")]
+    pub fn z_near(&self) -> f32 {
+        self.z_near
+    }
+
+    /// Returns the rectangle of the render target that the view fills.
+    pub fn viewport(&self) -> Viewport {
+        self.viewport
+    }
+
+    /// Returns width and height of the viewport, in pixels. Sample (x, y) is at (x + ½, y + ½) plus [`View::sample`] and
+    /// [`View::GENERIC_OFFSET`], with y down.
+    pub fn size(&self) -> [u32; 2] {
+        self.viewport.size
+    }
+
+    /// Returns the sample position relative to the pixel centre, in pixels ([`View::at_sample`]).
+    pub fn sample(&self) -> [f32; 2] {
+        self.sample
+    }
+
+    /// Returns the view matrix.
+    #[doc(alias = "view matrix")]
+    pub fn eye_from_sector(&self) -> Transform {
+        Transform(self.eye_from_sector)
+    }
+
+    /// Returns the projection matrix, as four columns: that of [`View::from_matrices`], otherwise one with reversed infinite
+    /// depth ([`ClipDepth::OneToZero`]).
+    #[doc(alias = "projection matrix")]
+    pub fn clip_from_eye(&self) -> [[f64; 4]; 4] {
+        self.clip_from_eye.to_cols_array_2d()
+    }
+
+    /// Returns the ray through a position in the viewport, in pixels, y down: origin (the eye) and direction, in the space
+    /// of the sector. The direction has length 1 along the view direction, measured in eye space.
+    pub fn ray(&self, [x, y]: [f64; 2]) -> [[f64; 3]; 2] {
+        let sector_from_viewport = (self.viewport_from_eye * self.eye_from_sector.matrix3).inverse();
+        [
+            self.eye.into(),
+            (sector_from_viewport * DVec3::new(x, y, 1.0)).into(),
+        ]
+    }
+
+    /// Returns the view with as many columns more on the left and on the right, with samples at the same positions; `None` if
+    /// it would be too wide.
+    #[cfg(feature = "laws")]
+    pub(crate) fn three_times_as_wide(&self) -> Option<View> {
+        let [width, height] = self.viewport.size;
+        let mut wide = View {
+            viewport: Viewport::from([3 * width, height]),
+            ..*self
         };
-        let right = upright(up)
-            .or_else(|| upright(DVec3::Z))
-            .or_else(|| upright(DVec3::X))
-            .unwrap_or(DVec3::X)
-            .normalize();
-        let rotation = DMat3::from_cols(right, back.cross(right), back).transpose();
-        DAffine3 {
-            matrix3: rotation,
-            translation: rotation * -eye,
+        wide.clip_from_eye = DMat4::from_scale(DVec3::new(1.0 / 3.0, 1.0, 1.0)) * wide.clip_from_eye;
+        let DMat3 {
+            x_axis,
+            y_axis,
+            z_axis,
+        } = &mut wide.viewport_from_eye;
+        for column in [x_axis, y_axis, z_axis] {
+            column.x += f64::from(width) * column.z;
         }
+        (wide.viewport.size[0] <= View::MAX_PIXELS).then_some(wide)
     }
 
-    /// Returns the projection from eye space to (X, Y, W): the pixel is (X / W, Y / W), y down, and W is the distance
-    /// along the view direction. Shifted so that samples are at pixel centres, wherever the view puts them.
+    /// Returns the projection from eye space to (X, Y, W), shifted so that samples are at pixel centres, wherever the view
+    /// puts them.
     pub(crate) fn screen_from_eye(&self) -> DMat3 {
-        let [width, height] = self.size.map(f64::from);
-        let [dx, dy] = [0, 1].map(|axis| f64::from(self.sample[axis]) + View::GENERIC_OFFSET[axis]);
-        // Rounded to f32, so that machines whose tangents differ in the last bit of f64 make the same decisions.
-        let focal = 0.5 * height / f64::from((0.5 * f64::from(self.fov_y)).tan() as f32);
-        DMat3::from_cols(
-            DVec3::new(focal, 0.0, 0.0),
-            DVec3::new(0.0, -focal, 0.0),
-            DVec3::new(dx - 0.5 * width, dy - 0.5 * height, -1.0),
-        )
+        let offset = DVec2::from(self.sample.map(f64::from)) + DVec2::from(View::GENERIC_OFFSET);
+        let shifted = |column: DVec3| column - offset.extend(0.0) * column.z;
+        let DMat3 {
+            x_axis,
+            y_axis,
+            z_axis,
+        } = self.viewport_from_eye;
+        DMat3::from_cols(shifted(x_axis), shifted(y_axis), shifted(z_axis))
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_looked_at_is_in_the_middle_and_up_is_up() {
-        let view = View::new([1.0, 2.0, 3.0], [4.0, 2.0, -7.0], [640, 480]);
-        let screen = |point: [f64; 3]| {
-            let at = view.screen_from_eye() * view.eye_from_sector().transform_point3(DVec3::from(point));
-            (at / at.z, at.z)
-        };
-        let (middle, distance) = screen([4.0, 2.0, -7.0]);
-        let [dx, dy] = View::GENERIC_OFFSET;
-        assert!((middle.x + dx - 320.0).abs() < 1e-9 && (middle.y + dy - 240.0).abs() < 1e-9);
-        assert!((distance - 109.0_f64.sqrt()).abs() < 1e-9);
-        assert!(screen([4.0, 3.0, -7.0]).0.y < 240.0);
-        // A sample to the right and below shows what the pixel centre showed before: the picture moves left and up.
-        let mut moved = view;
-        moved.sample = [0.25, 0.5];
-        let off = moved.screen_from_eye() * DVec3::NEG_Z - view.screen_from_eye() * DVec3::NEG_Z;
-        assert_eq!(off, DVec3::new(-0.25, -0.5, 0.0));
+/// Checks a position in the space of a sector.
+fn check_position(name: &'static str, position: [f64; 3]) -> Result<(), ViewError> {
+    if position.iter().any(|value| !value.is_finite()) {
+        return Err(ViewError::NotFinite(name));
     }
-
-    #[test]
-    fn a_view_straight_down_is_sound() {
-        let view = View::new([0.0, 5.0, 0.0], [0.0, 0.0, 0.0], [8, 8]);
-        assert!(view.eye_from_sector().is_finite());
-        assert_eq!(view.check(), Ok(()));
+    if position
+        .iter()
+        .any(|value| value.abs() > f64::from(MAX_COORDINATE))
+    {
+        return Err(ViewError::TooFar(name));
     }
+    Ok(())
+}
 
-    #[test]
-    fn each_broken_rule_has_its_own_error() {
-        let sound = View::new([0.0; 3], [0.0, 0.0, -1.0], [8, 8]);
-        let error = |change: fn(&mut View)| {
-            let mut view = sound;
-            change(&mut view);
-            view.check().expect_err("the rule is broken")
-        };
-        assert_eq!(error(|v| v.toward = v.eye), ViewError::NoDirection);
-        assert_eq!(error(|v| v.eye[2] = -1.1e12), ViewError::TooFar("the eye"));
-        assert_eq!(error(|v| v.size = [0, 0]), ViewError::Size(0, 0));
-        assert_eq!(
-            error(|v| v.size = [100_000, 100_000]),
-            ViewError::Size(100_000, 100_000)
-        );
-        assert!(matches!(error(|v| v.fov_y = 4.0), ViewError::FieldOfView(_)));
-        assert_eq!(error(|v| v.sample[1] = 0.6), ViewError::Sample(0.0, 0.6));
-        assert!(matches!(error(|v| v.sample[0] = f32::NAN), ViewError::Sample(..)));
-        assert!(matches!(error(|v| v.near = 0.0), ViewError::Near(_)));
-        assert!(matches!(
-            error(|v| v.eye[1] = f32::NAN),
-            ViewError::NotFinite("the eye")
-        ));
+fn check_viewport(viewport: Viewport, z_near: f32) -> Result<(), ViewError> {
+    let [width, height] = viewport.size;
+    if [width, height]
+        .iter()
+        .any(|&side| side == 0 || side > View::MAX_PIXELS)
+    {
+        return Err(ViewError::Size(width, height));
     }
+    if viewport
+        .origin
+        .iter()
+        .any(|&start| start > u32::MAX - View::MAX_PIXELS)
+    {
+        return Err(ViewError::Origin(viewport.origin[0], viewport.origin[1]));
+    }
+    if !(z_near > 0.0 && z_near.is_finite()) {
+        return Err(ViewError::Near(z_near));
+    }
+    Ok(())
 }

@@ -180,7 +180,7 @@ fn screen_from_square(passage: &Passage, outline: &ConvexPolygon) -> DAffine3 {
         [u, normal.cross(u)]
     };
     let screen_from_sector = passage.screen_from_sector.matrix3;
-    let near = f64::from(passage.near) / passage.eye_scale();
+    let near = f64::from(passage.z_near) / passage.eye_scale();
     DAffine3 {
         matrix3: screen_from_sector * DMat3::from_cols(u, v, DVec3::ZERO) * (near * SQUARE_SIZE),
         translation: screen_from_sector * (-normal * (near * SQUARE_DISTANCE)),

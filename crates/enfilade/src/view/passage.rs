@@ -12,7 +12,7 @@ use crate::view::opening_view::{OpeningView, may_touch_eye};
 use crate::view::options::ViewerOptions;
 use crate::view::region::{Clip, Region, Volume};
 use fearless_simd::Level;
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 /// A chain of zero or more portals from the eye into a sector, with its clip region and view matrix.
 ///
@@ -34,14 +34,13 @@ pub struct Passage {
     pub contract: Contract,
     /// The clip region: the screen area visible through all portals of the chain.
     pub aperture: Aperture,
-    /// Near-plane distance along the view direction ([`View::near`]), in eye space; geometry in front of it is neither
+    /// Near-plane distance along the view direction ([`View::z_near`]), in eye space; geometry in front of it is neither
     /// visible nor an occluder.
     ///
-    /// Eye space has the units of the eye's own sector, so `near` and reversed depths mean the same in all passages of
-    /// a look, whatever the portals scale by. One unit of the passage's sector is as many units of eye space as
-    /// [`Passage::eye_from_sector`] scales by.
-    pub near: f32,
-    /// Size of the whole screen, in pixels.
+    /// Eye space is the same in all passages of a look, so `z_near` and reversed depths mean the same, whatever the portals
+    /// scale by. One unit of the passage's sector is as many units of eye space as [`Passage::eye_from_sector`] scales by.
+    pub z_near: f32,
+    /// Size of the viewport, in pixels.
     pub size: [u32; 2],
     /// Options of the look. The cover size is `None` if it is that of the screen.
     pub options: ViewerOptions,
@@ -55,6 +54,9 @@ pub struct Passage {
     pub(crate) level: Level,
     eye_from_sector: DAffine3,
     screen_from_eye: DMat3,
+    clip_from_eye: DMat4,
+    /// Position of the viewport in the render target, in pixels.
+    origin: [u32; 2],
     pub(crate) screen_from_sector: DAffine3,
     /// Entry plane (oblique near plane): the sector's side is n · (X, Y, W) ≥ d, with d ≥ 0.
     pub(crate) entry: Option<(DVec3, f64)>,
@@ -69,16 +71,16 @@ pub(crate) const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 18) as f64;
 impl Passage {
     /// Returns the passage of the eye's own sector.
     pub(crate) fn at_the_eye(view: &View, sector: SectorId, flat: bool) -> Passage {
-        let (eye_from_sector, screen_from_eye) = (view.eye_from_sector(), view.screen_from_eye());
+        let (eye_from_sector, screen_from_eye) = (view.eye_from_sector().0, view.screen_from_eye());
         Passage {
             parent: None,
             portal: None,
             sector,
             crossings: 0,
             contract: Contract::Approximate,
-            aperture: Aperture::screen(view.size),
-            near: view.near,
-            size: view.size,
+            aperture: Aperture::screen(view.size()),
+            z_near: view.z_near(),
+            size: view.size(),
             options: ViewerOptions::default(),
             flat,
             any_place: false,
@@ -86,6 +88,8 @@ impl Passage {
             level: crate::simd::level(),
             eye_from_sector,
             screen_from_eye,
+            clip_from_eye: DMat4::from_cols_array_2d(&view.clip_from_eye()),
+            origin: view.viewport().origin,
             screen_from_sector: compose(&screen_from_eye, &eye_from_sector),
             entry: None,
             entrance: None,
@@ -114,7 +118,7 @@ impl Passage {
             crossings: self.crossings + 1,
             contract: self.contract,
             aperture,
-            near: self.near,
+            z_near: self.z_near,
             size: self.size,
             options: self.options,
             flat: self.flat,
@@ -123,6 +127,8 @@ impl Passage {
             level: self.level,
             eye_from_sector,
             screen_from_eye: self.screen_from_eye,
+            clip_from_eye: self.clip_from_eye,
+            origin: self.origin,
             screen_from_sector: compose(&self.screen_from_eye, &eye_from_sector),
             entry: Some(view.plane()),
             entrance: Some(Entrance::new(outline, there_from_here)),
@@ -188,7 +194,7 @@ impl Passage {
             crossings: self.crossings,
             contract: self.contract,
             aperture,
-            near: self.near,
+            z_near: self.z_near,
             size: self.size,
             options: self.options,
             flat: self.flat,
@@ -197,16 +203,49 @@ impl Passage {
             level: self.level,
             eye_from_sector: self.eye_from_sector,
             screen_from_eye: self.screen_from_eye,
+            clip_from_eye: self.clip_from_eye,
+            origin: self.origin,
             screen_from_sector: self.screen_from_sector,
             entry: self.entry,
             entrance: self.entrance,
         }
     }
 
-    /// Returns the view matrix of this passage, from the space of the sector to eye space: x right, y up, z back.
+    /// Returns the view matrix of this passage, from the space of the sector to the eye space of the view
+    /// ([`View::eye_from_sector`]).
     #[doc(alias = "view matrix")]
     pub fn eye_from_sector(&self) -> Transform {
         Transform(self.eye_from_sector)
+    }
+
+    /// Returns the view-projection matrix of this passage, as four columns: [`View::clip_from_eye`] times
+    /// [`Passage::eye_from_sector`].
+    #[doc(alias = "view projection matrix")]
+    pub fn clip_from_sector(&self) -> [[f64; 4]; 4] {
+        (self.clip_from_eye * DMat4::from(self.eye_from_sector)).to_cols_array_2d()
+    }
+
+    /// Returns the scissor rectangle of this passage, in pixels of the render target: x and y of the left top corner, width
+    /// and height.
+    pub fn scissor(&self) -> [u32; 4] {
+        let rect = self.aperture.rect();
+        let [left, top] = self.origin;
+        let [x0, y0, x1, y1] = [rect.x0, rect.y0, rect.x1, rect.y1].map(u32::from);
+        [left + x0, top + y0, x1 - x0, y1 - y0]
+    }
+
+    /// Returns the plane of the opening that this passage leads through, in the space of the sector: only points (x, y, z)
+    /// with ax + by + cz + d ≥ 0 are visible or hide anything. (a, b, c) has length 1. `None` for the eye's own sector.
+    ///
+    /// Clip to it when drawing the passage (a user clip plane, or an oblique near plane).
+    #[doc(alias = "clip plane")]
+    #[doc(alias = "oblique near plane")]
+    pub fn entry_plane(&self) -> Option<[f64; 4]> {
+        let (normal, distance) = self.entry?;
+        let map = &self.screen_from_sector;
+        let here = map.matrix3.transpose() * normal;
+        let offset = normal.dot(map.translation) - distance;
+        Some((here.extend(offset) / here.length()).into())
     }
 
     /// Returns `true` if the chain mirrors the sector (negative determinant), which flips the winding of its faces.
@@ -233,7 +272,7 @@ impl Passage {
 
     /// Returns the eye position and the unit vector against the view direction, both in the space of the sector.
     pub(crate) fn stance(&self) -> (DVec3, DVec3) {
-        let back = self.eye_from_sector.matrix3.transpose() * DVec3::Z;
+        let back = -self.screen_from_sector.matrix3.row(2);
         (eye_in(&self.screen_from_sector), back.normalize_or_zero())
     }
 
@@ -284,7 +323,7 @@ impl Passage {
         })
         .into_iter()
         .fold(0.0, f64::max);
-        stretch * f64::from(nearest).min(1.0 / f64::from(self.near))
+        stretch * f64::from(nearest).min(1.0 / f64::from(self.z_near))
     }
 
     /// Returns the ray through screen position (x, y), in pixels: origin (the eye) and direction, both in the space of
@@ -332,12 +371,12 @@ impl Passage {
     /// Whether any part of a region around openings is in front of the near plane: nothing can hide that part, so
     /// covers need not store depths this near.
     pub(crate) fn is_before_near(&self, region: &Region) -> bool {
-        f64::from(region.nearest) * f64::from(self.near) >= 1.0
+        f64::from(region.nearest) * f64::from(self.z_near) >= 1.0
     }
 
-    /// Returns the focal length in pixels: the screen size of one unit at distance 1 along the view direction.
-    pub(crate) fn focal(&self) -> f64 {
-        self.screen_from_eye.x_axis.x
+    /// Returns the projection from eye space to (X, Y, W).
+    pub(crate) fn screen_from_eye(&self) -> &DMat3 {
+        &self.screen_from_eye
     }
 
     /// Returns the transform from an item's space to (X, Y, W).
@@ -350,7 +389,7 @@ impl From<&Passage> for Clip {
     fn from(passage: &Passage) -> Clip {
         Clip {
             rect: passage.aperture.rect(),
-            near: f64::from(passage.near),
+            near: f64::from(passage.z_near),
             entry: passage.entry,
             any_place: passage.any_place,
             level: passage.level,

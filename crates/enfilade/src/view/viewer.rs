@@ -56,10 +56,10 @@ impl Viewer {
 
     /// Returns the options, with the cover size that a view allows.
     pub(crate) fn options_for(&self, view: &View) -> ViewerOptions {
-        let clamp = |size: [u32; 2]| [0, 1].map(|axis| size[axis].clamp(1, view.size[axis].max(1)));
+        let clamp = |size: [u32; 2]| [0, 1].map(|axis| size[axis].clamp(1, view.size()[axis]));
         let cover_size = self.options.cover_size.map(clamp);
         ViewerOptions {
-            cover_size: cover_size.filter(|&cells| cells != view.size),
+            cover_size: cover_size.filter(|&cells| cells != view.size()),
             ..self.options
         }
     }

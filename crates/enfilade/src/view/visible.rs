@@ -6,8 +6,7 @@ use crate::view::passage::Passage;
 /// The result of [`Viewer::look`](crate::Viewer::look): the passages from the eye into sectors, and the items visible
 /// through each.
 ///
-/// Empty and not [complete](VisibleSet::complete) before the first look, for a view that fails
-/// [`View::check`](crate::View::check), and for one whose sector is not in the scene.
+/// Empty and not [complete](VisibleSet::complete) before the first look, and for a view whose sector is not in the scene.
 #[doc(alias = "cull result")]
 #[doc(alias = "PVS")]
 #[doc(alias = "potentially visible set")]
@@ -70,7 +69,7 @@ impl VisibleSet {
     }
 
     /// Returns `true` if every visible open portal was followed; `false` if items may be missing, because the viewer
-    /// hit one of its [`Limits`](crate::Limits), or if the set is empty because the view is invalid.
+    /// hit one of its [`Limits`](crate::Limits), or if the set is empty because the scene lacks the sector of the view.
     pub fn complete(&self) -> bool {
         self.complete
     }

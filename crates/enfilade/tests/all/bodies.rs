@@ -2,8 +2,8 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    ConvexPolygon, Geometry, GeometryBuilder, Limits, Location, Material, MaterialId, Mesh, Method,
-    OpeningId, Scene, SceneBuilder, SectorId, Transform, View, Viewer,
+    Camera, ConvexPolygon, Geometry, GeometryBuilder, Limits, Location, Material, MaterialId, Mesh, Method,
+    OpeningId, Scene, SceneBuilder, SectorId, Transform, Viewer,
 };
 
 /// Transform to the space of the other room, which has another origin and is rotated.
@@ -93,15 +93,18 @@ fn a_body_in_a_doorway_is_seen_in_both_rooms() {
         let there = there_from_here();
         let [eye, toward] = [[0.4, 1.5, -8.5], [0.0, 1.2, -4.0]].map(|point| there.point(point));
         for (eye, toward) in [([0.4, 1.5, 1.2], [0.0, 1.2, -4.0]), (eye, toward)] {
-            let mut view = View::new(eye, toward, [160, 120]);
-            view.sector = Some(SectorId(u32::from(eye[0] > 20.0)));
+            let camera = Camera {
+                sector: Some(SectorId(u32::from(eye[0] > 20.0))),
+                ..Camera::new(eye, toward)
+            };
+            let view = camera.view([160, 120]).expect("a valid view");
             for method in Method::ALL
                 .into_iter()
                 .filter(|method| scene.suits(*method) && method.contract().never_misses())
             {
                 let seen = scene.with_method(method, Method::DEFAULT_LIMIT).expect("small");
                 let truth = Reference::new(&seen).see(&seen, &view, &Limits::default());
-                let mut picture = OwnerPicture::new(view.size);
+                let mut picture = OwnerPicture::new(view.size());
                 let mut viewer = Viewer::new();
                 viewer.draw(&seen, &view, &mut picture);
                 let verdict = truth.check(viewer.visible(), Some(&picture));
@@ -188,10 +191,13 @@ fn a_camera_on_a_boom_follows_its_player_through_a_portal() {
         // Compare the camera's view with the reference.
         if frame % 20 == 0 || player.sector != camera.sector && frame % 5 == 0 {
             let toward = std::array::from_fn(|axis| camera.position[axis] + gaze[axis]);
-            let mut view = View::new(camera.position, toward, [96, 72]);
-            view.sector = Some(camera.sector);
+            let camera = Camera {
+                sector: Some(camera.sector),
+                ..Camera::new(camera.position, toward)
+            };
+            let view = camera.view([96, 72]).expect("a valid view");
             let truth = Reference::new(&scene).see(&scene, &view, &Limits::default());
-            let mut picture = OwnerPicture::new(view.size);
+            let mut picture = OwnerPicture::new(view.size());
             let mut viewer = Viewer::new();
             viewer.draw(&scene, &view, &mut picture);
             let verdict = truth.check(viewer.visible(), Some(&picture));

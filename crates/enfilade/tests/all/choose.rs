@@ -21,7 +21,7 @@ fn views(scene: &Scene) -> Vec<View> {
         .sectors()
         .flat_map(|sector| survey_in(scene, sector, 4).views);
     let views: Vec<View> = places
-        .map(|place| View::new(place.eye, place.toward, SIZE))
+        .map(|place| View::new(place.eye, place.toward, SIZE).expect("a valid view"))
         .collect();
     assert!(views.len() >= 2 * scene.sector_count(), "there is open space");
     views
@@ -47,7 +47,7 @@ fn whatever_is_chosen_the_set_and_the_picture_are_those_of_before() {
             .expect("it was tried");
     }
     let seen = |scene: &Scene, view: &View| {
-        let (mut viewer, mut picture) = (Viewer::new(), OwnerPicture::new(view.size));
+        let (mut viewer, mut picture) = (Viewer::new(), OwnerPicture::new(view.size()));
         let set = viewer.draw(scene, view, &mut picture);
         let items = set.items().iter();
         let mut items: Vec<_> = items
@@ -199,7 +199,7 @@ fn a_convex_room_whose_walls_move_is_no_cell() {
     let mut scene = SceneBuilder::new();
     let id = scene.add("room", room.build().expect("walls"), Method::ZBuffer);
     let scene = scene.build().expect("a sector");
-    let view = View::new([0.0; 3], [1.0, 0.2, 0.3], SIZE);
+    let view = View::new([0.0; 3], [1.0, 0.2, 0.3], SIZE).expect("a valid view");
     let start = Instant::now();
     let mut terms = ChoiceOptions::default();
     for moves in [false, true] {
@@ -241,7 +241,7 @@ fn what_takes_too_long_to_sort_is_not_tried() {
     scene.add("heap", heap.build().expect("leaves"), Method::HierarchicalZ);
     let scene = scene.build().expect("a sector");
     let start = Instant::now();
-    let view = View::new([70.0, 70.0, 90.0], [70.0, 70.0, 0.0], [64, 36]);
+    let view = View::new([70.0, 70.0, 90.0], [70.0, 70.0, 0.0], [64, 36]).expect("a valid view");
     for max_build_time in [Duration::from_millis(1), Duration::from_secs(20)] {
         let mut terms = ChoiceOptions::default();
         terms.max_build_time = max_build_time;

@@ -41,7 +41,7 @@ fn nothing_is_missed(name: &str, built: &BuiltIn, cameras: usize) -> usize {
         .collect();
     let mut looked_at = 0;
     for camera in built.cameras.iter().take(cameras) {
-        let view = camera.view(SIZE);
+        let view = camera.view(SIZE).expect("a valid view");
         let truth = reference.see(&built.scene, &view, &limits());
         looked_at += truth.visible().len();
         for (method, scene) in &seen {
@@ -77,7 +77,7 @@ fn visible(viewer: &mut Viewer, scene: &Scene, view: &View) -> usize {
 #[test]
 fn coarser_cells_hide_less_but_do_hide() {
     let palace = built_in("enfilade").expect("the palace");
-    let view = palace.cameras[0].view([320, 180]);
+    let view = palace.cameras[0].view([320, 180]).expect("a valid view");
     for method in methods() {
         let scene = seen_by(method, &palace.scene);
         let count = |cover| visible(&mut viewer(cover), &scene, &view);
@@ -93,7 +93,7 @@ fn coarser_cells_hide_less_but_do_hide() {
 #[test]
 fn a_cover_of_no_size_or_larger_than_the_screen_is_one_that_makes_sense() {
     let built = built_in("two-rooms").expect("a built-in scene");
-    let view = built.cameras[0].view(SIZE);
+    let view = built.cameras[0].view(SIZE).expect("a valid view");
     for method in methods() {
         let scene = seen_by(method, &built.scene);
         let count = |cover| visible(&mut viewer(cover), &scene, &view);
@@ -113,7 +113,7 @@ fn a_look_in_cells_allocates_nothing_once_it_has_looked_from_everywhere() {
             .cameras
             .iter()
             .take(4)
-            .map(|camera| camera.view(SIZE))
+            .map(|camera| camera.view(SIZE).expect("a valid view"))
             .collect();
         let mut round = || views.iter().for_each(|view| _ = viewer.look(&scene, view));
         (0..16).for_each(|_| round());

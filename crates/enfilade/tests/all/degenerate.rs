@@ -2,8 +2,8 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Contract, Geometry, GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
-    SectorId, Transform, View, Viewer,
+    Camera, Contract, Geometry, GeometryBuilder, Limits, Material, MaterialId, Mesh, Method, Scene,
+    SceneBuilder, SectorId, Transform, View, Viewer,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -71,7 +71,7 @@ fn every_method_keeps_its_contract(scene: &Scene, view: &View) -> usize {
             .with_method(method, Method::DEFAULT_LIMIT)
             .expect("few faces");
         let mut viewer = Viewer::new();
-        let mut picture = OwnerPicture::new(view.size);
+        let mut picture = OwnerPicture::new(view.size());
         viewer.draw(&seen, view, &mut picture);
         let verdict = truth.check(viewer.visible(), Some(&picture));
         if method.contract().never_misses() {
@@ -119,8 +119,11 @@ proptest! {
     ) {
         let scale = 10_f32.powi(power);
         let scene = scene(geometry(&faces, scale));
-        let mut view = View::new(eye.map(|value| 3.0 * scale * (value + 0.01)), [0.1 * scale; 3], [48, 36]);
-        view.near = 0.01 * scale;
+        let camera = Camera {
+            z_near: Some(0.01 * scale),
+            ..Camera::new(eye.map(|value| 3.0 * scale * (value + 0.01)), [0.1 * scale; 3])
+        };
+        let view = camera.view([48, 36]).expect("a valid view");
         every_method_keeps_its_contract(&scene, &view);
     }
 }
@@ -151,7 +154,7 @@ fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
         geometry.item("sheet", sheet, Transform::IDENTITY);
     }
     let scene = scene(geometry.build().expect("ten sheets"));
-    let view = View::new([12.5, 6.25, 12.0], [12.5, 6.25, 0.0], [96, 54]);
+    let view = View::new([12.5, 6.25, 12.0], [12.5, 6.25, 0.0], [96, 54]).expect("a valid view");
     for method in Method::ALL
         .into_iter()
         .filter(|method| method.requires().is_none())
@@ -195,7 +198,7 @@ fn items_without_faces_or_extent_are_never_seen_and_hide_nothing() {
         geometry.item("nothing", nothing, Transform::scaling([0.0; 3]));
         scene(geometry.build().expect("sound items"))
     };
-    let view = View::new([0.0, 0.0, 4.0], [0.0; 3], [64, 48]);
+    let view = View::new([0.0, 0.0, 4.0], [0.0; 3], [64, 48]).expect("a valid view");
     for (scene, expected) in [(build(true), 1), (build(false), 0)] {
         assert_eq!(every_method_keeps_its_contract(&scene, &view), expected);
         for method in Method::ALL
@@ -224,7 +227,7 @@ fn a_thousand_copies_of_one_face_look_like_one() {
         copies: 250,
     };
     let scene = scene(geometry(&[face.clone(), face.clone(), face.clone(), face], 1.0));
-    let view = View::new([0.2, 0.1, 3.0], [0.0; 3], [64, 48]);
+    let view = View::new([0.2, 0.1, 3.0], [0.0; 3], [64, 48]).expect("a valid view");
     assert_eq!(
         every_method_keeps_its_contract(&scene, &view),
         0,
@@ -264,6 +267,6 @@ fn the_near_half_of_a_fold_hides_a_blade_that_passes_before_the_far_half() {
         geometry.item("part", mesh, Transform::IDENTITY);
     }
     let scene = scene(geometry.build().expect("two items"));
-    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [160, 90]);
+    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [160, 90]).expect("a valid view");
     assert_eq!(every_method_keeps_its_contract(&scene, &view), 2);
 }

@@ -28,7 +28,7 @@ fn seen(method: Method, detail: bool, cover_size: Option<[u32; 2]>) -> usize {
     let scene = scene.build().expect("one sector");
     let mut viewer = Viewer::new();
     viewer.options.cover_size = cover_size;
-    let view = View::new([0.0, 0.0, 5.0], [0.0; 3], [64, 48]);
+    let view = View::new([0.0, 0.0, 5.0], [0.0; 3], [64, 48]).expect("a valid view");
     viewer.look(&scene, &view).items().len()
 }
 

@@ -54,7 +54,7 @@ fn garden(method: Method) -> (Scene, [SectorId; 2]) {
 
 #[test]
 fn a_swarm_moves_every_frame_and_nothing_else_is_built() {
-    let view = View::new([0.2, 1.0, 0.0], [0.0, 1.0, -4.0], [96, 72]);
+    let view = View::new([0.2, 1.0, 0.0], [0.0, 1.0, -4.0], [96, 72]).expect("a valid view");
     for method in Method::ALL
         .into_iter()
         .filter(|method| method.requires().is_none())
@@ -69,7 +69,7 @@ fn a_swarm_moves_every_frame_and_nothing_else_is_built() {
             let truth = Reference::new(&scene).see(&scene, &view, &Limits::default());
             viewer.look(&scene, &view);
             let looked = truth.check(viewer.visible(), None);
-            let mut picture = OwnerPicture::new(view.size);
+            let mut picture = OwnerPicture::new(view.size());
             viewer.draw(&scene, &view, &mut picture);
             let drawn = truth.check(viewer.visible(), Some(&picture));
             seen += drawn.reference_visible;
@@ -114,7 +114,7 @@ fn what_cannot_replace_a_geometry_is_refused_and_leaves_it_as_it_was() {
 #[test]
 fn a_carriage_moves_as_a_whole_where_its_portals_are_moved() {
     let (mut scene, [_, moving]) = garden(Method::SBuffer);
-    let view = View::new([0.2, 1.0, 0.0], [0.0, 1.0, -4.0], [96, 72]);
+    let view = View::new([0.2, 1.0, 0.0], [0.0, 1.0, -4.0], [96, 72]).expect("a valid view");
     for shift in [0.0, 0.4, -1.3] {
         let there = Transform::translation([shift, 0.0, 0.1 * shift]);
         for (number, way) in [(0, Some(there)), (1, there.inverse())] {
@@ -122,7 +122,7 @@ fn a_carriage_moves_as_a_whole_where_its_portals_are_moved() {
             scene.set_portal(enfilade::PortalId(number), way).expect("rigid");
         }
         let truth = Reference::new(&scene).see(&scene, &view, &Limits::default());
-        let mut picture = OwnerPicture::new(view.size);
+        let mut picture = OwnerPicture::new(view.size());
         let mut viewer = Viewer::new();
         viewer.draw(&scene, &view, &mut picture);
         let verdict = truth.check(viewer.visible(), Some(&picture));
@@ -135,7 +135,7 @@ fn a_carriage_moves_as_a_whole_where_its_portals_are_moved() {
 #[test]
 fn a_view_that_names_its_sector_stands_in_that_one() {
     let (scene, [room, moving]) = garden(Method::ZBuffer);
-    let mut view = View::new([0.2, 1.0, -4.5], [0.0, 1.0, -9.0], [96, 72]);
+    let mut view = View::new([0.2, 1.0, -4.5], [0.0, 1.0, -9.0], [96, 72]).expect("a valid view");
     let mut viewer = Viewer::new();
     for id in [room, moving] {
         view.sector = Some(id);

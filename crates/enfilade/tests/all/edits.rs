@@ -33,7 +33,7 @@ fn hall(method: Method) -> Scene {
 }
 
 fn seen(viewer: &mut Viewer, scene: &Scene) -> Vec<String> {
-    let view = View::new([0.0, 0.3, 0.0], [0.0, 0.3, -4.0], VIEW);
+    let view = View::new([0.0, 0.3, 0.0], [0.0, 0.3, -4.0], VIEW).expect("a valid view");
     let geometry = scene.geometry(HALL).expect("ours");
     let items = viewer.look(scene, &view).items().iter();
     items.map(|item| geometry.name(item.item).to_owned()).collect()

@@ -2,8 +2,8 @@
 
 use enfilade::laws::OwnerPicture;
 use enfilade::{
-    Contract, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Owner, Scene, SceneBuilder,
-    Transform, View, Viewer, ViewerOptions,
+    Camera, Contract, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Owner, Scene,
+    SceneBuilder, Transform, View, Viewer, ViewerOptions,
 };
 
 const SIZE: [u32; 2] = [100, 100];
@@ -46,8 +46,11 @@ fn upright([x0, x1]: [f32; 2], [y0, y1]: [f32; 2], z: f32) -> Vec<[[f32; 3]; 3]>
 
 /// A view from the origin along −z with a field of view of 90 degrees: the screen is 2 wide at distance 1.
 fn ahead() -> View {
-    let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], SIZE);
-    view.fov_y = 90.0_f32.to_radians();
+    let camera = Camera {
+        fov_y: 90.0_f32.to_radians(),
+        ..Camera::new([0.0; 3], [0.0, 0.0, -1.0])
+    };
+    let view = camera.view(SIZE).expect("a valid view");
     view
 }
 
@@ -75,7 +78,7 @@ fn the_size_of_an_item_is_the_longer_side_of_its_rectangle() {
 fn what_is_seen_in_a_mirror_is_mirrored_and_in_a_mirror_of_a_mirror_is_not() {
     let built = enfilade_scenes::built_in("mirrors").expect("a built-in scene");
     let mut viewer = Viewer::new();
-    let set = viewer.look(&built.scene, &built.cameras[0].view(SIZE));
+    let set = viewer.look(&built.scene, &built.cameras[0].view(SIZE).expect("a valid view"));
     let mut most = 0;
     for passage in set.passages() {
         assert_eq!(passage.mirrored(), passage.crossings % 2 == 1);

@@ -1,6 +1,6 @@
 //! A camera that moves slightly costs as much as a still one plus the geometry that has appeared.
 
-use enfilade::{ItemId, Method, Scene, Viewer};
+use enfilade::{Camera, ItemId, Method, Scene, Viewer};
 use enfilade_scenes::built_in;
 use std::collections::BTreeMap;
 
@@ -31,13 +31,15 @@ fn a_moved_camera_costs_no_more_than_a_still_one_and_what_appeared() {
             .expect("it fits");
         let (mut still, mut moved, mut appeared) = (0, 0, 0);
         for camera in built.cameras.iter().take(6) {
-            let at = camera.view([320, 180]);
             let step = |number: u8| {
-                let far = 0.02 * f32::from(number);
-                let on = |[x, y, z]: [f32; 3]| [x + far, y, z + 0.5 * far];
-                let mut view = at;
-                [view.eye, view.toward] = [on(at.eye), on(at.toward)];
-                view
+                let far = 0.02 * f64::from(number);
+                let on = |[x, y, z]: [f64; 3]| [x + far, y, z + 0.5 * far];
+                let moved = Camera {
+                    eye: on(camera.eye),
+                    toward: on(camera.toward),
+                    ..camera.clone()
+                };
+                moved.view([320, 180]).expect("a valid view")
             };
             let mut viewer = Viewer::new();
             for number in 0..8 {

@@ -81,11 +81,11 @@ fn openings_are_holes_when_no_portal_is_followed() {
     let built = &subject("two-rooms").built;
     let flat = built.scene.without_portals();
     let mut viewer = viewer();
-    let set = viewer.look(&flat, &built.cameras[0].view(SIZE));
+    let set = viewer.look(&flat, &built.cameras[0].view(SIZE).expect("a valid view"));
     assert_eq!(set.passages().len(), 1);
     assert!(!set.items().is_empty());
     let reference = Reference::new(&flat);
-    let view = built.cameras[0].view(SIZE);
+    let view = built.cameras[0].view(SIZE).expect("a valid view");
     let truth = reference.see(&flat, &view, &limits());
     let picture = drawn(&mut viewer, &flat, &view);
     assert_eq!(truth.check(viewer.visible(), Some(&picture)).pixels_different, 0);
@@ -100,7 +100,7 @@ fn a_closed_door_shows_nothing_of_what_is_behind_it() {
     let mut scene = built.scene.clone();
     doors.iter().for_each(|&door| scene.set_open(door, false));
     let mut viewer = viewer();
-    let view = built.cameras[0].view(SIZE);
+    let view = built.cameras[0].view(SIZE).expect("a valid view");
     assert_eq!(viewer.look(&scene, &view).passages().len(), 1);
     let truth = Reference::new(&scene).see(&scene, &view, &limits());
     let picture = drawn(&mut viewer, &scene, &view);

@@ -50,7 +50,7 @@ fn no_frame_is_lost_on_the_way_through_the_doors_of_the_palace() {
 fn sees(name: &str, eye: [f32; 3], toward: [f32; 3], items: usize) {
     let scene = built_in(name).expect("a built-in scene").scene;
     let mut contestants = Contestants::new(&scene, limits(), LIMIT);
-    let view = View::new(eye, toward, [48, 27]);
+    let view = View::new(eye, toward, [48, 27]).expect("a valid view");
     assert_eq!(holds(&mut contestants, &view, &format!("@{name}")), items);
 }
 

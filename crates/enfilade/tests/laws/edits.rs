@@ -68,8 +68,8 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
             fresh.set_geometry(id, geometry).expect("the same openings");
         }
         let camera = &subject.built.cameras[round as usize % subject.built.cameras.len()];
-        let mut view = camera.view(SIZE);
-        view.sector = edited.sector_of(&subject.built.cameras[0].view(SIZE));
+        let mut view = camera.view(SIZE).expect("a valid view");
+        view.sector = edited.sector_of(&subject.built.cameras[0].view(SIZE).expect("a valid view"));
         let truth = Reference::new(edited).see(edited, &view, &limits());
         let anywhere = Reference::new(edited).see_anywhere(edited, &view, &limits(), 2, round);
         looked_at += truth.visible().len();
@@ -193,7 +193,7 @@ fn a_wall_and_a_thing() -> Scene {
 #[test]
 fn a_thing_that_was_turned_and_flattened_is_seen_where_it_looks_over_a_wall() {
     let scene = a_wall_and_a_thing();
-    let view = View::new([0.4, 1.0, 4.0], [0.4, 1.0, 0.0], SIZE);
+    let view = View::new([0.4, 1.0, 4.0], [0.4, 1.0, 0.0], SIZE).expect("a valid view");
     for degrees in [10.0_f64, 40.0, 45.0, 60.0] {
         // Rotated backwards, then flattened along z: its height and its depth both point up, or one of them down.
         let turn = Transform::rotation([1.0, 0.0, 0.0], -degrees.to_radians());

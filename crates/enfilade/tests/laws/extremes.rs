@@ -4,10 +4,10 @@ use crate::subject::{LIMIT, limits, subject};
 use crate::the_laws_hold;
 use enfilade::laws::Contestants;
 use enfilade::{
-    Aabb, Attributes, ConvexPolygon, GeometryBuilder, ItemId, MAX_COORDINATE, Mesh, Part, SceneBuilder,
-    SectorId, Transform, View,
+    Aabb, Attributes, Camera, ConvexPolygon, GeometryBuilder, ItemId, MAX_COORDINATE, Mesh, Part,
+    SceneBuilder, SectorId, Transform, View,
 };
-use enfilade_scenes::{BuiltIn, Camera};
+use enfilade_scenes::BuiltIn;
 
 /// Doors, mirrors, scaling portals, intersecting and coplanar faces, slivers, glass, openings in openings.
 const SCENES: [&str; 9] = [
@@ -80,9 +80,14 @@ fn moved(built: &BuiltIn, scale: f32, shift: [f32; 3]) -> BuiltIn {
             conjugate(portal.there_from_here),
         );
     }
+    let moved_point = |point: [f64; 3]| {
+        there_from_here
+            .point(point.map(|value| value as f32))
+            .map(f64::from)
+    };
     let cameras = built.cameras.iter().take(2).map(|camera| Camera {
-        eye: there_from_here.point(camera.eye),
-        toward: there_from_here.point(camera.toward),
+        eye: moved_point(camera.eye),
+        toward: moved_point(camera.toward),
         ..camera.clone()
     });
     BuiltIn {
@@ -118,7 +123,7 @@ fn doorways_nearer_than_the_near_plane_of_a_tiny_scene_are_looked_through() {
             ([2.5, 1.0, 0.4], [-5.0, 1.0, 0.0]),
         ] {
             let [eye, toward] = [eye, toward].map(|point: [f32; 3]| point.map(|value| value * scale));
-            let view = View::new(eye, toward, SIZE);
+            let view = View::new(eye, toward, SIZE).expect("a valid view");
             let (certain, broken) = contestants.check(&view);
             assert!(broken.is_empty(), "{scale}, {view:?}: {}", broken[0]);
             visible += certain;

@@ -65,7 +65,7 @@ fn an_engine_that_blends_items_is_told_their_order() {
                 last: BTreeMap::new(),
                 pairs: BTreeSet::new(),
             };
-            let set = viewer.draw(scene, &camera.view(size), &mut over);
+            let set = viewer.draw(scene, &camera.view(size).expect("a valid view"), &mut over);
             let order = set.blend_order(scene);
             let place = |(passage, item): (PassageId, ItemId)| {
                 order

@@ -6,6 +6,7 @@ mod doorways;
 mod edits;
 mod extremes;
 mod glass;
+mod matrices;
 mod mixed;
 mod subject;
 mod suite;
@@ -20,7 +21,11 @@ use subject::{SIZE, Subject, drawn, limits, names, subject, subjects, viewer};
 
 /// Tests every law with every method from every camera.
 fn the_laws_hold(name: &str, built: &BuiltIn, size: [u32; 2]) -> Report {
-    let views: Vec<View> = built.cameras.iter().map(|camera| camera.view(size)).collect();
+    let views: Vec<View> = built
+        .cameras
+        .iter()
+        .map(|camera| camera.view(size).expect("a valid view"))
+        .collect();
     let report = laws::check(&built.scene, &views, limits());
     let broken: Vec<String> = report
         .broken
@@ -68,8 +73,10 @@ fn the_position_of_the_sample_changes_the_picture() {
     for name in ["mirrors", "teleport", "bottles", "cones-16", "glass"] {
         let subject = subject(name);
         let [first, last] = [0, 3].map(|number| {
-            let mut view = subject.built.cameras[0].view(SIZE);
-            view.sample = View::FOUR_SAMPLES[number];
+            let view = subject.built.cameras[0].view(SIZE).expect("a valid view");
+            let view = view
+                .at_sample(View::FOUR_SAMPLES[number])
+                .expect("a position in the pixel");
             drawn(&mut viewer(), subject.seen_by(Method::ZBuffer), &view)
         });
         assert!(!first.same(&last), "@{name}");
@@ -82,7 +89,7 @@ fn a_pyramid_over_depths_changes_no_sample_of_the_picture() {
         let [flat, pyramid] = [Method::ZBuffer, Method::HierarchicalZ].map(|method| subject.seen_by(method));
         let mut painted = 0;
         for camera in &subject.built.cameras {
-            let view = camera.view(SIZE);
+            let view = camera.view(SIZE).expect("a valid view");
             let picture = drawn(&mut viewer(), flat, &view);
             painted += picture.painted();
             assert!(
@@ -104,7 +111,7 @@ fn what_a_tree_shows_by_faces_it_also_shows_by_boxes() {
             let [by_faces, by_boxes] = [Method::Svbsp, Method::Mobsp].map(|method| {
                 let mut viewer = viewer();
                 let scene = subject.seen_by(method);
-                viewer.look(scene, &camera.view(SIZE));
+                viewer.look(scene, &camera.view(SIZE).expect("a valid view"));
                 names(scene, viewer.visible())
             });
             let lost: Vec<_> = by_faces.difference(&by_boxes).collect();
@@ -124,7 +131,7 @@ fn what_a_tree_shows_by_faces_it_also_shows_by_boxes() {
 fn a_limit_of_crossings_is_told() {
     let BuiltIn { scene, cameras } = &subject("mirrors").built;
     let mut viewer = viewer();
-    let set = viewer.look(scene, &cameras[0].view(SIZE));
+    let set = viewer.look(scene, &cameras[0].view(SIZE).expect("a valid view"));
     assert!(!set.complete());
     assert!(
         set.passages()
@@ -132,7 +139,11 @@ fn a_limit_of_crossings_is_told() {
             .all(|passage| passage.crossings <= limits().max_crossings)
     );
     let BuiltIn { scene, cameras } = &subject("two-rooms").built;
-    assert!(viewer.look(scene, &cameras[0].view(SIZE)).complete());
+    assert!(
+        viewer
+            .look(scene, &cameras[0].view(SIZE).expect("a valid view"))
+            .complete()
+    );
 }
 
 #[test]

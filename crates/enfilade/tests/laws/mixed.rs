@@ -90,7 +90,7 @@ fn every_passage_keeps_its_contract(
     let scene = &subject.built.scene;
     let reference = Reference::new(scene);
     let truths: Vec<_> = (subject.built.cameras.iter())
-        .map(|camera| reference.see(scene, &camera.view(size), &limits()))
+        .map(|camera| reference.see(scene, &camera.view(size).expect("a valid view"), &limits()))
         .collect();
     for (contracts, seed) in POOLS
         .into_iter()
@@ -98,7 +98,7 @@ fn every_passage_keeps_its_contract(
     {
         let scene = mixed(scene, contracts, seed);
         for (camera, truth) in subject.built.cameras.iter().zip(&truths) {
-            let view = camera.view(size);
+            let view = camera.view(size).expect("a valid view");
             let (mut looks, mut draws) = (viewer(), viewer());
             looks.look(&scene, &view);
             let picture = drawn(&mut draws, &scene, &view);

@@ -77,7 +77,7 @@ pub(crate) fn subject(name: &str) -> &'static Subject {
 }
 
 pub(crate) fn drawn(viewer: &mut Viewer, scene: &Scene, view: &View) -> OwnerPicture {
-    let mut picture = OwnerPicture::new(view.size);
+    let mut picture = OwnerPicture::new(view.size());
     viewer.draw(scene, view, &mut picture);
     picture
 }

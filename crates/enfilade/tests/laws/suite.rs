@@ -112,7 +112,7 @@ fn broken_by(fault: Fault) -> Vec<Law> {
         scene.door((hall, OpeningId(0)), (study, OpeningId(0)));
         scene.build().expect("two rooms and a door")
     };
-    let view = View::new([-4.5, 1.6, 0.0], [5.0, 1.2, 0.0], [WIDTH, 72]);
+    let view = View::new([-4.5, 1.6, 0.0], [5.0, 1.2, 0.0], [WIDTH, 72]).expect("a valid view");
     let report = check_custom(&scene_with(Some(fault)), &scene_with(None), &[view], limits());
     assert!(report.visible > 0);
     let mut laws: Vec<Law> = Vec::new();

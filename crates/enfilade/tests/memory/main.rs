@@ -57,14 +57,18 @@ fn stays_small(scene: &Scene, view: &View, most: u64) {
 
 #[test]
 fn a_hundred_mirrors_side_by_side_share_their_buffers() {
-    let view = View::new([0.0, 0.0, 1.0], [0.0, 0.0, -4.0], SIZE);
+    let view = View::new([0.0, 0.0, 1.0], [0.0, 0.0, -4.0], SIZE).expect("a valid view");
     stays_small(&hundred_mirrors(), &view, MOST);
 }
 
 #[test]
 fn a_hundred_mirrors_within_each_other_share_their_buffers() {
     let mirrors = built_in("mirrors").expect("a built-in scene");
-    stays_small(&mirrors.scene, &mirrors.cameras[0].view(SIZE), MOST);
+    stays_small(
+        &mirrors.scene,
+        &mirrors.cameras[0].view(SIZE).expect("a valid view"),
+        MOST,
+    );
 }
 
 /// Two facing mirrors, and a pane between them that fills the picture.
@@ -100,6 +104,6 @@ fn mirrors_behind_glass() -> Scene {
 
 #[test]
 fn nor_do_mirrors_within_each_other_keep_all_the_glass_before_them() {
-    let view = View::new([0.0, 0.0, 1.0], [0.0, 0.0, -2.0], SIZE);
+    let view = View::new([0.0, 0.0, 1.0], [0.0, 0.0, -2.0], SIZE).expect("a valid view");
     stays_small(&mirrors_behind_glass(), &view, MOST + GLASS);
 }

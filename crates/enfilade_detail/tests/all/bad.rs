@@ -231,8 +231,7 @@ fn a_scene_that_would_grow_too_large_stays_as_it_was() {
         .add(&mut scene, HALL, "ball", Ball::new(), at([0.0, 0.0, -1.5]))
         .expect("a box fits");
     let mut viewer = Viewer::new();
-    let mut view = straight();
-    view.size = [1280, 720];
+    let view = enfilade::View::new([0.0; 3], [0.0, 0.0, -5.0], [1280, 720]).expect("a valid view");
     for _ in 0..3 {
         let set = viewer.look(&scene, &view);
         assert_eq!(set.items().len(), 1);

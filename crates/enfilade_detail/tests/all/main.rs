@@ -7,8 +7,8 @@ mod world;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    Contract, ConvexPolygon, GeometryBuilder, Limits, Method, Scene, SceneBuilder, SectorId, Transform, View,
-    Viewer,
+    Camera, Contract, ConvexPolygon, GeometryBuilder, Limits, Method, Scene, SceneBuilder, SectorId,
+    Transform, View, Viewer,
 };
 use enfilade_detail::{DetailOptions, Details};
 use std::sync::Arc;
@@ -36,7 +36,7 @@ fn what_is_hidden_builds_nothing_until_it_is_seen() {
         assert_eq!((seen.builds(), hidden.builds()), (1, 0), "{method}");
         assert_eq!(details.level(HALL, behind), Some(None));
         // It comes into view from the side.
-        let view = View::new([6.0, 0.0, -6.0], [0.0, 0.0, -8.0], [96, 72]);
+        let view = View::new([6.0, 0.0, -6.0], [0.0, 0.0, -8.0], [96, 72]).expect("a valid view");
         settle(&mut details, &mut scene, &mut viewer, &view);
         assert_eq!(hidden.builds(), 1, "{method}");
     }
@@ -148,7 +148,7 @@ fn building_is_bounded_by_the_budget_and_nothing_is_dropped_meanwhile() {
         let (mut waited, mut steps) = (Vec::new(), 0);
         loop {
             let truth = Reference::new(&scene).see(&scene, &view, &Limits::default());
-            let mut picture = OwnerPicture::new(view.size);
+            let mut picture = OwnerPicture::new(view.size());
             viewer.draw(&scene, &view, &mut picture);
             assert_eq!(viewer.visible().items().len(), 9, "{method}, step {steps}");
             let verdict = truth.check(viewer.visible(), Some(&picture));
@@ -214,8 +214,11 @@ fn only_the_exact_level_hides_what_is_behind_it() {
             ["ball", "thing"],
             "{method}: a coarse level"
         );
-        let mut near = View::new([0.0, 0.0, -2.9], [0.0, 0.0, -4.0], [960, 720]);
-        near.fov_y = 1.5;
+        let camera = Camera {
+            fov_y: 1.5,
+            ..Camera::new([0.0, 0.0, -2.9], [0.0, 0.0, -4.0])
+        };
+        let near = camera.view([960, 720]).expect("a valid view");
         settle(&mut details, &mut scene, &mut viewer, &near);
         assert_eq!(details.level(HALL, enfilade::ItemId(0)), Some(Some(Ball::FINEST)));
         assert_eq!(
@@ -236,7 +239,7 @@ fn two_cameras_are_both_given_what_they_want() {
     let item = details
         .add(&mut scene, HALL, "ball", Ball::new(), at([0.0, 0.0, -5.0]))
         .expect("it fits");
-    let far = View::new([0.0, 0.0, 40.0], [0.0, 0.0, -5.0], [96, 72]);
+    let far = View::new([0.0, 0.0, 40.0], [0.0, 0.0, -5.0], [96, 72]).expect("a valid view");
     let mut levels = Vec::new();
     for views in [[far, far], [far, straight()], [straight(), far]] {
         for _ in 0..4 {
@@ -258,7 +261,7 @@ fn a_way_there_and_back_changes_levels_once_each_way_and_a_trembling_eye_changes
         .expect("it fits");
     let mut level_at = |distance: f32, tremble: f32| {
         let eye = [tremble, 0.5 * tremble, distance + tremble];
-        let view = View::new(eye, [0.0; 3], [320, 240]);
+        let view = View::new(eye, [0.0; 3], [320, 240]).expect("a valid view");
         let set = viewer.look(&scene, &view);
         details.refine(&mut scene, &[set]).expect("it fits");
         details.level(HALL, item).flatten().expect("it is seen")
@@ -298,7 +301,7 @@ fn memory_is_given_up_by_what_is_unseen_longest() {
         .expect("they fit");
     let mut most = 0;
     for place in &places {
-        let view = View::new([place[0], 0.0, 0.0], *place, [96, 72]);
+        let view = View::new([place[0], 0.0, 0.0], *place, [96, 72]).expect("a valid view");
         for _ in 0..2 {
             let set = viewer.look(&scene, &view);
             most = most.max(details.refine(&mut scene, &[set]).expect("it fits").bytes);
@@ -326,7 +329,7 @@ fn an_adopted_item_is_what_it_was_again_when_it_is_near() {
     details
         .adopt(&mut scene, [(HALL, items[0], a), (HALL, items[1], b)])
         .expect("they are there");
-    let near = View::new([0.0, 0.0, -3.8], [0.0, 0.0, -5.0], [1920, 1080]);
+    let near = View::new([0.0, 0.0, -3.8], [0.0, 0.0, -5.0], [1920, 1080]).expect("a valid view");
     settle(&mut details, &mut scene, &mut viewer, &near);
     let geometry = scene.geometry(HALL).expect("ours");
     assert_eq!(

@@ -2,14 +2,16 @@
 
 use crate::world::{Ball, HALL, at, empty, settle};
 use enfilade::{
-    Canvas, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Method, Passage, PassageId, Scene,
-    SceneBuilder, Span, Transform, View, Viewer,
+    Camera, Canvas, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Method, Passage, PassageId,
+    Scene, SceneBuilder, Span, Transform, View, Viewer,
 };
 use enfilade_detail::{BezierPatch, BezierSurface, DetailOptions, DetailSource, Details};
 use std::sync::Arc;
 
 /// Resolution of the compared pictures relative to the view, per axis.
 const FINER: u32 = 4;
+
+const SIZE: [u32; 2] = [128, 96];
 
 /// Which samples are covered.
 struct Covered(Vec<Vec<bool>>);
@@ -24,11 +26,10 @@ impl Canvas for Covered {
     }
 }
 
-/// Renders coverage at a higher resolution than the view's.
-fn covers(scene: &Scene, view: &View) -> Vec<Vec<bool>> {
-    let mut view = *view;
-    view.size = view.size.map(|side| FINER * side);
-    let [width, height] = view.size.map(|side| side as usize);
+/// Renders coverage at a higher resolution than that of the views.
+fn covers(scene: &Scene, camera: &Camera) -> Vec<Vec<bool>> {
+    let view = camera.view(SIZE.map(|side| FINER * side)).expect("a valid view");
+    let [width, height] = view.size().map(|side| side as usize);
     let mut covered = Covered(vec![vec![false; width]; height]);
     Viewer::new().draw(scene, &view, &mut covered);
     covered.0
@@ -77,10 +78,11 @@ fn silhouettes_agree(scene: &Scene, source: &Arc<dyn DetailSource>, place: Trans
         let distance = 40.0 * 0.85_f32.powi(step);
         let angle = step as f32;
         let eye = [distance * angle.sin(), 0.4 * distance, distance * angle.cos()];
-        let view = View::new(eye, [0.1, 0.0, 0.0], [128, 96]);
+        let camera = Camera::new(eye, [0.1, 0.0, 0.0]);
+        let view = camera.view(SIZE).expect("a valid view");
         settle(&mut details, &mut scene, &mut viewer, &view);
         levels.push(details.level(HALL, item).flatten().expect("it is seen"));
-        let [chosen, full] = [covers(&scene, &view), covers(&finest, &view)];
+        let [chosen, full] = [covers(&scene, &camera), covers(&finest, &camera)];
         // The position of a silhouette is known only to half a sample diagonal, in either picture.
         let known = 2_f64.sqrt() / f64::from(FINER);
         for off in [farthest(&chosen, &full), farthest(&full, &chosen)] {
@@ -144,7 +146,7 @@ fn a_bezier_surface_hides_nothing_and_is_seen_at_every_level() {
         .expect("it fits");
     let mut viewer = Viewer::new();
     for distance in [100.0, 20.0, 5.0, 2.0] {
-        let view = View::new([0.0, distance, 0.1 * distance], [0.0; 3], [128, 96]);
+        let view = View::new([0.0, distance, 0.1 * distance], [0.0; 3], [128, 96]).expect("a valid view");
         let refined = settle(&mut details, &mut scene, &mut viewer, &view);
         assert_eq!((viewer.visible().items().len(), refined.waiting), (1, 0));
         assert!(!scene.geometry(HALL).expect("ours").item(ItemId(0)).is_occluder);

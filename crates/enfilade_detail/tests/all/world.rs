@@ -135,7 +135,7 @@ pub(crate) fn at(place: [f32; 3]) -> Transform {
 
 /// A view from the origin along −z.
 pub(crate) fn straight() -> View {
-    View::new([0.0; 3], [0.0, 0.0, -5.0], [96, 72])
+    View::new([0.0; 3], [0.0, 0.0, -5.0], [96, 72]).expect("a valid view")
 }
 
 /// Looks and refines until nothing is built and no item waits, then looks again.

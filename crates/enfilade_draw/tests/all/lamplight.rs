@@ -1,9 +1,9 @@
 //! Compares rendered lamplight with light traced along every chain of portals separately.
 
 use enfilade::laws::Lamplight;
-use enfilade::{Light, LightId, Ray, RayEnd, Scene, View, Viewer};
+use enfilade::{Camera, Light, LightId, Ray, RayEnd, Scene, View, Viewer};
 use enfilade_draw::{RgbImage, Settings, Stage};
-use enfilade_scenes::{BuiltIn, Camera, built_in};
+use enfilade_scenes::{BuiltIn, built_in};
 use glam::DVec3;
 
 const SIZE: [u32; 2] = [96, 64];
@@ -53,7 +53,7 @@ type Lit = (DVec3, [f32; 4], (u32, u32, u32));
 fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction: DVec3) -> Option<Lit> {
     let sector = scene.sector_of(view).expect("a camera inside a sector");
     let ray = Ray {
-        origin: view.eye,
+        origin: view.eye().map(|value| value as f32),
         direction: direction.as_vec3().into(),
     };
     let cast = scene.cast(sector, &ray);
@@ -63,7 +63,7 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
     if hit.from_behind || surface.alpha != enfilade::Alpha::Opaque {
         return None;
     }
-    let eye = DVec3::from(view.eye.map(f64::from));
+    let eye = DVec3::from(view.eye());
     let columns = cast
         .there_from_here
         .columns()
@@ -82,15 +82,15 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
 
 /// Returns the ray direction at an offset from a pixel's centre, in pixels.
 fn direction(view: &View, [x, y]: [u32; 2], [dx, dy]: [f64; 2]) -> DVec3 {
-    let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
+    let [eye, toward, up] = [view.eye(), view.toward(), view.up()].map(DVec3::from);
     let forward = (toward - eye).normalize();
     let right = forward.cross(up).normalize();
     let up = right.cross(forward);
-    let step = 2.0 * (0.5 * f64::from(view.fov_y)).tan() / f64::from(view.size[1]);
+    let step = 2.0 * (0.5 * f64::from(view.fov_y())).tan() / f64::from(view.size()[1]);
     let [dx, dy] = [dx + View::GENERIC_OFFSET[0], dy + View::GENERIC_OFFSET[1]];
     let [right_of, above] = [
-        f64::from(x) + 0.5 + dx - 0.5 * f64::from(view.size[0]),
-        0.5 * f64::from(view.size[1]) - (f64::from(y) + 0.5 + dy),
+        f64::from(x) + 0.5 + dx - 0.5 * f64::from(view.size()[0]),
+        0.5 * f64::from(view.size()[1]) - (f64::from(y) + 0.5 + dy),
     ];
     forward + right * (right_of * step) + up * (above * step)
 }
@@ -120,7 +120,7 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
         let dark = in_the_dark(&scene);
         let lamplight = Lamplight::new(&scene, if name == "mirrors" { 5 } else { 4 });
         for camera in &cameras {
-            let view = camera.view(SIZE);
+            let view = camera.view(SIZE).expect("a valid view");
             let [picture, unlit] = [&scene, &dark].map(|scene| drawn(scene, &view).0);
             for y in 0..SIZE[1] {
                 for x in 0..SIZE[0] {
@@ -168,7 +168,7 @@ fn an_edge_of_light_is_as_bright_as_the_part_of_each_pixel_within_it() {
         let dark = in_the_dark(&scene);
         let lamplight = Lamplight::new(&scene, 4);
         for camera in &cameras {
-            let view = camera.view(SIZE);
+            let view = camera.view(SIZE).expect("a valid view");
             let [picture, unlit] = [&scene, &dark].map(|scene| drawn(scene, &view).0);
             for y in 0..SIZE[1] {
                 for x in 0..SIZE[0] {
@@ -210,7 +210,7 @@ fn an_edge_of_light_is_as_bright_as_the_part_of_each_pixel_within_it() {
 #[test]
 fn a_lamp_that_shines_on_nothing_seen_is_left_out() {
     let BuiltIn { scene, cameras } = built_in("teleport").expect("a built-in scene");
-    let shining = |camera: &Camera| drawn(&scene, &camera.view(SIZE)).1;
+    let shining = |camera: &Camera| drawn(&scene, &camera.view(SIZE).expect("a valid view")).1;
     let named = |name: &str| {
         cameras
             .iter()
@@ -226,6 +226,6 @@ fn a_lamp_that_shines_on_nothing_seen_is_left_out() {
         ..lamp
     };
     far.set_light(LightId(0), moved).expect("a valid light");
-    let view = named("in the yard").view(SIZE);
+    let view = named("in the yard").view(SIZE).expect("a valid view");
     assert_eq!(drawn(&far, &view).1, 0);
 }

@@ -21,8 +21,7 @@ fn an_edge_shows_as_much_of_a_face_as_its_four_samples_do() {
     };
     let scene = gallery(Vec::new(), &[white]);
     let seen_at = |sample| {
-        let mut view = view();
-        view.sample = sample;
+        let view = view().at_sample(sample).expect("a position in the pixel");
         let mut picture = OwnerPicture::new(SIZE);
         Viewer::new().draw(&scene, &view, &mut picture);
         picture
@@ -94,7 +93,7 @@ fn methods_that_know_the_owners_shade_each_sample_that_is_seen_once() {
                 .with_method(method, u64::MAX)
                 .expect("within the memory limit");
             let stage = Stage::new(&scene);
-            let view = built.cameras[0].view(SIZE);
+            let view = built.cameras[0].view(SIZE).expect("a valid view");
             let mut owners = OwnerPicture::new(SIZE);
             Viewer::new().draw(&scene, &view, &mut owners);
             let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));

@@ -55,7 +55,7 @@ fn linear(byte: u8) -> f64 {
 fn met(x: u32, y: u32) -> DVec3 {
     let view: View = view();
     let way = direction(&view, [f64::from(x) + 0.5, f64::from(y) + 0.5]);
-    let eye = DVec3::from(view.eye.map(f64::from));
+    let eye = DVec3::from(view.eye());
     eye + way * ((-3.0 - eye.z) / way.z)
 }
 

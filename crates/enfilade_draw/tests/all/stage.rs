@@ -72,7 +72,7 @@ pub(crate) fn gallery(textures: Vec<Texture>, materials: &[Material]) -> Scene {
 }
 
 pub(crate) fn view() -> View {
-    View::new([0.1, 0.2, 2.0], [0.0, -0.1, -2.0], SIZE)
+    View::new([0.1, 0.2, 2.0], [0.0, -0.1, -2.0], SIZE).expect("a valid view")
 }
 
 pub(crate) fn drawn(scene: &Scene, view: &View, settings: &Settings) -> Picture {
@@ -97,14 +97,14 @@ pub(crate) struct RayHit {
 
 /// Returns the ray through a screen position.
 pub(crate) fn direction(view: &View, [x, y]: [f64; 2]) -> DVec3 {
-    let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
+    let [eye, toward, up] = [view.eye(), view.toward(), view.up()].map(DVec3::from);
     let forward = (toward - eye).normalize();
     let right = forward.cross(up).normalize();
-    let step = 2.0 * (0.5 * f64::from(view.fov_y)).tan() / f64::from(view.size[1]);
+    let step = 2.0 * (0.5 * f64::from(view.fov_y())).tan() / f64::from(view.size()[1]);
     let [dx, dy] = View::GENERIC_OFFSET;
     let [right_of, below] = [
-        x + dx - 0.5 * f64::from(view.size[0]),
-        y + dy - 0.5 * f64::from(view.size[1]),
+        x + dx - 0.5 * f64::from(view.size()[0]),
+        y + dy - 0.5 * f64::from(view.size()[1]),
     ];
     forward + right * (right_of * step) - right.cross(forward) * (below * step)
 }
@@ -113,7 +113,7 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<RayHit> {
     let direction = direction(view, at);
     let sector = scene.sector_of(view)?;
     let ray = Ray {
-        origin: view.eye,
+        origin: view.eye().map(|value| value as f32),
         direction: direction.as_vec3().into(),
     };
     let cast = scene.cast(sector, &ray);
@@ -127,7 +127,7 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<RayHit> {
             .map(|c| DVec3::from(c.map(f64::from)));
         columns[0] * p.x + columns[1] * p.y + columns[2] * p.z + columns[3]
     };
-    let eye = DVec3::from(view.eye.map(f64::from));
+    let eye = DVec3::from(view.eye());
     let point = moved(eye + direction * cast.distance);
     let geometry = scene.geometry(cast.sector)?;
     let mesh = geometry.mesh_of(hit.item);

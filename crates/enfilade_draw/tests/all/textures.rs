@@ -100,8 +100,9 @@ fn what_lies_far_off_is_even_and_does_not_flicker() {
         let scene = gallery(vec![texture], &[poster()]);
         let mut image = Vec::new();
         for step in 0..2 {
-            let mut view = view();
-            view.eye[0] += 0.013 * step as f32;
+            let [x, y, z] = view().eye();
+            let view = enfilade::View::new([x + 0.013 * f64::from(step), y, z], view().toward(), SIZE);
+            let view = view.expect("a valid view");
             image.push(drawn(&scene, &view, &Settings::default()).image);
         }
         let change = |(a, b): (&u8, &u8)| u64::from(a.abs_diff(*b));

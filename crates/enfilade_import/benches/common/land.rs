@@ -83,8 +83,8 @@ pub(crate) fn house_in_a_valley(folder: &Path, methods: [Method; 2], size: [u32;
         doors.push((outside.opening(&name, outline), there));
         let middle: [f64; 3] = std::array::from_fn(|i| (opening.corners[0][i] + opening.corners[2][i]) / 2.0);
         let off = |distance: f64| at(std::array::from_fn(|i| middle[i] + distance * opening.outward[i]));
-        views.push(View::new(off(9.0), off(0.0), size));
-        views.push(View::new(off(-1.5), off(3.0), size));
+        views.push(View::new(off(9.0), off(0.0), size).expect("a valid view"));
+        views.push(View::new(off(-1.5), off(3.0), size).expect("a valid view"));
     }
     let mut scene = SceneBuilder::new();
     let outside = scene.add("outside", outside.build().expect("a geometry"), methods[0]);

@@ -77,7 +77,7 @@ pub(crate) fn open(folder: &Path, file: &str) -> Place {
     let views = survey(&scene, VIEWS)
         .views
         .iter()
-        .map(|at| View::new(at.eye, at.toward, SIZE))
+        .map(|at| View::new(at.eye, at.toward, SIZE).expect("a valid view"))
         .collect();
     Place { scene, views }
 }
@@ -228,12 +228,12 @@ pub(crate) struct Lens {
 
 impl Lens {
     pub(crate) fn of(view: &View) -> Lens {
-        let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
+        let [eye, toward, up] = [view.eye(), view.toward(), view.up()].map(|v| DVec3::from(v.map(f64::from)));
         let ahead = (toward - eye).normalize();
         let right = ahead.cross(up).normalize();
         let down = ahead.cross(right);
-        let [width, height] = view.size.map(f64::from);
-        let focal = 0.5 * height / (0.5 * f64::from(view.fov_y)).tan();
+        let [width, height] = view.size().map(f64::from);
+        let focal = 0.5 * height / (0.5 * f64::from(view.fov_y())).tan();
         let rows = [
             right * focal + ahead * (0.5 * width),
             down * focal + ahead * (0.5 * height),
@@ -245,7 +245,7 @@ impl Lens {
                 matrix3,
                 translation: matrix3 * -eye,
             },
-            near: f64::from(view.near),
+            near: f64::from(view.z_near()),
         }
     }
 

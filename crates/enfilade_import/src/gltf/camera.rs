@@ -6,17 +6,18 @@ use super::nodes::SceneNode;
 use super::plan::Plan;
 use crate::rooms::{room_around, room_nearest};
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Camera, Room};
-use enfilade::{Aabb, SectorId, Transform};
+use crate::{BrokenRule, Room};
+use enfilade::{Aabb, Camera, SectorId, Transform};
 use glam::DVec3;
 
-/// Returns the cameras of the scene; adds a warning for each invalid one.
+/// Returns the cameras of the scene, each with the height of its view volume if it is orthographic; adds a warning for each
+/// invalid one.
 pub(super) fn read(
     document: &Document,
     plan: &Plan,
     rooms: &[Room],
     warnings: &mut Warnings,
-) -> Result<Vec<Camera>, BrokenRule> {
+) -> Result<Vec<(Camera, Option<f32>)>, BrokenRule> {
     let names = Names::of(document, |node| node.camera.is_some());
     let mut cameras = Vec::new();
     for placed in plan.shown() {
@@ -32,7 +33,7 @@ pub(super) fn read(
                     perspective: Some(lens),
                     ..
                 },
-            ) => perspective(&name, *lens, &placed.world),
+            ) => perspective(&name, *lens, &placed.world).map(|camera| (camera, None)),
             (
                 "orthographic",
                 Source {
@@ -41,7 +42,8 @@ pub(super) fn read(
                 },
             ) => {
                 let home = || home(plan, placed, rooms);
-                orthographic(&name, *lens, &placed.world, rooms, home)
+                let camera = orthographic(&name, *lens, &placed.world, rooms, home);
+                camera.map(|camera| (camera, Some(2.0 * lens.ymag)))
             }
             _ => None,
         };
@@ -60,8 +62,8 @@ fn frame(world: &Transform) -> Option<[DVec3; 3]> {
     Some([eye, up.try_normalize()?, back.try_normalize()?])
 }
 
-fn rounded(v: DVec3) -> [f32; 3] {
-    v.as_vec3().to_array()
+fn rounded(v: DVec3) -> [f64; 3] {
+    v.as_vec3().to_array().map(f64::from)
 }
 
 fn perspective(name: &str, lens: Perspective, world: &Transform) -> Option<Camera> {
@@ -85,9 +87,8 @@ fn perspective(name: &str, lens: Perspective, world: &Transform) -> Option<Camer
         toward: rounded(eye - ahead * back),
         up: rounded(up),
         fov_y: yfov,
-        near: znear,
+        z_near: Some(znear),
         sector: None,
-        height: None,
     })
 }
 
@@ -95,7 +96,9 @@ fn perspective(name: &str, lens: Perspective, world: &Transform) -> Option<Camer
 /// moves nothing by more than half a pixel at the sides of a 1280-pixel-wide viewport.
 const AWAY: f64 = 1281.0;
 
-/// Approximates an orthographic camera by a perspective one far behind it.
+/// Approximates an orthographic camera by a perspective one far behind it, because a [`View`](enfilade::View) is in
+/// perspective: so far that in a 1280-pixel-wide viewport no vertex moves by more than about half a pixel. Geometry halfway
+/// between the near and far ends of the scene has the correct size, and the near plane is that of the file.
 fn orthographic(
     name: &str,
     lens: Orthographic,
@@ -141,15 +144,11 @@ fn orthographic(
         toward: rounded(eye - middle * back),
         up: rounded(up),
         fov_y: (2.0 * (ymag / away).atan()) as f32,
-        near: (away - (middle - znear)) as f32,
+        z_near: Some((away - (middle - znear)) as f32),
         sector: home(),
-        height: Some((2.0 * ymag) as f32),
     };
-    let numbers = camera.eye.into_iter().chain(camera.toward);
-    let is_finite = numbers.chain([camera.near]).all(f32::is_finite);
     // A view volume that is too small for its distance from the origin is lost to rounding.
-    let is_seen = camera.eye != camera.toward && camera.fov_y > 0.0 && camera.near > 0.0;
-    (is_finite && is_seen).then_some(camera)
+    camera.view([1, 1]).is_ok().then_some(camera)
 }
 
 /// Returns the room of a camera in the file. The moved position of an orthographic camera cannot determine it.

@@ -142,6 +142,7 @@ fn import_with(
         .rooms(name, &assets, &names, faults, &mut warnings)
         .map_err(|why| name_the_node(why, &document, plan.shown(), &names))?;
     let cameras = camera::read(&document, &plan, &rooms, &mut warnings)?;
+    let (cameras, orthographic_heights) = cameras.into_iter().unzip();
     let lights = lights::read(&document, &plan, &rooms, &mut warnings)?;
     let triangles = rooms
         .iter()
@@ -152,6 +153,7 @@ fn import_with(
         rooms,
         portals,
         cameras,
+        orthographic_heights,
         lights,
         map: None,
         warnings: warnings.into_list(),

@@ -159,7 +159,7 @@ fn large_items_of_a_scene_get_levels_and_copies_share_them() {
     let mut details = details_of(&mut scene, 1000, DetailOptions::default()).expect("they fit");
     assert!(scene.triangle_count() < 200);
     let mut viewer = Viewer::new();
-    let view = View::new([0.5, 3.0, 4.0], [0.5, 0.0, 0.5], [320, 240]);
+    let view = View::new([0.5, 3.0, 4.0], [0.5, 0.0, 0.5], [320, 240]).expect("a valid view");
     for _ in 0..4 {
         let set = viewer.look(&scene, &view);
         details.refine(&mut scene, &[set]).expect("they fit");

@@ -150,6 +150,7 @@ fn read(
         }],
         portals: Vec::new(),
         cameras: Vec::new(),
+        orthographic_heights: Vec::new(),
         lights: Vec::new(),
         map: None,
         warnings: warnings.into_list(),

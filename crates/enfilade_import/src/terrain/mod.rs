@@ -161,6 +161,7 @@ pub(crate) fn import(
         rooms: vec![room],
         portals: Vec::new(),
         cameras: Vec::new(),
+        orthographic_heights: Vec::new(),
         lights: Vec::new(),
         map: None,
         warnings: Vec::new(),

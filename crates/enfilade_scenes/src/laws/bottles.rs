@@ -3,9 +3,10 @@
 use super::stage::{
     BLUE, BLUE_GLASS, BROWN, Doorway, GREEN, LEAF, RED, RED_GLASS, Stage, YELLOW, finished, sheet,
 };
+use crate::BuiltIn;
+use crate::camera::camera;
 use crate::envelope::Side;
 use crate::shape::{Shape, ball, block, knot, lathe};
-use crate::{BuiltIn, Camera};
 use enfilade::{MaterialId, Method, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
 
@@ -96,12 +97,12 @@ pub(crate) fn bottles() -> BuiltIn {
     finished(
         scene,
         vec![
-            Camera::new("the bottles", [-0.9, 1.5, 1.9], [-1.3, 1.2, 0.0]),
-            Camera::new("the panes", [0.9, 1.5, 2.6], [0.6, 1.2, -0.5]),
-            Camera::new("the statue", [1.0, 1.6, 1.3], [2.0, 1.2, -1.0]),
-            Camera::new("through the door", [2.1, 1.5, 0.9], [2.1, 1.1, -4.0]),
-            Camera::new("from the back room", [2.2, 1.5, -5.4], [1.6, 1.2, 0.0]),
-            Camera::new("in the bottle", [-1.28, 1.1, 0.12], [-1.4, 1.3, -3.0]),
+            camera("the bottles", [-0.9, 1.5, 1.9], [-1.3, 1.2, 0.0]),
+            camera("the panes", [0.9, 1.5, 2.6], [0.6, 1.2, -0.5]),
+            camera("the statue", [1.0, 1.6, 1.3], [2.0, 1.2, -1.0]),
+            camera("through the door", [2.1, 1.5, 0.9], [2.1, 1.1, -4.0]),
+            camera("from the back room", [2.2, 1.5, -5.4], [1.6, 1.2, 0.0]),
+            camera("in the bottle", [-1.28, 1.1, 0.12], [-1.4, 1.3, -3.0]),
         ],
     )
 }

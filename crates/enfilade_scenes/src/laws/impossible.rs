@@ -4,9 +4,10 @@ use super::openings::shell;
 use super::stage::{
     BLUE, BROWN, Doorway, GREEN, GREY, RED, Stage, WHITE, YELLOW, YELLOW_SHEET, both_ways, finished,
 };
+use crate::BuiltIn;
+use crate::camera::camera;
 use crate::envelope::Side;
 use crate::shape::{ball, block, cuboid};
-use crate::{BuiltIn, Camera};
 use enfilade::{MaterialId, Method, OpeningId, SceneBuilder, SectorId, Transform};
 use glam::{Vec3, vec3};
 
@@ -57,18 +58,18 @@ pub(crate) fn impossible() -> BuiltIn {
     finished(
         scene,
         vec![
-            Camera::new("yard", [0.6, 1.7, 4.6], [0.2, 1.0, -1.0]),
-            Camera::new("beside the hut", [-3.6, 1.7, -1.2], [0.0, 1.0, -2.0]),
-            Camera::new("at the hut", [0.1, 1.5, -1.0], [-0.8, 1.3, -6.0]),
-            Camera::new("three windows", [0.6, 1.6, 0.8], [6.0, 1.3, -0.2]),
-            Camera::new("a window, aslant", [5.2, 1.5, -1.4], [6.1, 1.4, 0.0]),
-            Camera::new("hall", [33.6, 1.7, 3.4], [27.0, 1.4, -3.0]),
-            Camera::new("out of the hut", [29.8, 1.6, 1.0], [30.0, 1.1, 5.0]),
-            Camera::new("along the corridor", [59.7, 1.5, 1.2], [60.1, 1.3, -2.0]),
-            Camera::new("in the corridor's end", [60.2, 1.4, -2.0999], [60.0, 1.3, 2.0]),
-            Camera::new("into the corridor", [26.0, 1.6, 0.6], [24.0, 1.4, 0.1]),
-            Camera::new("at the pillar", [122.4, 1.6, 2.6], [121.4, 1.3, 0.0]),
-            Camera::new("round the pillar", [181.3, 1.5, 1.3], [181.9, 1.3, -0.4]),
+            camera("yard", [0.6, 1.7, 4.6], [0.2, 1.0, -1.0]),
+            camera("beside the hut", [-3.6, 1.7, -1.2], [0.0, 1.0, -2.0]),
+            camera("at the hut", [0.1, 1.5, -1.0], [-0.8, 1.3, -6.0]),
+            camera("three windows", [0.6, 1.6, 0.8], [6.0, 1.3, -0.2]),
+            camera("a window, aslant", [5.2, 1.5, -1.4], [6.1, 1.4, 0.0]),
+            camera("hall", [33.6, 1.7, 3.4], [27.0, 1.4, -3.0]),
+            camera("out of the hut", [29.8, 1.6, 1.0], [30.0, 1.1, 5.0]),
+            camera("along the corridor", [59.7, 1.5, 1.2], [60.1, 1.3, -2.0]),
+            camera("in the corridor's end", [60.2, 1.4, -2.0999], [60.0, 1.3, 2.0]),
+            camera("into the corridor", [26.0, 1.6, 0.6], [24.0, 1.4, 0.1]),
+            camera("at the pillar", [122.4, 1.6, 2.6], [121.4, 1.3, 0.0]),
+            camera("round the pillar", [181.3, 1.5, 1.3], [181.9, 1.3, -0.4]),
         ],
     )
 }

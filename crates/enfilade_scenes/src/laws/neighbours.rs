@@ -1,8 +1,9 @@
 //! Two faces that share an edge, and a third: a result for one of the two need not hold for the other.
 
 use super::stage::{BLUE_SHEET, GREEN_SHEET, RED_SHEET, Stage, YELLOW_SHEET, alone, sheet};
+use crate::BuiltIn;
+use crate::camera::camera;
 use crate::shape::Shape;
-use crate::{BuiltIn, Camera};
 use glam::vec3;
 
 /// Two wings that share a short edge, and a beam above it: one wing passes behind the beam, the other before it.
@@ -24,9 +25,9 @@ pub(crate) fn wings() -> BuiltIn {
     alone(
         stage,
         vec![
-            Camera::new("front", [0.0, 5.0, 30.0], [0.0, 5.0, 0.0]),
-            Camera::new("below", [1.0, -6.0, 26.0], [0.0, 6.0, 0.0]),
-            Camera::new("back", [0.0, 5.0, -30.0], [0.0, 5.0, 0.0]),
+            camera("front", [0.0, 5.0, 30.0], [0.0, 5.0, 0.0]),
+            camera("below", [1.0, -6.0, 26.0], [0.0, 6.0, 0.0]),
+            camera("back", [0.0, 5.0, -30.0], [0.0, 5.0, 0.0]),
         ],
     )
 }
@@ -68,9 +69,9 @@ pub(crate) fn seams() -> BuiltIn {
     alone(
         stage,
         vec![
-            Camera::new("above", [0.3, 4.5, 3.0], [0.0, 0.0, 0.0]),
-            Camera::new("below", [0.5, -3.5, 3.5], [0.0, 0.0, 0.0]),
-            Camera::new("along", [-2.0, 0.6, 5.0], [-1.0, 0.0, 0.0]),
+            camera("above", [0.3, 4.5, 3.0], [0.0, 0.0, 0.0]),
+            camera("below", [0.5, -3.5, 3.5], [0.0, 0.0, 0.0]),
+            camera("along", [-2.0, 0.6, 5.0], [-1.0, 0.0, 0.0]),
         ],
     )
 }

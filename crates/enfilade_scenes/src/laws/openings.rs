@@ -3,9 +3,10 @@
 use super::stage::{
     BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, both_ways, finished, lamp, sheet,
 };
+use crate::BuiltIn;
+use crate::camera::camera;
 use crate::envelope::Side;
 use crate::shape::{Shape, ball, block, cuboid, fill, knot};
-use crate::{BuiltIn, Camera};
 use enfilade::{Method, Scene, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
 
@@ -52,11 +53,11 @@ pub(crate) fn mirror() -> BuiltIn {
     finished(
         scene,
         vec![
-            Camera::new("straight", [0.0, 1.5, 2.6], [0.0, 1.4, -3.0]),
-            Camera::new("aslant", [2.6, 1.5, 1.8], [-0.6, 1.4, -3.0]),
-            Camera::new("grazing", [2.7, 1.5, -2.4], [-1.0, 1.4, -3.1]),
-            Camera::new("close", [0.2, 1.5, -2.95], [0.3, 1.4, -4.0]),
-            Camera::new("away", [0.0, 1.5, -2.0], [0.0, 1.2, 3.0]),
+            camera("straight", [0.0, 1.5, 2.6], [0.0, 1.4, -3.0]),
+            camera("aslant", [2.6, 1.5, 1.8], [-0.6, 1.4, -3.0]),
+            camera("grazing", [2.7, 1.5, -2.4], [-1.0, 1.4, -3.1]),
+            camera("close", [0.2, 1.5, -2.95], [0.3, 1.4, -4.0]),
+            camera("away", [0.0, 1.5, -2.0], [0.0, 1.2, 3.0]),
         ],
     )
 }
@@ -87,9 +88,9 @@ pub(crate) fn mirrors() -> BuiltIn {
     finished(
         scene,
         vec![
-            Camera::new("straight", [0.0, 1.5, 1.5], [0.0, 1.4, -3.0]),
-            Camera::new("aslant", [1.0, 1.6, 2.0], [-0.4, 1.3, -3.0]),
-            Camera::new("from the corner", [2.8, 2.4, 2.8], [-1.0, 1.0, -2.0]),
+            camera("straight", [0.0, 1.5, 1.5], [0.0, 1.4, -3.0]),
+            camera("aslant", [1.0, 1.6, 2.0], [-0.4, 1.3, -3.0]),
+            camera("from the corner", [2.8, 2.4, 2.8], [-1.0, 1.0, -2.0]),
         ],
     )
 }
@@ -136,13 +137,13 @@ pub(crate) fn nested() -> BuiltIn {
     finished(
         scene,
         vec![
-            Camera::new("straight", [0.0, 1.2, 1.8], [0.0, 1.1, -2.0]),
-            Camera::new("aslant", [1.9, 1.6, 0.2], [0.0, 1.1, -2.2]),
-            Camera::new("beside", [2.8, 1.4, -2.4], [0.0, 1.1, -2.4]),
-            Camera::new("close", [0.1, 1.2, -1.6], [0.0, 1.1, -2.6]),
-            Camera::new("at the window", [-0.8, 1.6, 1.2], [3.0, 1.3, -0.1]),
-            Camera::new("inside, back", [101.5, 1.2, 0.4], [98.0, 0.8, 0.0]),
-            Camera::new("inside, at the hatch", [101.1, 1.5, -0.9], [101.8, 1.1, 1.3]),
+            camera("straight", [0.0, 1.2, 1.8], [0.0, 1.1, -2.0]),
+            camera("aslant", [1.9, 1.6, 0.2], [0.0, 1.1, -2.2]),
+            camera("beside", [2.8, 1.4, -2.4], [0.0, 1.1, -2.4]),
+            camera("close", [0.1, 1.2, -1.6], [0.0, 1.1, -2.6]),
+            camera("at the window", [-0.8, 1.6, 1.2], [3.0, 1.3, -0.1]),
+            camera("inside, back", [101.5, 1.2, 0.4], [98.0, 0.8, 0.0]),
+            camera("inside, at the hatch", [101.1, 1.5, -0.9], [101.8, 1.1, 1.3]),
         ],
     )
 }
@@ -317,11 +318,11 @@ pub(crate) fn free_doorway() -> BuiltIn {
     finished(
         scene,
         vec![
-            Camera::new("into the garden", [0.2, 1.6, 3.2], [0.0, 1.2, 0.0]),
-            Camera::new("past it", [2.6, 1.6, 2.8], [-0.6, 1.2, -0.6]),
-            Camera::new("from behind", [0.3, 1.6, -3.4], [0.0, 1.2, 0.0]),
-            Camera::new("edge on", [3.5, 1.6, 0.0], [0.0, 1.2, 0.0]),
-            Camera::new("at the sill", [0.1, 1.5, 0.05], [0.2, 1.3, -3.0]),
+            camera("into the garden", [0.2, 1.6, 3.2], [0.0, 1.2, 0.0]),
+            camera("past it", [2.6, 1.6, 2.8], [-0.6, 1.2, -0.6]),
+            camera("from behind", [0.3, 1.6, -3.4], [0.0, 1.2, 0.0]),
+            camera("edge on", [3.5, 1.6, 0.0], [0.0, 1.2, 0.0]),
+            camera("at the sill", [0.1, 1.5, 0.05], [0.2, 1.3, -3.0]),
         ],
     )
 }

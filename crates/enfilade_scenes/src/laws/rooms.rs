@@ -1,10 +1,11 @@
 //! Rooms joined by doors, and cameras in difficult positions.
 
 use super::stage::{BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, YELLOW, joined};
+use crate::BuiltIn;
+use crate::camera::camera;
 use crate::envelope::Side;
 use crate::shape::{Shape, ball, block, cuboid, fill, lathe};
-use crate::{BuiltIn, Camera};
-use enfilade::Transform;
+use enfilade::{Camera, Transform};
 use glam::{Vec3, vec3};
 
 /// A door in the plane x = 0, as seen from the room to its west.
@@ -42,11 +43,11 @@ pub(crate) fn two_rooms() -> BuiltIn {
         (west, out),
         (east, back),
         vec![
-            Camera::new("in line", [-4.5, 1.6, 0.0], [5.0, 1.2, 0.0]),
-            Camera::new("aslant", [-4.5, 1.6, 2.0], [1.0, 1.0, -0.6]),
-            Camera::new("grazing", [-0.4, 1.6, 2.2], [0.2, 1.0, -2.0]),
-            Camera::new("way back", [4.6, 1.6, 0.3], [-5.0, 1.2, 0.0]),
-            Camera::new("away", [-1.0, 1.6, 0.0], [-5.0, 1.2, 0.0]),
+            camera("in line", [-4.5, 1.6, 0.0], [5.0, 1.2, 0.0]),
+            camera("aslant", [-4.5, 1.6, 2.0], [1.0, 1.0, -0.6]),
+            camera("grazing", [-0.4, 1.6, 2.2], [0.2, 1.0, -2.0]),
+            camera("way back", [4.6, 1.6, 0.3], [-5.0, 1.2, 0.0]),
+            camera("away", [-1.0, 1.6, 0.0], [-5.0, 1.2, 0.0]),
         ],
     )
 }
@@ -78,10 +79,10 @@ pub(crate) fn pillar() -> BuiltIn {
         (west, out),
         (east, back),
         vec![
-            Camera::new("covered", [-4.5, 1.5, 0.0], [0.0, 1.2, 0.0]),
-            Camera::new("past it", [-4.0, 1.5, 1.6], [0.2, 1.2, -0.2]),
-            Camera::new("before it", [-1.5, 1.5, 0.0], [0.0, 1.2, 0.0]),
-            Camera::new("between", [-0.45, 1.5, 0.3], [5.0, 1.0, 0.0]),
+            camera("covered", [-4.5, 1.5, 0.0], [0.0, 1.2, 0.0]),
+            camera("past it", [-4.0, 1.5, 1.6], [0.2, 1.2, -0.2]),
+            camera("before it", [-1.5, 1.5, 0.0], [0.0, 1.2, 0.0]),
+            camera("between", [-0.45, 1.5, 0.3], [5.0, 1.0, 0.0]),
         ],
     )
 }
@@ -129,11 +130,11 @@ pub(crate) fn slits() -> BuiltIn {
         (west, out),
         (east, back),
         vec![
-            Camera::new("before the screen", [-4.5, 1.5, 0.0], [-2.5, 1.5, 0.0]),
-            Camera::new("at the slit", [-2.56, 1.5, -0.99], [-1.0, 1.4, -0.9]),
-            Camera::new("at a needle hole", [-2.52, 1.505, 0.405], [-1.0, 1.5, 0.4]),
-            Camera::new("at the door", [-1.1, 1.5, 0.2], [0.2, 1.3, 0.3]),
-            Camera::new("at the gap", [-0.25, 1.5, 0.2], [2.0, 1.2, 0.6]),
+            camera("before the screen", [-4.5, 1.5, 0.0], [-2.5, 1.5, 0.0]),
+            camera("at the slit", [-2.56, 1.5, -0.99], [-1.0, 1.4, -0.9]),
+            camera("at a needle hole", [-2.52, 1.505, 0.405], [-1.0, 1.5, 0.4]),
+            camera("at the door", [-1.1, 1.5, 0.2], [0.2, 1.3, 0.3]),
+            camera("at the gap", [-0.25, 1.5, 0.2], [2.0, 1.2, 0.6]),
         ],
     )
 }
@@ -162,18 +163,18 @@ pub(crate) fn eye_in_things() -> BuiltIn {
         .into_iter()
         .flat_map(|(name, off)| {
             [
-                Camera::new(
+                camera(
                     &format!("{name} before the door"),
                     [-off, 1.5, 0.1],
                     [4.0, 1.2, 0.0],
                 ),
-                Camera::new(
+                camera(
                     &format!("{name} behind the door"),
                     [off, 1.5, 0.1],
                     [4.0, 1.2, 0.0],
                 ),
-                Camera::new(&format!("{name} behind, back"), [off, 1.5, 0.1], [-4.0, 1.2, 0.0]),
-                Camera::new(
+                camera(&format!("{name} behind, back"), [off, 1.5, 0.1], [-4.0, 1.2, 0.0]),
+                camera(
                     &format!("{name} before, along"),
                     [-off, 1.5, 0.0],
                     [0.0, 1.4, 4.0],
@@ -182,13 +183,13 @@ pub(crate) fn eye_in_things() -> BuiltIn {
         })
         .collect();
     cameras.extend([
-        Camera::new("in a box", [-3.0, 1.5, 0.0], [0.0, 1.3, 0.0]),
-        Camera::new("in a hollow box", [-4.2, 1.3, 1.5], [-4.2, 1.4, 0.0]),
-        Camera::new("on a wall", [-5.0, 1.5, 0.0], [0.0, 1.2, 0.3]),
-        Camera::new("along a wall", [-4.0, 1.5, -2.5], [0.0, 1.5, -2.5]),
-        Camera::new("near the floor", [-4.0, 0.002, 0.5], [0.0, 0.1, 0.0]),
-        Camera::new("straight up", [-2.0, 1.0, 1.0], [-2.0, 3.0, 1.0]),
-        Camera::new("straight down", [-1.3, 2.5, -1.3], [-1.3, 0.0, -1.3]),
+        camera("in a box", [-3.0, 1.5, 0.0], [0.0, 1.3, 0.0]),
+        camera("in a hollow box", [-4.2, 1.3, 1.5], [-4.2, 1.4, 0.0]),
+        camera("on a wall", [-5.0, 1.5, 0.0], [0.0, 1.2, 0.3]),
+        camera("along a wall", [-4.0, 1.5, -2.5], [0.0, 1.5, -2.5]),
+        camera("near the floor", [-4.0, 0.002, 0.5], [0.0, 0.1, 0.0]),
+        camera("straight up", [-2.0, 1.0, 1.0], [-2.0, 3.0, 1.0]),
+        camera("straight down", [-1.3, 2.5, -1.3], [-1.3, 0.0, -1.3]),
     ]);
     joined((west, out), (east, back), cameras)
 }

@@ -3,10 +3,11 @@
 use super::stage::{
     BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, alone, finished, sheet,
 };
+use crate::BuiltIn;
+use crate::camera::{camera, camera_with_fov};
 use crate::envelope::{Side, envelope};
 use crate::random::Random;
 use crate::shape::{Shape, ball, block, cuboid, taper};
-use crate::{BuiltIn, Camera};
 use enfilade::{Method, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
 
@@ -64,7 +65,7 @@ impl Resized {
         }
         scene.door(ends[0], ends[1]);
         let camera = |name: &str, eye: Vec3, toward: Vec3| {
-            Camera::new(name, self.at(eye).to_array(), self.at(toward).to_array())
+            camera(name, self.at(eye).to_array(), self.at(toward).to_array())
         };
         finished(
             scene,
@@ -158,11 +159,11 @@ pub(crate) fn crowd() -> BuiltIn {
     alone(
         stage,
         vec![
-            Camera::new("over the field", [0.0, 7.0, 9.0], [0.0, 0.0, -25.0]),
-            Camera::new("before the wall", [2.0, 1.6, 3.0], [1.0, 1.4, -20.0]),
-            Camera::new("at a gap", [4.95, 1.6, 0.0], [5.3, 1.4, -20.0]),
-            Camera::new("among them", [0.3, 1.6, -8.0], [12.0, 1.2, -20.0]),
-            Camera::new("pebbles", [0.0, 6.0, -44.0], [0.0, 4.0, -100.0]).lens(40.0),
+            camera("over the field", [0.0, 7.0, 9.0], [0.0, 0.0, -25.0]),
+            camera("before the wall", [2.0, 1.6, 3.0], [1.0, 1.4, -20.0]),
+            camera("at a gap", [4.95, 1.6, 0.0], [5.3, 1.4, -20.0]),
+            camera("among them", [0.3, 1.6, -8.0], [12.0, 1.2, -20.0]),
+            camera_with_fov("pebbles", [0.0, 6.0, -44.0], [0.0, 4.0, -100.0], 40.0),
         ],
     )
 }
@@ -211,10 +212,10 @@ pub(crate) fn big_mesh() -> BuiltIn {
     alone(
         stage,
         vec![
-            Camera::new("valley", eye(2.0, 3.0, 1.2), eye(-20.0, -20.0, 0.5)),
-            Camera::new("hilltop", eye(-10.0, 14.0, 3.0), eye(10.0, -20.0, 0.0)),
-            Camera::new("from the edge", eye(29.0, 29.0, 1.0), [0.0, 0.0, 0.0]),
-            Camera::new("from above", [0.0, 40.0, 10.0], [0.0, 0.0, 0.0]),
+            camera("valley", eye(2.0, 3.0, 1.2), eye(-20.0, -20.0, 0.5)),
+            camera("hilltop", eye(-10.0, 14.0, 3.0), eye(10.0, -20.0, 0.0)),
+            camera("from the edge", eye(29.0, 29.0, 1.0), [0.0, 0.0, 0.0]),
+            camera("from above", [0.0, 40.0, 10.0], [0.0, 0.0, 0.0]),
         ],
     )
 }

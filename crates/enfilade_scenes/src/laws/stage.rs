@@ -1,11 +1,11 @@
 //! Builds a sector of a small scene.
 
+use crate::BuiltIn;
 use crate::envelope::{Side, envelope};
 use crate::shape::Shape;
-use crate::{BuiltIn, Camera};
 use enfilade::{
-    Alpha, BakedCells, ConvexPolygon, Geometry, GeometryBuilder, Light, Material, MaterialId, Mesh, Method,
-    OpeningId, PortalEnd, SceneBuilder, SectorId, Transform,
+    Alpha, BakedCells, Camera, ConvexPolygon, Geometry, GeometryBuilder, Light, Material, MaterialId, Mesh,
+    Method, OpeningId, PortalEnd, SceneBuilder, SectorId, Transform,
 };
 use glam::{Vec3, vec2, vec3};
 use std::sync::Arc;

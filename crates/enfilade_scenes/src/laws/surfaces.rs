@@ -4,10 +4,11 @@ use super::stage::{
     BLUE, BLUE_GLASS, BLUE_SHEET, BROWN, Doorway, GREEN, GREEN_SHEET, GREY, LEAF, RED, RED_GLASS, RED_SHEET,
     Stage, WHITE, YELLOW, YELLOW_SHEET, alone, joined, sheet,
 };
+use crate::BuiltIn;
+use crate::camera::camera;
 use crate::envelope::Side;
 use crate::random::Random;
 use crate::shape::{Shape, around, ball, block, cuboid, prism, taper};
-use crate::{BuiltIn, Camera};
 use enfilade::{MaterialId, Mesh, Transform};
 use glam::{Vec2, Vec3, vec2, vec3};
 use std::sync::Arc;
@@ -74,10 +75,10 @@ pub(crate) fn crossing() -> BuiltIn {
     alone(
         stage,
         vec![
-            Camera::new("sheets", [-3.4, 1.6, 4.5], [-3.5, 1.2, 0.0]),
-            Camera::new("cycle", [0.1, 1.5, 4.5], [0.0, 1.4, 0.0]),
-            Camera::new("solids", [5.2, 2.2, 4.2], [3.4, 0.8, 0.0]),
-            Camera::new("all", [0.0, 2.6, 7.5], [0.0, 1.0, 0.0]),
+            camera("sheets", [-3.4, 1.6, 4.5], [-3.5, 1.2, 0.0]),
+            camera("cycle", [0.1, 1.5, 4.5], [0.0, 1.4, 0.0]),
+            camera("solids", [5.2, 2.2, 4.2], [3.4, 0.8, 0.0]),
+            camera("all", [0.0, 2.6, 7.5], [0.0, 1.0, 0.0]),
         ],
     )
 }
@@ -120,10 +121,10 @@ pub(crate) fn coplanar() -> BuiltIn {
     alone(
         stage,
         vec![
-            Camera::new("wall", [0.0, 1.8, 3.0], [0.0, 1.8, -3.0]),
-            Camera::new("aslant", [4.5, 1.4, -1.6], [-1.0, 1.4, -3.0]),
-            Camera::new("floor", [0.0, 2.5, 4.0], [0.0, 0.0, 0.0]),
-            Camera::new("from above", [0.0, 5.0, 0.2], [0.0, 0.0, 0.0]),
+            camera("wall", [0.0, 1.8, 3.0], [0.0, 1.8, -3.0]),
+            camera("aslant", [4.5, 1.4, -1.6], [-1.0, 1.4, -3.0]),
+            camera("floor", [0.0, 2.5, 4.0], [0.0, 0.0, 0.0]),
+            camera("from above", [0.0, 5.0, 0.2], [0.0, 0.0, 0.0]),
         ],
     )
 }
@@ -188,11 +189,11 @@ pub(crate) fn glass() -> BuiltIn {
         (near, out),
         (far, back),
         vec![
-            Camera::new("all", [0.0, 1.6, 3.6], [0.0, 1.2, -2.0]),
-            Camera::new("panes", [-1.8, 1.5, 2.6], [-1.8, 1.2, -1.0]),
-            Camera::new("leaves", [0.4, 1.4, 1.0], [0.1, 1.0, -2.0]),
-            Camera::new("door", [1.6, 1.5, 0.4], [1.7, 1.2, -4.0]),
-            Camera::new("way back", [2.0, 1.5, -6.4], [1.4, 1.2, 0.0]),
+            camera("all", [0.0, 1.6, 3.6], [0.0, 1.2, -2.0]),
+            camera("panes", [-1.8, 1.5, 2.6], [-1.8, 1.2, -1.0]),
+            camera("leaves", [0.4, 1.4, 1.0], [0.1, 1.0, -2.0]),
+            camera("door", [1.6, 1.5, 0.4], [1.7, 1.2, -4.0]),
+            camera("way back", [2.0, 1.5, -6.4], [1.4, 1.2, 0.0]),
         ],
     )
 }
@@ -267,11 +268,11 @@ pub(crate) fn one_sided() -> BuiltIn {
     alone(
         stage,
         vec![
-            Camera::new("all", [0.0, 2.0, 7.0], [0.0, 0.9, 0.0]),
-            Camera::new("from the other side", [0.0, 2.0, -7.0], [0.0, 0.9, 0.0]),
-            Camera::new("sheets", [-3.4, 1.4, 3.4], [-3.4, 0.9, 0.0]),
-            Camera::new("wedges", [1.8, 2.2, 3.2], [1.8, 0.9, 0.2]),
-            Camera::new("edge on", [-6.0, 1.0, 1.0], [0.0, 1.0, 1.0]),
+            camera("all", [0.0, 2.0, 7.0], [0.0, 0.9, 0.0]),
+            camera("from the other side", [0.0, 2.0, -7.0], [0.0, 0.9, 0.0]),
+            camera("sheets", [-3.4, 1.4, 3.4], [-3.4, 0.9, 0.0]),
+            camera("wedges", [1.8, 2.2, 3.2], [1.8, 0.9, 0.2]),
+            camera("edge on", [-6.0, 1.0, 1.0], [0.0, 1.0, 1.0]),
         ],
     )
 }
@@ -339,10 +340,10 @@ pub(crate) fn degenerate() -> BuiltIn {
     alone(
         stage,
         vec![
-            Camera::new("front", [0.0, 1.2, 4.5], [0.0, 0.8, 0.0]),
-            Camera::new("edge on", [6.0, 0.8, 0.0], [0.0, 0.8, 0.0]),
-            Camera::new("close", [-0.4, 0.8, 0.9], [0.0, 0.8, -1.0]),
-            Camera::new("from above", [0.0, 5.0, 0.3], [0.0, 0.0, 0.0]),
+            camera("front", [0.0, 1.2, 4.5], [0.0, 0.8, 0.0]),
+            camera("edge on", [6.0, 0.8, 0.0], [0.0, 0.8, 0.0]),
+            camera("close", [-0.4, 0.8, 0.9], [0.0, 0.8, -1.0]),
+            camera("from above", [0.0, 5.0, 0.3], [0.0, 0.0, 0.0]),
         ],
     )
 }
@@ -391,10 +392,10 @@ pub(crate) fn polygons() -> BuiltIn {
     alone(
         stage,
         vec![
-            Camera::new("front", [0.0, 1.6, 5.6], [0.0, 0.8, -1.0]),
-            Camera::new("aslant", [5.4, 2.4, 2.0], [-1.0, 0.6, -1.0]),
-            Camera::new("from above", [0.0, 6.0, -0.5], [0.0, 0.0, -0.6]),
-            Camera::new("between", [-0.7, 0.9, 0.1], [1.5, 0.8, -1.6]),
+            camera("front", [0.0, 1.6, 5.6], [0.0, 0.8, -1.0]),
+            camera("aslant", [5.4, 2.4, 2.0], [-1.0, 0.6, -1.0]),
+            camera("from above", [0.0, 6.0, -0.5], [0.0, 0.0, -0.6]),
+            camera("between", [-0.7, 0.9, 0.1], [1.5, 0.8, -1.6]),
         ],
     )
 }

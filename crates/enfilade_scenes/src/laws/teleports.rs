@@ -4,9 +4,10 @@ use super::stage::{
     BLUE, BROWN, Doorway, GREEN, GREY, RED, RED_SHEET, Stage, WHITE, YELLOW, YELLOW_SHEET, both_ways,
     finished, lamp, sheet,
 };
+use crate::BuiltIn;
+use crate::camera::camera;
 use crate::envelope::Side;
 use crate::shape::{Shape, ball, block, cuboid, knot};
-use crate::{BuiltIn, Camera};
 use enfilade::{Method, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
 
@@ -63,18 +64,18 @@ pub(crate) fn teleport() -> BuiltIn {
     finished(
         scene,
         vec![
-            Camera::new("before the gate", [0.2, 1.6, 3.4], [0.0, 1.1, 0.0]),
-            Camera::new("aside of it", [2.6, 1.6, 2.6], [-0.4, 1.1, -0.6]),
-            Camera::new("at the gate", [0.1, 1.3, 0.04], [0.2, 1.2, -3.0]),
-            Camera::new("behind the gate", [0.3, 1.6, -3.2], [0.0, 1.1, 0.0]),
-            Camera::new("in the yard", [53.8, 2.6, 1.9], [49.6, 1.2, -0.2]),
-            Camera::new("to the cell", [1.2, 1.6, 1.2], [4.0, 1.1, -0.2]),
-            Camera::new("at the cell's door", [4.05, 1.2, 0.1], [6.0, 1.1, 0.0]),
-            Camera::new("back from the cell", [102.6, 3.0, -1.8], [100.0, 2.0, 0.0]),
-            Camera::new("behind the cell's door", [98.8, 2.4, 2.0], [100.0, 2.0, 0.0]),
-            Camera::new("to the garden", [-1.4, 1.5, 0.6], [-4.1, 1.4, 0.0]),
-            Camera::new("at the garden", [-4.0, 1.4, 0.2], [-6.0, 1.4, -0.4]),
-            Camera::new("to the model", [0.9, 1.6, -2.2], [1.6, 1.4, -4.1]),
+            camera("before the gate", [0.2, 1.6, 3.4], [0.0, 1.1, 0.0]),
+            camera("aside of it", [2.6, 1.6, 2.6], [-0.4, 1.1, -0.6]),
+            camera("at the gate", [0.1, 1.3, 0.04], [0.2, 1.2, -3.0]),
+            camera("behind the gate", [0.3, 1.6, -3.2], [0.0, 1.1, 0.0]),
+            camera("in the yard", [53.8, 2.6, 1.9], [49.6, 1.2, -0.2]),
+            camera("to the cell", [1.2, 1.6, 1.2], [4.0, 1.1, -0.2]),
+            camera("at the cell's door", [4.05, 1.2, 0.1], [6.0, 1.1, 0.0]),
+            camera("back from the cell", [102.6, 3.0, -1.8], [100.0, 2.0, 0.0]),
+            camera("behind the cell's door", [98.8, 2.4, 2.0], [100.0, 2.0, 0.0]),
+            camera("to the garden", [-1.4, 1.5, 0.6], [-4.1, 1.4, 0.0]),
+            camera("at the garden", [-4.0, 1.4, 0.2], [-6.0, 1.4, -0.4]),
+            camera("to the model", [0.9, 1.6, -2.2], [1.6, 1.4, -4.1]),
         ],
     )
 }

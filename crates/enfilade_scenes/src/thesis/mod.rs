@@ -18,9 +18,9 @@ pub(crate) use round::{cone, cylinder, four_cylinders};
 pub(crate) use sheets::{crossing_triangles, cycle, overlap, parallel_rectangles, parallel_triangles};
 pub(crate) use solids::{tetrahedron, triangle_through_cube, wrong_winding};
 
+use crate::BuiltIn;
 use crate::shape::Shape;
-use crate::{BuiltIn, Camera};
-use enfilade::{GeometryBuilder, Material, MaterialId, Method, SceneBuilder, Transform};
+use enfilade::{Camera, GeometryBuilder, Material, MaterialId, Method, SceneBuilder, Transform};
 use glam::Vec3;
 
 const RED: MaterialId = MaterialId(0);

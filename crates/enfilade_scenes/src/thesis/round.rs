@@ -1,8 +1,9 @@
 //! Cylinders and cones made of rectangles and triangles.
 
 use super::{BLUE, Figure, GREEN, IVORY, ORANGE, RED, ROSE, TEAL, VIOLET, YELLOW};
+use crate::BuiltIn;
+use crate::camera::camera_with_fov;
 use crate::shape::{Shape, around};
-use crate::{BuiltIn, Camera};
 use enfilade::MaterialId;
 use glam::{Vec3, vec3};
 
@@ -31,9 +32,12 @@ pub(crate) fn cylinder(sides: usize) -> BuiltIn {
     }
     figure.polygon("lid", IVORY, &high);
     figure.polygon("bottom", IVORY, &low.iter().rev().copied().collect::<Vec<_>>());
-    figure.seen_from(vec![
-        Camera::new("front", [0.3, -0.5, 4.6], [0.0, 0.0, 0.0]).lens(42.0),
-    ])
+    figure.seen_from(vec![camera_with_fov(
+        "front",
+        [0.3, -0.5, 4.6],
+        [0.0, 0.0, 0.0],
+        42.0,
+    )])
 }
 
 /// A cone on its tip: `sides` triangles and a base. Where the base is visible, both sorts are right.
@@ -50,8 +54,8 @@ pub(crate) fn cone(sides: usize) -> BuiltIn {
     }
     figure.polygon("base", IVORY, &base);
     figure.seen_from(vec![
-        Camera::new("base seen", [0.3, -0.4, 4.0], [0.0, 0.05, 0.0]).lens(42.0),
-        Camera::new("base hidden", [0.3, -2.9, 3.3], [0.0, 0.25, 0.1]).lens(42.0),
+        camera_with_fov("base seen", [0.3, -0.4, 4.0], [0.0, 0.05, 0.0], 42.0),
+        camera_with_fov("base hidden", [0.3, -2.9, 3.3], [0.0, 0.25, 0.1], 42.0),
     ])
 }
 
@@ -77,7 +81,10 @@ pub(crate) fn four_cylinders() -> BuiltIn {
         }
         figure.thing(name, &tube);
     }
-    figure.seen_from(vec![
-        Camera::new("from above", [0.6, 3.0, 6.4], [0.1, 1.1, 0.0]).lens(42.0),
-    ])
+    figure.seen_from(vec![camera_with_fov(
+        "from above",
+        [0.6, 3.0, 6.4],
+        [0.1, 1.1, 0.0],
+        42.0,
+    )])
 }

@@ -1,7 +1,8 @@
 //! Several sheets: parallel, intersecting, cyclically overlapping, one extending past another.
 
 use super::{BLUE, Figure, GREEN, ORANGE, RED, TEAL, VIOLET, YELLOW};
-use crate::{BuiltIn, Camera};
+use crate::BuiltIn;
+use crate::camera::camera_with_fov;
 use enfilade::Transform;
 use glam::{Vec3, vec3};
 
@@ -27,9 +28,12 @@ pub(crate) fn parallel_triangles() -> BuiltIn {
         BLUE,
         &triangle([[-2.9, -1.7], [1.7, -1.9], [-0.4, 2.5]], -1.0),
     );
-    figure.seen_from(vec![
-        Camera::new("front", [0.5, 0.2, 5.6], [-0.1, 0.25, 0.0]).lens(48.0),
-    ])
+    figure.seen_from(vec![camera_with_fov(
+        "front",
+        [0.5, 0.2, 5.6],
+        [-0.1, 0.25, 0.0],
+        48.0,
+    )])
 }
 
 /// Three parallel rectangles, each over a corner of the next. Every method is right.
@@ -47,9 +51,12 @@ pub(crate) fn parallel_rectangles() -> BuiltIn {
     rectangle("middle", ORANGE, [-1.3, -0.85, 0.0]);
     rectangle("near", TEAL, [-2.1, -1.5, 0.8]);
     rectangle("far", VIOLET, [-0.4, -0.1, -0.8]);
-    figure.seen_from(vec![
-        Camera::new("front", [0.7, 0.2, 4.8], [0.0, 0.0, 0.0]).lens(48.0),
-    ])
+    figure.seen_from(vec![camera_with_fov(
+        "front",
+        [0.7, 0.2, 4.8],
+        [0.0, 0.0, 0.0],
+        48.0,
+    )])
 }
 
 /// Two intersecting triangles. Both sorts are wrong, as is every order of unsplit polygons.
@@ -67,9 +74,12 @@ pub(crate) fn crossing_triangles() -> BuiltIn {
         TEAL,
         &[vec3(-2.1, 1.1, -1.2), vec3(0.2, -1.8, 0.1), vec3(2.1, 1.2, 1.1)],
     );
-    figure.seen_from(vec![
-        Camera::new("front", [0.4, -0.1, 5.2], [0.05, 0.05, 0.0]).lens(45.0),
-    ])
+    figure.seen_from(vec![camera_with_fov(
+        "front",
+        [0.4, -0.1, 5.2],
+        [0.05, 0.05, 0.0],
+        45.0,
+    )])
 }
 
 /// Three bars that overlap cyclically without touching. Both sorts are wrong.
@@ -90,9 +100,12 @@ pub(crate) fn cycle() -> BuiltIn {
             .map(|[x, y]| Vec3::from(place.point([x, y, 0.0])));
         figure.polygon(name, color, &corners);
     }
-    figure.seen_from(vec![
-        Camera::new("front", [0.9, -0.1, 9.8], [0.0, 0.35, 0.0]).lens(31.0),
-    ])
+    figure.seen_from(vec![camera_with_fov(
+        "front",
+        [0.9, -0.1, 9.8],
+        [0.0, 0.35, 0.0],
+        31.0,
+    )])
 }
 
 /// A sail before a long wall that runs away from the eye.
@@ -118,7 +131,7 @@ pub(crate) fn overlap() -> BuiltIn {
         ],
     );
     figure.seen_from(vec![
-        Camera::new("mean right", [2.0, 0.0, 6.2], [0.0, 0.2, 0.0]).lens(48.0),
-        Camera::new("mean wrong", [-0.9, 0.0, 6.6], [-0.1, 0.2, 0.0]).lens(48.0),
+        camera_with_fov("mean right", [2.0, 0.0, 6.2], [0.0, 0.2, 0.0], 48.0),
+        camera_with_fov("mean wrong", [-0.9, 0.0, 6.6], [-0.1, 0.2, 0.0], 48.0),
     ])
 }

@@ -1,7 +1,8 @@
 //! Solids with few faces: the tetrahedron, the same with inconsistent winding, and a cube with a triangle through it.
 
 use super::{BLUE, Figure, GREEN, IVORY, ORANGE, RED, ROSE, TEAL, VIOLET, YELLOW};
-use crate::{BuiltIn, Camera};
+use crate::BuiltIn;
+use crate::camera::camera_with_fov;
 use enfilade::MaterialId;
 use glam::{Vec3, vec3};
 
@@ -40,9 +41,12 @@ fn tetrahedron_of(faces: [[usize; 3]; 4]) -> BuiltIn {
     for ((name, color), corners) in FACES.into_iter().zip(faces) {
         figure.polygon(name, color, &corners.map(|corner| CORNERS[corner]));
     }
-    figure.seen_from(vec![
-        Camera::new("front", [-0.1, -0.4, 3.7], [-0.1, -0.05, 0.0]).lens(42.0),
-    ])
+    figure.seen_from(vec![camera_with_fov(
+        "front",
+        [-0.1, -0.4, 3.7],
+        [-0.1, -0.05, 0.0],
+        42.0,
+    )])
 }
 
 /// A triangle through a cube. The painter's algorithm is wrong.
@@ -71,7 +75,10 @@ pub(crate) fn triangle_through_cube() -> BuiltIn {
         ORANGE,
         &[vec3(-2.2, -0.6, 0.9), vec3(1.9, -0.3, 0.9), vec3(0.1, 1.7, -0.9)],
     );
-    figure.seen_from(vec![
-        Camera::new("corner", [2.1, 1.6, 3.6], [0.0, 0.1, 0.0]).lens(45.0),
-    ])
+    figure.seen_from(vec![camera_with_fov(
+        "corner",
+        [2.1, 1.6, 3.6],
+        [0.0, 0.1, 0.0],
+        45.0,
+    )])
 }

@@ -155,7 +155,7 @@ fn one_can_walk_from_the_first_room_to_every_other() {
 #[test]
 fn a_camera_that_is_named_for_a_room_stands_in_it() {
     let BuiltIn { scene, cameras } = palace();
-    let located = |camera: &enfilade_scenes::Camera| {
+    let located = |camera: &enfilade::Camera| {
         let room = scene
             .locate(camera.eye, camera.toward)
             .expect("a position inside a room");

@@ -40,7 +40,7 @@ fn a_beam_holds_what_a_straight_line_through_the_same_openings_leads_to() {
                 .expect("a camera inside a sector");
             let from = Location {
                 sector,
-                position: camera.eye,
+                position: camera.eye.map(|value| value as f32),
             };
             let beams = scene.reach(from, 1e6, &limits());
             let chain_of = |mut number: usize| {
@@ -83,7 +83,7 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
             .expect("a camera inside a sector");
         let from = Location {
             sector,
-            position: camera.eye,
+            position: camera.eye.map(|value| value as f32),
         };
         for to in scene.sectors() {
             for point in points(&scene, to, 4) {
@@ -93,7 +93,7 @@ fn one_place_sees_another_where_no_face_is_on_the_straight_line_between() {
                 let answers: Vec<_> = chains
                     .map(|(chain, _)| {
                         goes_straight(&scene, from, &chain, point.map(f64::from))
-                            .map(|straight| straight && is_free(&scene, camera.eye, sector, &chain, point))
+                            .map(|straight| straight && is_free(&scene, from.position, sector, &chain, point))
                     })
                     .collect();
                 let expected = answers.contains(&Some(true));

@@ -25,13 +25,8 @@ fn every_camera_sees_with_a_sound_view_and_has_a_name_of_its_own() {
         let names: BTreeSet<&str> = cameras.iter().map(|camera| &*camera.name).collect();
         assert_eq!(names.len(), cameras.len());
         for camera in &cameras {
-            assert_eq!(
-                camera.view([128, 96]).check(),
-                Ok(()),
-                "{}, {}",
-                named.name,
-                camera.name
-            );
+            let view = camera.view([128, 96]);
+            assert!(view.is_ok(), "{}, {}: {view:?}", named.name, camera.name);
             assert!(scene.locate(camera.eye, camera.toward).is_some());
         }
     }
@@ -128,6 +123,6 @@ fn random_scenes_follow_from_their_seed() {
     for seed in 0..200 {
         let BuiltIn { cameras, .. } = random_scene(seed);
         assert!(!cameras.is_empty());
-        assert!(cameras.iter().all(|camera| camera.view([64, 48]).check().is_ok()));
+        assert!(cameras.iter().all(|camera| camera.view([64, 48]).is_ok()));
     }
 }

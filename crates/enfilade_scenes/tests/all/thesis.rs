@@ -3,8 +3,10 @@
 //! They are reimplemented here in a few lines, with a ray per sample as the reference, so that the figures are verified
 //! independently of the methods. Then the methods are tested against the same table.
 
-use enfilade::{Canvas, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer};
-use enfilade_scenes::{BuiltIn, Camera, Group, figures};
+use enfilade::{
+    Camera, Canvas, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer,
+};
+use enfilade_scenes::{BuiltIn, Group, figures};
 use glam::{DMat3, DVec3};
 
 /// Figure, camera, and whether sorting by minimal and by mean z is right.
@@ -234,7 +236,7 @@ fn painted(scene: &Scene, method: Method, camera: &Camera) -> Owners {
         .with_method(method, Method::DEFAULT_LIMIT)
         .expect("within the memory limit");
     let mut owners = Owners(vec![None; SAMPLES]);
-    Viewer::new().draw(&scene, &camera.view(SIZE), &mut owners);
+    Viewer::new().draw(&scene, &camera.view(SIZE).expect("a valid view"), &mut owners);
     owners
 }
 

@@ -72,7 +72,7 @@ fn a_hundred_thousand_steps_through_the_palace_never_leak() {
             .expect("a position inside a room");
         let place = Location {
             sector,
-            position: camera.eye,
+            position: camera.eye.map(|value| value as f32),
         };
         crossings += wander(
             &scene,
@@ -102,7 +102,7 @@ fn steps_through_teleports_mirrors_and_other_scales_go_where_rays_go() {
                 .expect("a position inside a sector");
             let place = Location {
                 sector,
-                position: camera.eye,
+                position: camera.eye.map(|value| value as f32),
             };
             crossings += wander(&scene, place, 2000, seed, |_, _| {});
         }
@@ -234,7 +234,7 @@ fn a_ball_in_a_doorway_stands_in_both_rooms_and_one_in_a_room_in_that_alone() {
         .expect("a position inside a sector");
     let far = Location {
         sector,
-        position: cameras[0].eye,
+        position: cameras[0].eye.map(|value| value as f32),
     };
     assert_eq!(scene.body_sectors(far, 0.1).len(), 1);
 }

@@ -249,7 +249,7 @@ fn it_walks_through_the_doors_of_a_palace_and_nowhere_else() {
         let sector = scene.locate(camera.eye, camera.toward).expect("a room");
         let mut place = Location {
             sector,
-            position: camera.eye,
+            position: camera.eye.map(|value| value as f32),
         };
         let mut capsule = Capsule::new(0.2, 0.5);
         let mut chance = Random::new(seed);

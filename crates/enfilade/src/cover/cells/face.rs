@@ -160,7 +160,7 @@ impl Face {
         } else {
             [corners[0], corners[2], corners[1]]
         };
-        let near = f64::from(passage.near);
+        let near = f64::from(passage.z_near);
         let inside = |at: DVec3| {
             let beyond_entry = passage
                 .entry

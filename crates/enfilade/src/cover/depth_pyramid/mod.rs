@@ -350,7 +350,7 @@ mod tests {
             builder.item("triangle", mesh, Transform::IDENTITY);
         }
         let geometry = builder.build().expect("sound triangles");
-        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [77, 43]);
+        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [77, 43]).expect("a valid view");
         let passage = Passage::at_the_eye(&view, SectorId(0), false);
         let mut cover = DepthPyramid::default();
         cover.clear(&passage, false);

@@ -136,7 +136,7 @@ impl Hides for MaskedDepth {
 
     fn clear(&mut self, passage: &Passage) {
         self.grid.clear(passage);
-        self.near = f64::from(passage.near);
+        self.near = f64::from(passage.z_near);
     }
 
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, stats: &mut Stats) {

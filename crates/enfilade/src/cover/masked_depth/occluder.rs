@@ -93,7 +93,7 @@ impl Fill {
     #[inline(always)]
     fn set_up(&mut self, occluder: &Occluder, passage: &Passage, limits: &Rect) -> Option<(Rect, Slope)> {
         let Occluder { corners, plane } = *occluder;
-        let near = f64::from(passage.near);
+        let near = f64::from(passage.z_near);
         let (&first, others) = corners.split_first()?;
         let at = plane.0 / plane.1;
         if !(plane.1 > 0.0 && at.is_finite()) {

@@ -65,7 +65,7 @@ impl Frame {
         /// Generous bound on the rounding of f64.
         const SURELY: f64 = 1.0 + 1.0 / (1_u64 << 30) as f64;
         let Rect { x0, y0, x1, y1 } = tiles.rect;
-        let near = f64::from(passage.near);
+        let near = f64::from(passage.z_near);
         let entry = passage
             .entry
             .map(|(normal, distance)| (normal, distance * BEYOND));

@@ -239,7 +239,7 @@ impl<A: BoxTest> Hides for OcclusionTree<A> {
     fn clear(&mut self, passage: &Passage) {
         self.tree
             .open(passage.aperture.outline(), &passage.aperture.rect());
-        self.tree.before.push((DVec3::Z, f64::from(passage.near)));
+        self.tree.before.push((DVec3::Z, f64::from(passage.z_near)));
         let entry = passage.entry.map(|(normal, d)| (normal, d * (1.0 - 1e-6)));
         self.tree.before.extend(entry);
         self.go_back();
@@ -258,7 +258,7 @@ impl<A: BoxTest> Hides for OcclusionTree<A> {
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, _stats: &mut Stats) {
         self.insert(
             occluder,
-            f64::from(passage.near),
+            f64::from(passage.z_near),
             passage.entry,
             passage.corner_rounding(),
         );

@@ -83,7 +83,7 @@ fn the_chosen_stand_in_order_on_the_screen_also_where_mirrored() {
             assert!((3..=6).contains(&occluder.corners().count()) && occluder.plane().1 > 0.0);
             for [_, _, w] in occluder.corners() {
                 assert!(
-                    w >= f64::from(passage.near),
+                    w >= f64::from(passage.z_near),
                     "geometry in front of the near plane occludes"
                 );
             }

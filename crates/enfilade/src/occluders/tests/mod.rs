@@ -117,7 +117,11 @@ fn anywhere(dice: &mut Dice) -> Transform {
 
 fn passage(eye: [f64; 3], toward: [f64; 3]) -> Passage {
     let [eye, toward] = [eye, toward].map(|point| point.map(|value| value as f32));
-    Passage::at_the_eye(&View::new(eye, toward, [640, 360]), SectorId(0), false)
+    Passage::at_the_eye(
+        &View::new(eye, toward, [640, 360]).expect("a valid view"),
+        SectorId(0),
+        false,
+    )
 }
 
 /// Returns the walls of all test cases.

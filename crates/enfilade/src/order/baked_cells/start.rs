@@ -65,7 +65,7 @@ fn begins_at_near_plane(passage: &Passage) -> bool {
         return true;
     };
     let along = |corner: &DVec3| passage.screen_from_sector.transform_point3(*corner).z;
-    let limit = f64::from(passage.near) * FARTHER;
+    let limit = f64::from(passage.z_near) * FARTHER;
     // NaN is not farther.
     !entrance.corners().iter().all(|corner| along(corner) > limit)
 }
@@ -77,7 +77,7 @@ fn near_outline(passage: &Passage) -> SmallVec<[DVec3; 8]> {
     let rect = passage.aperture.rect();
     let [x0, y0] = [rect.x0, rect.y0].map(|first| f64::from(first) - 1.0);
     let [x1, y1] = [rect.x1, rect.y1].map(|end| f64::from(end) + 1.0);
-    let near = f64::from(passage.near);
+    let near = f64::from(passage.z_near);
     let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
     let corners = corners.map(|[x, y]| DVec3::new(x, y, 1.0) * near);
     let Some((normal, distance)) = passage.entry else {

@@ -314,8 +314,8 @@ mod tests {
     }
 
     fn through(eye: [f32; 3], z: f32) -> Option<Aperture> {
-        let view = View::new(eye, [eye[0], eye[1], eye[2] - 1.0], [100, 100]);
-        let eye_from_sector = view.eye_from_sector();
+        let view = View::new(eye, [eye[0], eye[1], eye[2] - 1.0], [100, 100]).expect("a valid view");
+        let eye_from_sector = view.eye_from_sector().0;
         let k = view.screen_from_eye();
         let screen = DAffine3 {
             matrix3: k * eye_from_sector.matrix3,
@@ -326,7 +326,7 @@ mod tests {
             .corners()
             .iter()
             .map(|corner| screen.transform_point3(DVec3::from(corner.map(f64::from))));
-        Aperture::screen(view.size).behind(corners, None, false)
+        Aperture::screen(view.size()).behind(corners, None, false)
     }
 
     #[test]

@@ -3,14 +3,17 @@
 use super::*;
 use crate::chance::{Dice, levels};
 use crate::ids::SectorId;
-use crate::view::View;
+use crate::view::Camera;
 use crate::view::passage::Passage;
 
 /// Projects a box for an eye at the origin that looks along −z, with a field of view of 90 degrees and a square
 /// viewport.
 fn seen(min: [f32; 3], max: [f32; 3]) -> Option<Region> {
-    let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [100, 100]);
-    view.fov_y = 90.0_f32.to_radians();
+    let camera = Camera {
+        fov_y: 90.0_f32.to_radians(),
+        ..Camera::new([0.0; 3], [0.0, 0.0, -1.0])
+    };
+    let view = camera.view([100, 100]).expect("a valid view");
     let passage = Passage::at_the_eye(&view, SectorId(0), false);
     Region::of(&passage, &passage.screen_from_sector, &Aabb { min, max })
 }
@@ -176,12 +179,13 @@ fn eight_boxes_at_once_are_seen_as_one_by_one_at_every_level() {
     let mut dice = Dice::new(29);
     let mut seen = 0;
     for round in 0..2_000 {
-        let mut view = View::new(
-            somewhere(&mut dice, 3.0),
-            somewhere(&mut dice, 9.0),
-            [100 + round % 7, 60 + round % 5],
-        );
-        view.near = 0.01 + dice.within(0.005) as f32;
+        let camera = Camera {
+            z_near: Some(0.01 + dice.within(0.005) as f32),
+            ..Camera::new(somewhere(&mut dice, 3.0), somewhere(&mut dice, 9.0))
+        };
+        let view = camera
+            .view([100 + round % 7, 60 + round % 5])
+            .expect("a valid view");
         let mut passage = Passage::at_the_eye(&view, SectorId(0), false);
         passage.any_place = round % 3 == 0;
         if round % 4 == 0 {

@@ -57,7 +57,10 @@ fn scene(cells: BakedCells, reach: [f32; 2]) -> Scene {
 }
 
 fn seen(scene: &Scene, x: f32) -> Vec<String> {
-    names(scene, &View::new([x, 0.0, 0.0], [x, 0.0, -4.0], SIZE))
+    names(
+        scene,
+        &View::new([x, 0.0, 0.0], [x, 0.0, -4.0], SIZE).expect("a valid view"),
+    )
 }
 
 #[test]

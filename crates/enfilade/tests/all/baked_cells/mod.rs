@@ -5,8 +5,8 @@ mod deep;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    BakedCells, Geometry, GeometryBuilder, ItemId, Limits, Method, Scene, SceneBuilder, SectorId, Transform,
-    View, Viewer,
+    BakedCells, Camera, Geometry, GeometryBuilder, ItemId, Limits, Method, Scene, SceneBuilder, SectorId,
+    Transform, View, Viewer,
 };
 use enfilade_scenes::{BuiltIn, Random, built_in, random_house};
 use std::sync::Arc;
@@ -39,7 +39,7 @@ fn holds(scene: &Scene, reference: &Reference, view: &View, places: u32, place: 
     );
     let counts = [anywhere.visible().len(), viewer.visible().items().len()];
     let truth = reference.see(scene, view, &limits());
-    let mut picture = OwnerPicture::new(view.size);
+    let mut picture = OwnerPicture::new(view.size());
     viewer.draw(scene, view, &mut picture);
     let verdict = truth.check(viewer.visible(), Some(&picture));
     assert_eq!((verdict.missed, verdict.pixels_different), (vec![], 0), "{place}");
@@ -90,7 +90,7 @@ fn nothing_is_missed_anywhere_in_a_pixel_in_houses_made_by_chance_and_much_is_le
             .expect("it fits");
         let scene = by_cells(&scene);
         for camera in &cameras {
-            let view = camera.view(SIZE);
+            let view = camera.view(SIZE).expect("a valid view");
             let place = format!("house {seed}, {camera:?}");
             let counts = holds(&scene, &reference, &view, 4, &place);
             seen += counts[0];
@@ -129,11 +129,12 @@ fn eyes_on_walls_in_doorways_in_rock_and_outside_miss_nothing() {
                 2 => eye = [eye[0].round(), eye[1].round(), eye[2].round()],
                 _ => {}
             }
-            let mut view = View::new(eye, toward, SIZE);
-            if number % 3 == 0 {
-                // So far away that walls are in front of it.
-                view.near = 0.75;
-            }
+            let camera = Camera {
+                // 0.75 is so far away that walls are in front of it.
+                z_near: (number % 3 == 0).then_some(0.75),
+                ..Camera::new(eye, toward)
+            };
+            let view = camera.view(SIZE).expect("a valid view");
             seen += holds(&scene, &reference, &view, 3, &format!("house {seed}, {view:?}"))[0];
         }
     }
@@ -152,7 +153,7 @@ fn what_is_seen_through_doors_mirrors_and_gates_begins_at_their_openings() {
         };
         let mut passages = 0;
         for camera in &cameras {
-            let view = camera.view(SIZE);
+            let view = camera.view(SIZE).expect("a valid view");
             holds(&scene, reference, &view, 8, &format!("{camera:?}"));
             let mut viewer = Viewer::new();
             passages += viewer.look(&scene, &view).passages().len();
@@ -166,7 +167,7 @@ fn a_room_behind_a_door_shows_what_is_seen_through_it_and_not_what_its_eye_would
     let BuiltIn { scene, cameras } = built_in("house").expect("a scene");
     let scene = by_cells(&scene);
     let camera = cameras.iter().find(|camera| camera.name == "before the gate");
-    let view = camera.expect("a camera").view(SIZE);
+    let view = camera.expect("a camera").view(SIZE).expect("a valid view");
     let mut viewer = Viewer::new();
     let set = viewer.look(&scene, &view);
     let behind = set.passages().iter().position(|passage| passage.sector == HOUSE);
@@ -233,7 +234,7 @@ fn what_moves_is_seen_where_it_is_and_the_set_is_that_of_the_scene_built_afresh(
             let reference = Reference::new(&scene);
             let fresh = by_cells(&scene);
             for camera in cameras.iter().skip(round % 2).step_by(2) {
-                let view = camera.view(SIZE);
+                let view = camera.view(SIZE).expect("a valid view");
                 let place = format!("house {seed}, round {round}, {camera:?}");
                 holds(&scene, &reference, &view, 2, &place);
                 assert_eq!(names(&scene, &view), names(&fresh, &view), "{place}");
@@ -260,15 +261,18 @@ fn a_thing_that_stands_nowhere_is_always_looked_at_and_one_that_is_gone_never() 
     let eye = [middle[0] + 1.0, 9.0, middle[2]];
     // Also from inside the house, limited only by boxes: rows say nothing about items outside all cells.
     for eye in [eye, [middle[0], 1.5, middle[2]]] {
-        let mut view = View::new(eye, [middle[0] + 0.001, middle[1] + 8.0, middle[2]], SIZE);
-        view.up = [0.0, 0.0, 1.0];
+        let camera = Camera {
+            up: [0.0, 0.0, 1.0],
+            ..Camera::new(eye, [middle[0] + 0.001, middle[1] + 8.0, middle[2]])
+        };
+        let view = camera.view(SIZE).expect("a valid view");
         let name = format!("{} room 0 ball", ball.0);
         assert!(names(&scene, &view).contains(&name), "from {eye:?}");
     }
     let mut edit = scene.edit();
     edit.remove(HOUSE, ball).expect("it is there");
     edit.finish().expect("little");
-    let view = View::new(eye, middle, SIZE);
+    let view = View::new(eye, middle, SIZE).expect("a valid view");
     assert!(
         !names(&scene, &view)
             .iter()

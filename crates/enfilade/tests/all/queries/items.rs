@@ -1,7 +1,7 @@
 //! Items in boxes, spheres and frusta, and the nearest items.
 
 use super::{QUESTIONS, about, affine, geometries, length};
-use enfilade::{Aabb, Geometry, ItemId, NearestItem, View, Viewer};
+use enfilade::{Aabb, Camera, Geometry, ItemId, NearestItem, View, Viewer};
 use enfilade_scenes::{Random, built_in};
 use glam::DVec3;
 
@@ -120,13 +120,13 @@ fn the_nearest_items_are_the_first_of_all_by_distance() {
 /// Returns `true` if a box is inside all planes of a frustum, computed from the view alone. `None` if it is too close
 /// to call.
 fn in_frustum(view: &View, corners: &[DVec3; 8]) -> Option<bool> {
-    let [eye, toward, up] = [view.eye, view.toward, view.up].map(|v| DVec3::from(v.map(f64::from)));
+    let [eye, toward, up] = [view.eye(), view.toward(), view.up()].map(DVec3::from);
     let ahead = (toward - eye).normalize();
     let right = ahead.cross(up).normalize();
     let up = right.cross(ahead);
-    let tangent = (0.5 * f64::from(view.fov_y)).tan();
-    let across = tangent * f64::from(view.size[0]) / f64::from(view.size[1]);
-    let pixel = 2.0 * tangent / f64::from(view.size[1]);
+    let tangent = (0.5 * f64::from(view.fov_y())).tan();
+    let across = tangent * f64::from(view.size()[0]) / f64::from(view.size()[1]);
+    let pixel = 2.0 * tangent / f64::from(view.size()[1]);
     let [dx, dy] = View::GENERIC_OFFSET.map(|offset| offset * pixel);
     let heights = |point: DVec3| {
         let off = point - eye;
@@ -137,7 +137,7 @@ fn in_frustum(view: &View, corners: &[DVec3; 8]) -> Option<bool> {
             w * across + x,
             w * tangent - y,
             w * tangent + y,
-            w - f64::from(view.near),
+            w - f64::from(view.z_near()),
         ]
     };
     let highest = corners
@@ -172,12 +172,13 @@ fn the_items_in_a_frustum_are_those_not_wholly_behind_one_of_its_planes() {
             })
             .collect();
         for _ in 0..QUESTIONS {
-            let mut view = View::new(
-                about(&mut chance, &whole),
-                about(&mut chance, &whole),
-                [64 + chance.below(64) as u32, 64],
-            );
-            view.fov_y = 0.1 + 2.5 * chance.unit();
+            let camera = Camera {
+                fov_y: 0.1 + 2.5 * chance.unit(),
+                ..Camera::new(about(&mut chance, &whole), about(&mut chance, &whole))
+            };
+            let view = camera
+                .view([64 + chance.below(64) as u32, 64])
+                .expect("a valid view");
             let items = found(|visit| geometry.items_in_frustum(&view, visit));
             for (item, corners) in all(&geometry).zip(&boxes) {
                 let Some(corners) = corners else {
@@ -211,7 +212,7 @@ fn a_visible_set_counts_what_is_in_its_frustum_by_the_same_rule() {
         let built = built_in(name).expect("it is built in");
         let scene = built.scene.without_portals();
         for camera in &built.cameras {
-            let view = camera.view([96, 54]);
+            let view = camera.view([96, 54]).expect("a valid view");
             let mut viewer = Viewer::new();
             let set = viewer.look(&scene, &view);
             let [passage] = set.passages() else {
@@ -255,6 +256,6 @@ fn questions_that_make_no_sense_find_nothing() {
     }
     geometry.nearest_items([0.0; 3], 0, 9.0, &mut nearest);
     assert_eq!(nearest, []);
-    let view = View::new([NAN; 3], [0.0; 3], [8, 8]);
+    let view = View::new([NAN; 3], [0.0; 3], [8, 8]).expect("a valid view");
     nothing(found(|visit| geometry.items_in_frustum(&view, visit)));
 }

@@ -141,7 +141,12 @@ fn items_near_a_place_are_those_that_the_shortest_way_through_openings_leads_to(
                 continue;
             };
             let at = |position| Location { sector, position };
-            through += agrees(name, scene, at(camera.eye), 1.0 + 11.0 * chance.unit());
+            through += agrees(
+                name,
+                scene,
+                at(camera.eye.map(|value| value as f32)),
+                1.0 + 11.0 * chance.unit(),
+            );
             let bounds = scene.bounds(sector);
             let position = super::about(&mut chance, &bounds);
             through += agrees(name, scene, at(position), 1.0 + 5.0 * chance.unit());
@@ -164,7 +169,7 @@ fn mirrors_and_teleports_do_not_multiply_the_ways_to_an_item() {
             let sector = built.scene.locate(camera.eye, camera.toward).expect("a room");
             let place = Location {
                 sector,
-                position: camera.eye,
+                position: camera.eye.map(|value| value as f32),
             };
             let near = built.scene.near(place, radius);
             assert!(

@@ -198,7 +198,7 @@ fn every_view_of_a_survey_sees_something() {
     for name in NAMES.into_iter().filter(|&name| name != "enfilade") {
         let scene = built_in(name).expect("it is built in").scene;
         for place in survey(&scene, 6).views {
-            let view = View::new(place.eye, place.toward, [64, 36]);
+            let view = View::new(place.eye, place.toward, [64, 36]).expect("a valid view");
             assert!(
                 !viewer.look(&scene, &view).items().is_empty(),
                 "@{name} from {place:?}"

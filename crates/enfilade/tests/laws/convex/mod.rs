@@ -6,7 +6,8 @@ mod worlds;
 use crate::subject::{SIZE, drawn, limits, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{
-    GeometryBuilder, ItemId, MaterialId, Method, Owner, Scene, SceneBuilder, SectorId, Transform, View,
+    Camera, GeometryBuilder, ItemId, MaterialId, Method, Owner, Scene, SceneBuilder, SectorId, Transform,
+    View,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -25,7 +26,7 @@ pub(crate) fn keeps_its_contract(scene: &Scene, views: &[View], place: &str) -> 
         let verdict = truth.check(viewer.visible(), Some(&picture));
         let first = truth.different(&picture).next();
         let why = first.map(|at| format!("{at:?} is {:?}, not {}", picture.owner(at), truth.describe(at)));
-        let told = format!("{place}, view {number} from {:?}", view.eye);
+        let told = format!("{place}, view {number} from {:?}", view.eye());
         assert_eq!(verdict.pixels_different, 0, "{told}: {why:?}");
         assert_eq!((verdict.missed, verdict.extra), (Vec::new(), 0), "{told}");
     }
@@ -33,10 +34,13 @@ pub(crate) fn keeps_its_contract(scene: &Scene, views: &[View], place: &str) -> 
 }
 
 pub(crate) fn view(sector: SectorId, eye: DVec3, toward: DVec3, near: f32) -> View {
-    let mut view = View::new(eye.as_vec3().into(), toward.as_vec3().into(), [64, 48]);
-    view.sector = Some(sector);
-    view.fov_y = 1.3;
-    view.near = near;
+    let camera = Camera {
+        sector: Some(sector),
+        fov_y: 1.3,
+        z_near: Some(near),
+        ..Camera::new(eye.as_vec3().into(), toward.as_vec3().into())
+    };
+    let view = camera.view([64, 48]).expect("a valid view");
     view
 }
 
@@ -282,7 +286,9 @@ fn built_in_scenes_that_are_convex_are_seen_as_such() {
             continue;
         };
         let cameras = subject.built.cameras.iter();
-        let views: Vec<View> = cameras.map(|camera| camera.view(SIZE)).collect();
+        let views: Vec<View> = cameras
+            .map(|camera| camera.view(SIZE).expect("a valid view"))
+            .collect();
         let looked_at = keeps_its_contract(scene, &views, subject.name);
         suited.push((subject.name, looked_at > 0));
     }

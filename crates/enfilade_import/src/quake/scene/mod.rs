@@ -131,6 +131,7 @@ pub(crate) fn import(
         visibility_bytes: map.lump(map.format.visibility).len(),
     };
     warnings.state(WarningKind::EmptyScene, geometry.triangle_count() == 0);
+    let cameras = starts::cameras(&entities, is_quake3);
     Ok(Import {
         rooms: vec![Room {
             name: name.to_owned(),
@@ -141,7 +142,8 @@ pub(crate) fn import(
             large: None,
         }],
         portals: Vec::new(),
-        cameras: starts::cameras(&entities, is_quake3),
+        orthographic_heights: vec![None; cameras.len()],
+        cameras,
         lights: lights::lights(&entities, is_quake3),
         map: Some(summary),
         warnings: warnings.into_list(),

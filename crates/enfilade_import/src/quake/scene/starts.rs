@@ -2,7 +2,7 @@
 
 use super::axes::{direction, turned};
 use super::entities::Entity;
-use crate::Camera;
+use enfilade::Camera;
 
 /// Height of a player's eye above the entity origin, in map units.
 const EYE: f32 = 22.0;
@@ -86,12 +86,8 @@ fn camera(
     let is_sound = toward.iter().all(|part| part.is_finite()) && toward != eye;
     is_sound.then_some(Camera {
         name,
-        eye,
-        toward,
-        up: [0.0, 1.0, 0.0],
         fov_y: FOV,
-        near: NEAR,
-        sector: None,
-        height: None,
+        z_near: Some(NEAR),
+        ..Camera::new(eye, toward)
     })
 }

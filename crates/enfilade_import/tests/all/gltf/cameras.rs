@@ -1,8 +1,8 @@
 //! Tests orthographic cameras: the distant perspective approximation moves nothing by more than half a pixel.
 
 use super::file::{File, reads, warnings};
-use enfilade::{Method, SectorId, View, Viewer};
-use enfilade_import::{Camera, Import};
+use enfilade::{Camera, Method, SectorId, Viewer};
+use enfilade_import::Import;
 use serde_json::{Value, json};
 
 /// A scene from −10 to 10 in all directions, and an orthographic camera that shows 8 of it from bottom to top.
@@ -27,9 +27,13 @@ fn only(import: &Import) -> &Camera {
     camera
 }
 
+fn near(camera: &Camera) -> f64 {
+    f64::from(camera.z_near.expect("the file gives it"))
+}
+
 /// Returns the position of a point in pixels from the centre of a 1280×720 viewport, and its depth.
 fn seen(camera: &Camera, point: [f64; 3]) -> [f64; 3] {
-    let [eye, toward, up] = [camera.eye, camera.toward, camera.up].map(|v| v.map(f64::from));
+    let Camera { eye, toward, up, .. } = *camera;
     let minus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] - b[i]);
     let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
     let cross = |a: [f64; 3], b: [f64; 3]| {
@@ -55,7 +59,10 @@ fn an_orthographic_camera_shows_things_where_parallel_lines_of_sight_have_them()
         json!({ "name": "Plan", "camera": 0, "translation": [1, 2, 30] }),
     ));
     let camera = only(&import);
-    assert_eq!((&*camera.name, camera.height), ("Plan", Some(8.0)));
+    assert_eq!(
+        (&*camera.name, &*import.orthographic_heights),
+        ("Plan", &[Some(8.0)][..])
+    );
     // 720 pixels are 8 units: 90 each. To the sides of the picture, over all depths.
     let mut worst = 0.0_f64;
     for x in [-7.1, -3.0, 0.0, 7.1] {
@@ -63,17 +70,14 @@ fn an_orthographic_camera_shows_things_where_parallel_lines_of_sight_have_them()
             for z in [-10.0, 0.0, 10.0] {
                 let [column, row, depth] = seen(camera, [1.0 + x, 2.0 + y, z]);
                 worst = worst.max((column - 90.0 * x).abs()).max((row - 90.0 * y).abs());
-                assert!(depth > f64::from(camera.near));
+                assert!(depth > near(camera));
             }
         }
     }
     assert!((0.1..0.6).contains(&worst), "{worst} pixels off");
     // Its picture begins half a unit before where its author put it.
     let [_, _, begins] = seen(camera, [1.0, 2.0, 29.5]);
-    assert!(
-        (begins - f64::from(camera.near)).abs() < 0.01,
-        "{begins} {camera:?}"
-    );
+    assert!((begins - near(camera)).abs() < 0.01, "{begins} {camera:?}");
 }
 
 #[test]
@@ -81,13 +85,10 @@ fn what_stands_behind_an_orthographic_camera_is_not_in_its_picture() {
     // It stands in the midst of things: their near half is behind it.
     let import = reads(&cube(json!({ "camera": 0 })));
     let camera = only(&import);
-    assert!(seen(camera, [0.0, 0.0, -0.6])[2] > f64::from(camera.near));
-    assert!(seen(camera, [0.0, 0.0, -0.4])[2] < f64::from(camera.near));
+    assert!(seen(camera, [0.0, 0.0, -0.6])[2] > near(camera));
+    assert!(seen(camera, [0.0, 0.0, -0.4])[2] < near(camera));
     let scene = import.scene(Method::ZBuffer, 1 << 30).expect("small");
-    let mut view = View::new(camera.eye, camera.toward, [64, 36]);
-    (view.fov_y, view.near, view.up) = (camera.fov_y, camera.near, camera.up);
-    view.sector = camera.sector;
-    assert_eq!(view.check(), Ok(()));
+    let view = camera.view([64, 36]).expect("a valid view");
     assert_eq!(Viewer::new().look(&scene, &view).items().len(), 1);
 }
 
@@ -105,10 +106,7 @@ fn a_scene_far_away_flat_or_empty_can_still_be_looked_at() {
     file.json["nodes"][0] = json!({});
     let import = reads(&file);
     assert_eq!(import.cameras.len(), 1);
-    let camera = &import.cameras[0];
-    let mut view = View::new(camera.eye, camera.toward, [64, 36]);
-    (view.fov_y, view.near) = (camera.fov_y, camera.near);
-    assert_eq!(view.check(), Ok(()));
+    assert!(import.cameras[0].view([64, 36]).is_ok());
     // Of what is beyond its far end nothing need be in its place, and it stands the nearer for it.
     let mut file = cube(json!({ "camera": 0, "translation": [0, 0, 11] }));
     let whole = only(&reads(&file)).eye[2];
@@ -145,5 +143,8 @@ fn an_orthographic_camera_looks_from_the_room_that_it_stands_in() {
     // One with a lens stands where its eye is, so that is asked.
     file.json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }]);
     let import = reads(&file);
-    assert_eq!((only(&import).sector, only(&import).height), (None, None));
+    assert_eq!(
+        (only(&import).sector, import.orthographic_heights[0]),
+        (None, None)
+    );
 }

@@ -99,11 +99,12 @@ fn instances_lights_and_cameras_are_those_that_their_maker_put_there() {
         "{kinds:?}"
     );
     assert!(lights.iter().any(|light| light.range == 2.5), "{lights:?}");
-    let cameras = sound("cameras.glb").cameras;
-    let flat: Vec<&str> = cameras
-        .iter()
-        .filter(|camera| camera.height.is_some())
-        .map(|camera| &*camera.name)
+    let import = sound("cameras.glb");
+    let cameras = &import.cameras;
+    let heights = cameras.iter().zip(&import.orthographic_heights);
+    let flat: Vec<&str> = heights
+        .filter(|(_, height)| height.is_some())
+        .map(|(camera, _)| &*camera.name)
         .collect();
     assert_eq!((cameras.len(), flat), (3, vec!["orthographic"]));
     let cut = sound("cutout.glb");

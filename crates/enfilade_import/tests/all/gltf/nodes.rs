@@ -227,7 +227,10 @@ fn a_camera_stands_in_the_world_and_looks_along_its_negative_z() {
                 "{node}: {camera:?}"
             );
         }
-        assert_eq!((camera.fov_y, camera.near, &*camera.name), (1.0, 0.1, "node#1"));
+        assert_eq!(
+            (camera.fov_y, camera.z_near, &*camera.name),
+            (1.0, Some(0.1), "node#1")
+        );
     }
 }
 

@@ -1,6 +1,6 @@
 //! Every law, with every method that suits, on real scenes.
 
-use enfilade::{Limits, Method, View, laws, survey};
+use enfilade::{Camera, Limits, Method, laws, survey};
 use enfilade_import::{ReadOptions, read};
 use std::path::Path;
 
@@ -20,8 +20,11 @@ fn the_laws_hold_in_real_buildings_and_a_city() {
         let scene = import.scene(Method::HierarchicalZ, Method::DEFAULT_LIMIT);
         let scene = scene.expect("it fits");
         let views = survey(&scene, 3).views.into_iter().map(|place| {
-            let mut view = View::new(place.eye, place.toward, [64, 36]);
-            view.sector = Some(place.sector);
+            let camera = Camera {
+                sector: Some(place.sector),
+                ..Camera::new(place.eye, place.toward)
+            };
+            let view = camera.view([64, 36]).expect("a valid view");
             view
         });
         let report = laws::check(&scene, &views.collect::<Vec<_>>(), Limits::default());

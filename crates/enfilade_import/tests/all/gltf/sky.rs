@@ -196,7 +196,7 @@ fn nothing_is_missed(scene: &Scene, views: &[([f32; 3], [f32; 3])]) {
     let through = portals.flat_map(|portal| views_through(scene, portal, [16, 12]));
     let own = views
         .iter()
-        .map(|&(eye, toward)| View::new(eye, toward, [48, 36]));
+        .map(|&(eye, toward)| View::new(eye, toward, [48, 36]).expect("a valid view"));
     let mut visible = 0;
     for view in through.collect::<Vec<_>>().into_iter().chain(own) {
         let (items, broken) = contestants.check(&view);
@@ -211,7 +211,7 @@ fn nothing_is_missed(scene: &Scene, views: &[([f32; 3], [f32; 3])]) {
 #[track_caller]
 fn sees_two_rooms(scene: &Scene, eye: [f32; 3], toward: [f32; 3]) {
     let mut viewer = enfilade::Viewer::new();
-    viewer.look(scene, &View::new(eye, toward, [96, 72]));
+    viewer.look(scene, &View::new(eye, toward, [96, 72]).expect("a valid view"));
     assert_eq!(viewer.visible().passages().len(), 2, "from {eye:?}");
 }
 

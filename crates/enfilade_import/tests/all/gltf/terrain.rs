@@ -158,7 +158,7 @@ fn nodes_move_turn_scale_and_mirror_terrain_as_anything_else() {
         let mut visible = Viewer::new();
         visible.look(
             &horizon(&import),
-            &View::new([2.0, 9.0, 20.0], [2.0, 2.0, 5.0], [64, 48]),
+            &View::new([2.0, 9.0, 20.0], [2.0, 2.0, 5.0], [64, 48]).expect("a valid view"),
         );
     }
 }
@@ -229,7 +229,7 @@ fn picture(import: &Import, method: Method) -> Vec<u8> {
     let scene = import.scene(method, Method::DEFAULT_LIMIT).expect("it suits");
     let mut settings = Settings::default();
     settings.exposure = Exposure::Eye(0.0);
-    let view = View::new([2.3, 3.0, 8.0], [2.5, 0.5, 2.0], [96, 64]);
+    let view = View::new([2.3, 3.0, 8.0], [2.5, 0.5, 2.0], [96, 64]).expect("a valid view");
     let drawn = Stage::new(&scene).draw(&mut Viewer::new(), &scene, &view, &settings);
     drawn.image.into_raw()
 }

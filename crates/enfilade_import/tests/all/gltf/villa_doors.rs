@@ -1,7 +1,7 @@
 //! The doors, windows, teleport and mirror of an authored villa, each opened and closed.
 
 use enfilade::laws::{Contestants, OwnerPicture, Reference, views_through};
-use enfilade::{Limits, Method, PortalId, Scene, View, Viewer};
+use enfilade::{Camera, Limits, Method, PortalId, Scene, View, Viewer};
 use enfilade_import::{ReadOptions, read};
 use std::path::Path;
 
@@ -13,8 +13,11 @@ fn before(scene: &Scene, portal: PortalId, away: f32) -> View {
     let outline = &scene.sector(portal.from).openings()[usize::from(portal.opening.0)].outline;
     let [middle, normal] = [outline.bounds().center(), outline.normal()];
     let eye = std::array::from_fn(|axis| middle[axis] + away * normal[axis]);
-    let mut view = View::new(eye, middle, SIZE);
-    view.sector = Some(portal.from);
+    let camera = Camera {
+        sector: Some(portal.from),
+        ..Camera::new(eye, middle)
+    };
+    let view = camera.view(SIZE).expect("a valid view");
     view
 }
 
@@ -22,7 +25,7 @@ fn before(scene: &Scene, portal: PortalId, away: f32) -> View {
 fn is_seen_through(scene: &Scene, reference: &Reference, view: &View, portal: PortalId) -> bool {
     let limits = Limits::default();
     let truth = reference.see(scene, view, &limits);
-    let mut picture = OwnerPicture::new(view.size);
+    let mut picture = OwnerPicture::new(view.size());
     let mut viewer = Viewer::new();
     viewer.draw(scene, view, &mut picture);
     let verdict = truth.check(viewer.visible(), Some(&picture));

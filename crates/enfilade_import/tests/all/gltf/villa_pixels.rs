@@ -162,8 +162,11 @@ fn each_node_of_a_villa_owns_the_pixels_that_another_renderer_gives_it() {
     let scene = without_originals(import.scene(Method::SBuffer, u64::MAX).expect("it fits"));
     let mut faults = Vec::new();
     for camera in &import.cameras {
-        let mut view = View::new(camera.eye, camera.toward, SIZE);
-        (view.up, view.fov_y, view.near) = (camera.up, camera.fov_y, camera.near);
+        let view = enfilade::Camera {
+            sector: None,
+            ..camera.clone()
+        };
+        let view = view.view(SIZE).expect("a valid view");
         let ours = owned(&scene, &view);
         let theirs = truth["cameras"].as_array().expect("a list");
         let theirs = theirs.iter().find(|other| other["name"] == camera.name.as_str());

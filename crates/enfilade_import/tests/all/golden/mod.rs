@@ -3,9 +3,9 @@
 //! A change that is meant to change pictures writes new ones, to be looked at again:
 //! `GOLDEN=write cargo test -p enfilade_import --test all golden`.
 
-use enfilade::{Contract, Method, Scene, View, Viewer};
+use enfilade::{Camera, Contract, Method, Scene, View, Viewer};
 use enfilade_draw::{Exposure, RgbImage, Settings, Stage};
-use enfilade_import::{Camera, Import, ReadOptions, read};
+use enfilade_import::{Import, ReadOptions, read};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -33,11 +33,7 @@ fn fixtures() -> Vec<PathBuf> {
 /// From where a scene is seen: its cameras, or before its middle, a little above and to the right.
 fn views(import: &Import, scene: &Scene) -> Vec<(String, View)> {
     let by = |camera: &Camera| {
-        let mut view = View::new(camera.eye, camera.toward, SIZE);
-        view.up = camera.up;
-        view.fov_y = camera.fov_y;
-        view.near = camera.near;
-        view.sector = camera.sector;
+        let view = camera.view(SIZE).expect("a valid view");
         let name = if camera.name == "Camera" {
             String::new()
         } else {
@@ -52,7 +48,7 @@ fn views(import: &Import, scene: &Scene) -> Vec<(String, View)> {
     let (middle, size) = (held.center(), held.size());
     let away = 1.3 * size.iter().map(|side| side * side).sum::<f32>().sqrt();
     let eye = [0, 1, 2].map(|axis| middle[axis] + away * [0.35, 0.45, 0.9][axis]);
-    vec![(String::new(), View::new(eye, middle, SIZE))]
+    vec![(String::new(), View::new(eye, middle, SIZE).expect("a valid view"))]
 }
 
 fn drawn(scene: &Scene, view: &View) -> RgbImage {

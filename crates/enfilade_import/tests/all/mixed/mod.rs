@@ -22,7 +22,7 @@ fn from_its_windows_the_hills_are_seen_and_from_the_hills_its_rooms() {
     let mut through = [0; 2];
     for view in &views {
         let truth = reference.see(&mixed, view, &viewer.options.limits);
-        let mut pictures = [(); 2].map(|()| OwnerPicture::new(view.size));
+        let mut pictures = [(); 2].map(|()| OwnerPicture::new(view.size()));
         for (place, (viewer, scene)) in [(&mut viewer, &mixed), (&mut viewer_alone, &alone)]
             .into_iter()
             .enumerate()

@@ -19,7 +19,7 @@ fn scene(import: &Import, method: Method) -> Scene {
 /// The names of the items that are seen, in order.
 fn seen(scene: &Scene, eye: [f32; 3], toward: [f32; 3]) -> Vec<String> {
     let mut viewer = Viewer::new();
-    let set = viewer.look(scene, &View::new(eye, toward, [160, 120]));
+    let set = viewer.look(scene, &View::new(eye, toward, [160, 120]).expect("a valid view"));
     let geometry = scene.geometry(SectorId(0)).expect("one room");
     let mut names: Vec<String> = set
         .items()

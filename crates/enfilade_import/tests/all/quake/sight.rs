@@ -3,8 +3,8 @@
 use super::maps::{maps, pairs_of, read as read_prt};
 use super::rooms::imported;
 use enfilade::{
-    Canvas, CellSide, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, View,
-    Viewer, survey,
+    Camera, Canvas, CellSide, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span,
+    View, Viewer, survey,
 };
 use enfilade_import::{Import, ReadOptions, read, with_visibility};
 use glam::DVec3;
@@ -94,14 +94,19 @@ fn scene(import: &Import, method: Method) -> Scene {
 /// From where players start, and from all over the map.
 fn views(import: &Import, scene: &Scene, places: usize) -> Vec<View> {
     let cameras = import.cameras.iter().map(|camera| {
-        let mut view = View::new(camera.eye, camera.toward, SIZE);
-        view.fov_y = camera.fov_y;
-        view.near = camera.near;
+        let camera = Camera {
+            fov_y: camera.fov_y,
+            z_near: camera.z_near,
+            ..Camera::new(camera.eye, camera.toward)
+        };
+        let view = camera.view(SIZE).expect("a valid view");
         view
     });
     let found = survey(scene, places).views;
     assert!(found.len() > places / 2, "the map has open space");
-    let places = found.iter().map(|place| View::new(place.eye, place.toward, SIZE));
+    let places = found
+        .iter()
+        .map(|place| View::new(place.eye, place.toward, SIZE).expect("a valid view"));
     cameras.chain(places).collect()
 }
 
@@ -143,7 +148,8 @@ fn compare(import: &Import, name: &str, places: usize) -> Compared {
                 let name_of = geometry.name(item);
                 report(&format!(
                     "{name}: from {:?} to {:?} at {place:?}: {name_of} is left out",
-                    view.eye, view.toward
+                    view.eye(),
+                    view.toward()
                 ));
             }
         }

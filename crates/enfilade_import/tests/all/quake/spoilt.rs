@@ -2,7 +2,7 @@
 
 use super::little::{FORMATS, Format, Little};
 use super::maps::maps;
-use enfilade::{Method, View, Viewer};
+use enfilade::{Camera, Method, Viewer};
 use enfilade_import::{Import, ReadOptions, read_bytes};
 use std::time::{Duration, Instant};
 
@@ -33,8 +33,8 @@ fn looked_at(import: &Import) {
         return;
     };
     for camera in import.cameras.iter().take(1) {
-        let view = View::new(camera.eye, camera.toward, [64, 48]);
-        if view.check().is_ok() {
+        let plain = Camera::new(camera.eye, camera.toward);
+        if let Ok(view) = plain.view([64, 48]) {
             Viewer::new().look(&scene, &view);
         }
     }

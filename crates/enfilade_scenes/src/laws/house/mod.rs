@@ -5,9 +5,10 @@ mod plan;
 use super::stage::{
     BLUE, BLUE_GLASS, BROWN, GREEN, LEAF, RED, Stage, YELLOW, both_ways, finished, lamp, sheet,
 };
+use crate::BuiltIn;
+use crate::camera::camera;
 use crate::random::Random;
 use crate::shape::{ball, block, cuboid};
-use crate::{BuiltIn, Camera};
 use enfilade::{Method, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
 use plan::{Open, Plan};
@@ -88,22 +89,22 @@ pub(crate) fn house() -> BuiltIn {
     finished(
         scene,
         vec![
-            Camera::new("in a, to b", [1.5, 1.5, 2.0], [9.0, 1.2, 2.6]),
-            Camera::new("in b, to e", [8.2, 1.6, 1.5], [8.6, 1.0, 8.0]),
-            Camera::new("in c, to the mirror", [14.0, 1.6, 4.5], [14.4, 1.4, 1.0]),
-            Camera::new("in f, to the annex", [12.5, 1.6, 8.2], [20.0, 1.2, 8.5]),
-            Camera::new("in f, past the door", [15.0, 1.6, 7.0], [13.0, 1.4, 8.0]),
-            Camera::new("at the edge of a doorway", [5.0, 1.5, 2.5], [9.0, 1.2, 3.0]),
-            Camera::new("in a doorway", [5.5, 1.5, 2.5], [2.0, 1.2, 2.0]),
-            Camera::new("on the door to the annex", [18.0, 1.5, 8.5], [21.0, 1.3, 8.0]),
-            Camera::new("just before it", [17.999_999, 1.5, 8.5], [21.0, 1.3, 8.0]),
-            Camera::new("in the annex, to the house", [21.5, 1.6, 8.6], [12.0, 1.2, 8.2]),
-            Camera::new("before the gate", [24.8, 1.6, 9.5], [25.0, 1.2, 6.0]),
-            Camera::new("at the gate", [25.0, 1.5, 7.005], [25.1, 1.2, 5.0]),
-            Camera::new("nose to the wall", [1.004, 1.5, 3.0], [0.0, 1.5, 3.0]),
-            Camera::new("through the wall", [1.0005, 1.5, 3.0], [0.0, 1.5, 3.0]),
-            Camera::new("in the wall", [5.5, 1.5, 3.5], [12.0, 1.2, 4.0]),
-            Camera::new("above all", [9.0, 14.0, 16.0], [9.0, 0.0, 5.0]),
+            camera("in a, to b", [1.5, 1.5, 2.0], [9.0, 1.2, 2.6]),
+            camera("in b, to e", [8.2, 1.6, 1.5], [8.6, 1.0, 8.0]),
+            camera("in c, to the mirror", [14.0, 1.6, 4.5], [14.4, 1.4, 1.0]),
+            camera("in f, to the annex", [12.5, 1.6, 8.2], [20.0, 1.2, 8.5]),
+            camera("in f, past the door", [15.0, 1.6, 7.0], [13.0, 1.4, 8.0]),
+            camera("at the edge of a doorway", [5.0, 1.5, 2.5], [9.0, 1.2, 3.0]),
+            camera("in a doorway", [5.5, 1.5, 2.5], [2.0, 1.2, 2.0]),
+            camera("on the door to the annex", [18.0, 1.5, 8.5], [21.0, 1.3, 8.0]),
+            camera("just before it", [17.999_999, 1.5, 8.5], [21.0, 1.3, 8.0]),
+            camera("in the annex, to the house", [21.5, 1.6, 8.6], [12.0, 1.2, 8.2]),
+            camera("before the gate", [24.8, 1.6, 9.5], [25.0, 1.2, 6.0]),
+            camera("at the gate", [25.0, 1.5, 7.005], [25.1, 1.2, 5.0]),
+            camera("nose to the wall", [1.004, 1.5, 3.0], [0.0, 1.5, 3.0]),
+            camera("through the wall", [1.0005, 1.5, 3.0], [0.0, 1.5, 3.0]),
+            camera("in the wall", [5.5, 1.5, 3.5], [12.0, 1.2, 4.0]),
+            camera("above all", [9.0, 14.0, 16.0], [9.0, 0.0, 5.0]),
         ],
     )
 }
@@ -186,7 +187,7 @@ pub fn random_house(seed: u64) -> BuiltIn {
             let [x, z] = [0, 1].map(|axis| low[axis] + (high[axis] - low[axis]) * random.unit());
             [x, 1.6 - down * random.unit(), z]
         });
-        Camera::new(&format!("camera {number}"), eye, toward)
+        camera(&format!("camera {number}"), eye, toward)
     });
     let cameras = cameras.collect();
     super::stage::alone(stage, cameras)

@@ -62,7 +62,7 @@ impl Coarse for CellArray {
 
 /// Returns the coverage of all faces of a geometry in a grid of `cells`, on a screen of 320×180 that looks along −z.
 fn covered(geometry: &Geometry, cells: [u32; 2]) -> (CellArray, Passage) {
-    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [320, 180]);
+    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [320, 180]).expect("a valid view");
     let passage = Passage::at_the_eye(&view, SectorId(0), false).in_cells(cells, &mut CellRoom::default());
     let (mut known, mut surface) = (CellArray::default(), CoarseCoverage::default());
     known.clear_cells(&passage);

@@ -72,7 +72,7 @@ fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) 
 fn plainly_there(polygon: &Polygon, passage: &Passage, at: usize) -> bool {
     let [x, y] = [at % passage.size[0] as usize, at / passage.size[0] as usize];
     let ray = DVec3::new(x as f64 + 0.5, y as f64 + 0.5, 1.0);
-    polygon.plane.0.dot(ray) / polygon.plane.1 * f64::from(passage.near) * 4.02 < 1.0
+    polygon.plane.0.dot(ray) / polygon.plane.1 * f64::from(passage.z_near) * 4.02 < 1.0
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn a_triangle_covers_the_samples_that_it_owns() {
     let mut covered = 0;
     for round in 0..6000 {
         let mut passage = passage([[77, 43], [64, 64]][round % 2]);
-        passage.near = [0.01, 0.5][round / 2 % 2];
+        passage.z_near = [0.01, 0.5][round / 2 % 2];
         let distance = dice.by_ratio(0.02, 100.0);
         let reach = distance * dice.by_ratio(0.003, 100.0);
         let center = DVec3::new(dice.between(-1.0, 1.0), dice.between(-0.6, 0.6), -1.0) * distance;
@@ -108,8 +108,8 @@ fn a_polygon_of_many_corners_covers_the_samples_that_it_owns() {
     let mut dice = Dice::new(6);
     let mut covered = 0;
     for round in 0..2000 {
-        let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [80, 50]);
-        view.toward = (DVec3::NEG_Z + 0.8 * dice.direction()).as_vec3().to_array();
+        let toward = (DVec3::NEG_Z + 0.8 * dice.direction()).as_vec3().to_array();
+        let view = View::new([0.0; 3], toward, [80, 50]).expect("a valid view");
         let passage = Passage::at_the_eye(&view, SectorId(0), false);
         let count = 3 + round % 8;
         let distance = -dice.by_ratio(0.05, 20.0) as f32;

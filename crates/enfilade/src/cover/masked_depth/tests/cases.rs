@@ -2,11 +2,15 @@
 
 use super::*;
 use crate::geom::ConvexPolygon;
+use crate::view::Camera;
 
 /// A camera at the origin that looks along −z with a field of view of 90 degrees: the screen is 2 wide at distance 1.
 fn square(side: u32) -> Passage {
-    let mut view = View::new([0.0; 3], [0.0, 0.0, -1.0], [side, side]);
-    view.fov_y = 90.0_f32.to_radians();
+    let camera = Camera {
+        fov_y: 90.0_f32.to_radians(),
+        ..Camera::new([0.0; 3], [0.0, 0.0, -1.0])
+    };
+    let view = camera.view([side, side]).expect("a valid view");
     Passage::at_the_eye(&view, SectorId(0), false)
 }
 
@@ -317,7 +321,7 @@ fn what_is_edge_on_hides_nothing() {
 #[test]
 fn what_is_before_the_near_distance_hides_nothing() {
     let mut passage = square(64);
-    passage.near = 1.0;
+    passage.z_near = 1.0;
     let mut cover = covered(&passage, &[pane(&passage, [0.0, 0.0, 64.0, 64.0], 0.99)]);
     assert!(sees(&mut cover, &passage, [-1.0, -1.0, -9.0], [1.0, 1.0, -8.0]));
     // A floor that begins under the eye: the rows where it is too near stay open.

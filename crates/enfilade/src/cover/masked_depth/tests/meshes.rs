@@ -4,6 +4,7 @@ use super::*;
 use crate::chance::levels;
 use crate::cover::masked_depth::mesh::merged;
 use crate::raster::{Band, Raster, Sink, Triangle};
+use crate::view::Camera;
 
 /// The nearest reversed depth of each sample according to the rasterizer, from the top left corner of the screen; 0 if
 /// there is none.
@@ -67,12 +68,11 @@ fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
     if seed.is_multiple_of(2) {
         return passages(seed, dice);
     }
-    let mut view = View::new(
-        [0.5, 1.0, 2.0],
-        dice.direction().to_array().map(|v| v as f32),
-        [701, 333],
-    );
-    view.near = dice.by_ratio(1e-3, 0.5) as f32;
+    let camera = Camera {
+        z_near: Some(dice.by_ratio(1e-3, 0.5) as f32),
+        ..Camera::new([0.5, 1.0, 2.0], dice.direction().to_array().map(|v| v as f32))
+    };
+    let view = camera.view([701, 333]).expect("a valid view");
     Passage::at_the_eye(&view, SectorId(0), false)
 }
 
@@ -256,7 +256,7 @@ fn strips_hide_the_very_samples_of_a_mesh_and_are_nowhere_nearer_by_any_number_o
 
 #[test]
 fn a_triangle_with_a_corner_that_is_no_number_hides_nothing() {
-    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 48]);
+    let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 48]).expect("a valid view");
     let passage = Passage::at_the_eye(&view, SectorId(0), false);
     let sound = [[-90.0, -90.0, -2.0], [90.0, -90.0, -2.0], [0.0, 90.0, -2.0]];
     let all_hidden = |positions: &[[f32; 3]], corners: &[u32]| {
@@ -284,8 +284,11 @@ fn worlds_as_small_as_atoms_and_as_large_as_the_sky_are_held_as_others() {
         let mut covered = 0;
         for seed in 0..6 {
             let mut dice = Dice::new(seed + 10 * number as u64 + 5000);
-            let mut view = View::new([0.0; 3], dice.direction().to_array().map(|v| v as f32), [160, 90]);
-            view.near = 0.05 * scale;
+            let camera = Camera {
+                z_near: Some(0.05 * scale),
+                ..Camera::new([0.0; 3], dice.direction().to_array().map(|v| v as f32))
+            };
+            let view = camera.view([160, 90]).expect("a valid view");
             let passage = Passage::at_the_eye(&view, SectorId(0), false);
             let (positions, corners) = soup(&mut dice, &passage, 60);
             let positions: Vec<[f32; 3]> = positions.iter().map(|at| at.map(|v| v * scale)).collect();
@@ -360,7 +363,7 @@ fn a_small_flat_quad_is_as_near_as_its_triangles_but_for_what_each_ends_at() {
     let mut covered = 0;
     for seed in 0..60 {
         let mut dice = Dice::new(seed + 7000);
-        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [640, 360]);
+        let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [640, 360]).expect("a valid view");
         let passage = Passage::at_the_eye(&view, SectorId(0), false);
         let at = DVec3::new(dice.roll() - 0.5, dice.roll() - 0.5, -2.0 - dice.roll());
         let [across, down] = [0.06 * dice.direction(), 0.06 * dice.direction()];

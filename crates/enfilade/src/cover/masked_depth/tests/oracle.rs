@@ -84,7 +84,7 @@ impl Oracle {
         }
         Oracle {
             size,
-            near: f64::from(passage.near),
+            near: f64::from(passage.z_near),
             entry: passage.entry,
             rev_depth: vec![0.0; open.len()],
             open,
@@ -162,7 +162,11 @@ pub(super) fn rev_depth_of(volume: &Volume, x: u16, y: u16) -> Option<f64> {
 }
 
 pub(super) fn passage(size: [u32; 2]) -> Passage {
-    Passage::at_the_eye(&View::new([0.0; 3], [0.0, 0.0, -1.0], size), SectorId(0), false)
+    Passage::at_the_eye(
+        &View::new([0.0; 3], [0.0, 0.0, -1.0], size).expect("a valid view"),
+        SectorId(0),
+        false,
+    )
 }
 
 /// All kinds of passages: the whole screen, behind an outline, behind a set of samples.

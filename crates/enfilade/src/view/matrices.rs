@@ -1,0 +1,147 @@
+//! Views from the matrices of an engine.
+//!
+//! What: takes a projection matrix apart into a map to pixels and a near plane, whatever its conventions.
+//! Idea: pixels need the rows x, y and w alone; the row of z gives the near plane by the depth that it has in clip space.
+//! Source: Hartley, Zisserman, Multiple View Geometry, 2nd edition, section 6.2, for the eye of a projective camera.
+
+use super::{View, ViewError, Viewport, check_position};
+use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Vec4Swizzles};
+
+/// The depths z / w of the near plane and of the far end in clip space: the convention of a projection matrix.
+#[doc(alias = "reversed z")]
+#[doc(alias = "NDC")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClipDepth {
+    /// 0 near, 1 far: Direct3D, Metal, Vulkan, WebGPU.
+    ZeroToOne,
+    /// 1 near, 0 far: the same with reversed depth, as in Bevy, Unreal and Unity.
+    OneToZero,
+    /// −1 near, 1 far: OpenGL, WebGL, three.js.
+    MinusOneToOne,
+}
+
+impl ClipDepth {
+    /// Returns the depth of the near plane and that of the far plane.
+    fn ends(self) -> [f64; 2] {
+        match self {
+            ClipDepth::ZeroToOne => [0.0, 1.0],
+            ClipDepth::OneToZero => [1.0, 0.0],
+            ClipDepth::MinusOneToOne => [-1.0, 1.0],
+        }
+    }
+}
+
+/// Part of a row by which its direction may be off, and still count as exact: the rounding of f32 matrices.
+const ROUNDING: f64 = 1e-5;
+
+impl View {
+    /// Creates a view from a view matrix and a perspective projection matrix, as engines have them.
+    ///
+    /// Both are given as four columns and multiply column vectors: the clip position of a point is `clip_from_eye` ·
+    /// `eye_from_sector` · (x, y, z, 1), with y up. Right- or left-handed, any up axis, symmetric or off-centre (VR, tiles),
+    /// jittered, finite or infinite: what a renderer draws with the same matrices is what is looked at. `f32` matrices do:
+    /// convert each value. Far from the origin, hand in `f64` matrices if you have them, or a position by
+    /// [`View::from_pose`].
+    ///
+    /// The far plane is ignored: geometry beyond it counts as visible. A Vulkan projection with y down gives a picture upside
+    /// down; negate its second row to get scissors in pixels from the top.
+    ///
+    /// ```
+    /// use enfilade::{ClipDepth, View};
+    /// // Left-handed, y up, 90 degrees, reversed depth, near plane at 0.1, no far plane; the eye is at (0, 2, -5).
+    /// let eye_from_world = [[1., 0., 0., 0.], [0., 1., 0., 0.], [0., 0., 1., 0.], [0., -2., 5., 1.]];
+    /// let clip_from_eye = [[1., 0., 0., 0.], [0., 1., 0., 0.], [0., 0., 0., 1.], [0., 0., 0.1, 0.]];
+    /// let view = View::from_matrices(eye_from_world, clip_from_eye, ClipDepth::OneToZero, [512, 512])?;
+    /// assert_eq!((view.eye(), view.z_near()), ([0.0, 2.0, -5.0], 0.1));
+    /// assert_eq!(view.toward(), [0.0, 2.0, -4.0]);
+    /// # Ok::<(), enfilade::ViewError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns the [`ViewError`] of the first rule that is broken: [`ViewError::Parallel`] and [`ViewError::Oblique`] name
+    /// projections that are not supported yet.
+    #[doc(alias = "projection matrix")]
+    #[doc(alias = "view matrix")]
+    pub fn from_matrices(
+        eye_from_sector: [[f64; 4]; 4],
+        clip_from_eye: [[f64; 4]; 4],
+        depth: ClipDepth,
+        viewport: impl Into<Viewport>,
+    ) -> Result<View, ViewError> {
+        let [view, clip] =
+            [eye_from_sector, clip_from_eye].map(|columns| DMat4::from_cols_array_2d(&columns));
+        if !view.is_finite() {
+            return Err(ViewError::NotFinite("the view matrix"));
+        }
+        if !clip.is_finite() {
+            return Err(ViewError::NotFinite("the projection matrix"));
+        }
+        if view.row(3).distance_squared(DVec4::W) > ROUNDING * ROUNDING {
+            return Err(ViewError::NotAffine);
+        }
+        let (eye_from_sector, clip) = eye_at_origin(DAffine3::from_mat4(view), clip)?;
+        let eye = -(eye_from_sector.matrix3.inverse() * eye_from_sector.translation);
+        if !eye.is_finite() {
+            return Err(ViewError::Singular);
+        }
+        check_position("the eye", eye.into())?;
+        let z_near = near_distance(&clip, depth)?;
+        View::of_projection(eye, eye_from_sector, clip, z_near as f32, viewport.into())
+    }
+}
+
+/// Moves the origin of eye space to the eye, in case the projection matrix has an offset (as some stereo ones have).
+fn eye_at_origin(eye_from_sector: DAffine3, clip: DMat4) -> Result<(DAffine3, DMat4), ViewError> {
+    let [x, y, w] = [0, 1, 3].map(|row| clip.row(row));
+    let size = x.xyz().length().max(y.xyz().length());
+    if w.xyz().length() <= 1e-12 * w.w.abs() || w.xyz() == DVec3::ZERO {
+        return Err(if w.w == 0.0 || size == 0.0 {
+            ViewError::Singular
+        } else {
+            ViewError::Parallel
+        });
+    }
+    let offset = DVec3::new(x.w, y.w, w.w);
+    if offset == DVec3::ZERO {
+        return Ok((eye_from_sector, clip));
+    }
+    let xyw = DMat3::from_cols(x.xyz(), y.xyz(), w.xyz()).transpose();
+    let eye = -(xyw.inverse() * offset);
+    if !eye.is_finite() {
+        return Err(ViewError::Singular);
+    }
+    let mut moved = clip * DMat4::from_translation(eye);
+    // Zero but for rounding.
+    for row in [0, 1, 3] {
+        moved.w_axis[row] = 0.0;
+    }
+    Ok((DAffine3::from_translation(-eye) * eye_from_sector, moved))
+}
+
+/// Returns the distance of the near plane along the view direction.
+fn near_distance(clip: &DMat4, depth: ClipDepth) -> Result<f64, ViewError> {
+    let [z, w] = [clip.row(2), clip.row(3)];
+    let normal = w.xyz();
+    let slope = z.xyz().dot(normal) / normal.length_squared();
+    if (z.xyz() - slope * normal).length() > ROUNDING * z.xyz().length().max(normal.length()) {
+        return Err(ViewError::Oblique);
+    }
+    // Along the view direction z / w = slope + z.w / w, so each depth is at one w.
+    let [near, far] = depth.ends().map(|end| (end - slope) / z.w);
+    // Reciprocals of w: zero or less is infinitely far.
+    let near_distance = 1.0 / (near * normal.length());
+    if !(near > 0.0 && near > far && near_distance.is_finite()) {
+        return Err(ViewError::ClipDepth);
+    }
+    Ok(near_distance)
+}
+
+/// Returns the map from eye space to (X, Y, W), where (X / W, Y / W) is a position in the viewport, in pixels, y down, and
+/// W the distance along the view direction.
+pub(super) fn viewport_from_eye(clip: &DMat4, size: [u32; 2]) -> DMat3 {
+    let [x, y, w] = [0, 1, 3].map(|row| clip.row(row).xyz());
+    let [width, height] = size.map(f64::from);
+    let unit = w.length();
+    let rows = [0.5 * width * (w + x), 0.5 * height * (w - y), w].map(|row| row / unit);
+    DMat3::from_cols_array_2d(&rows.map(Into::into)).transpose()
+}

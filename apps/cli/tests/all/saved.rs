@@ -77,7 +77,8 @@ fn on_a_full_disk_every_output_fails_and_leaves_what_was_there() {
         let run = run_with_little_space(&folder, 0, arguments);
         assert_eq!(run.code, Some(2), "{arguments}: {}{}", run.stdout, run.stderr);
         assert!(
-            run.stderr.contains(&format!("cannot write {output}: ")),
+            // A slow run of `vis` fails at its unfinished work, beside the map.
+            run.stderr.contains(&format!("cannot write {output}")),
             "{arguments}: {}",
             run.stderr
         );

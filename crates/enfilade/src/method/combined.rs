@@ -1,6 +1,9 @@
 //! The sector of a built-in method: one implementation of the sector trait for all ways to use an order.
 
 use super::editable::{EditStats, EditableSector, edit_order};
+use super::found::find;
+use super::gathered::draw_gathered;
+use super::ordered::NoCover;
 use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::geom::Aabb;
@@ -101,6 +104,11 @@ impl<M: Combination> Combined<M> {
     }
 }
 
+/// Whether a margin is set that the method cannot keep: its occluders would hide what a renderer within the margin shows.
+fn culls_by_clip_region_alone<M: Combination>(options: &ViewerOptions) -> bool {
+    !M::COVER.is_empty() && !M::TAKES_COVER_SIZE && options.margin() > 0.0
+}
+
 impl<M: Combination> Sector for Combined<M> {
     fn bounds(&self) -> Aabb {
         self.geometry.bounds()
@@ -111,7 +119,8 @@ impl<M: Combination> Sector for Combined<M> {
     }
 
     fn contract(&self, options: &ViewerOptions) -> Contract {
-        if M::TAKES_COVER_SIZE && options.cover_size.is_some() {
+        let in_cells = M::TAKES_COVER_SIZE && (options.cover_size.is_some() || options.margin() > 0.0);
+        if in_cells || culls_by_clip_region_alone::<M>(options) {
             Contract::Conservative
         } else {
             M::CONTRACT
@@ -119,15 +128,21 @@ impl<M: Combination> Sector for Combined<M> {
     }
 
     fn draws_what_was_gathered(&self, options: &ViewerOptions) -> bool {
-        self.combination.draws_what_was_gathered(options)
+        culls_by_clip_region_alone::<M>(options) || self.combination.draws_what_was_gathered(options)
     }
 
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
+        if culls_by_clip_region_alone::<M>(&passage.options) {
+            return find(&self.order, &self.geometry, passage, &mut NoCover, memory, seen);
+        }
         self.combination
             .gather(&self.order, &self.geometry, passage, memory, seen);
     }
 
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
+        if culls_by_clip_region_alone::<M>(&passage.options) {
+            return draw_gathered(&self.geometry, passage, memory, seen, canvas);
+        }
         self.combination
             .draw(&self.order, &self.geometry, passage, memory, seen, canvas);
     }

@@ -44,7 +44,7 @@ where
     type Cover = C;
 }
 
-/// A method that uses a low-resolution cover if the viewer has set a cover size, and its normal one otherwise.
+/// A method that uses a cover of cells if the viewer has set a cover size or a margin, and its normal one otherwise.
 pub(super) struct InCells<M>(M);
 
 /// Occlusion test against a low-resolution cover, into which faces are rasterized by the cells that they cover fully.
@@ -138,7 +138,7 @@ impl<M: CoarseCombination> Combination for InCells<M> {
     }
 
     fn draws_what_was_gathered(&self, options: &ViewerOptions) -> bool {
-        options.cover_size.is_some() || self.0.draws_what_was_gathered(options)
+        options.cover_size.is_some() || options.margin() > 0.0 || self.0.draws_what_was_gathered(options)
     }
 
     fn gather(
@@ -149,7 +149,7 @@ impl<M: CoarseCombination> Combination for InCells<M> {
         memory: &mut Memory,
         seen: &mut Collector,
     ) {
-        match passage.options.cover_size {
+        match passage.options.cells(passage.size) {
             Some(cells) => Self::look(order, geometry, cells, passage, memory, seen, None),
             None => self.0.gather(order, geometry, passage, memory, seen),
         }
@@ -164,7 +164,7 @@ impl<M: CoarseCombination> Combination for InCells<M> {
         seen: &mut Collector,
         canvas: &mut dyn Canvas,
     ) {
-        let Some(cells) = passage.options.cover_size else {
+        let Some(cells) = passage.options.cells(passage.size) else {
             return self.0.draw(order, geometry, passage, memory, seen, canvas);
         };
         draw_gathered(geometry, passage, memory, seen, canvas);

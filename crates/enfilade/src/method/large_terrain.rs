@@ -7,7 +7,7 @@ use super::combined::Count;
 use super::strips::{self, look_in_strips};
 use crate::contract::Contract;
 use crate::cover::{Cover, Horizon, Paints};
-use crate::faces::Faces;
+use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
 use crate::geometry::Opening;
 use crate::ids::ItemId;
@@ -78,6 +78,28 @@ impl Visit for Walk<'_> {
     }
 }
 
+/// Reports all blocks and openings in the clip region.
+struct NoCover<'a> {
+    seen: &'a mut Collector,
+}
+
+impl Visit for NoCover<'_> {
+    fn enter(&mut self, _region: &Region) -> Visibility {
+        Visibility::Partial
+    }
+
+    fn first_time(&mut self, _item: ItemId) -> bool {
+        true
+    }
+
+    fn faces(&mut self, faces: &Faces) {
+        match faces.source {
+            FaceSource::Item(item, _) => self.seen.item(item),
+            FaceSource::Opening(opening) => self.seen.opening(opening, None),
+        }
+    }
+}
+
 impl Sector for LargeTerrain {
     fn bounds(&self) -> Aabb {
         let ground = self.bounds_of(self.level_count() - 1, [0, 0]);
@@ -88,11 +110,21 @@ impl Sector for LargeTerrain {
         self.holes().openings()
     }
 
-    fn contract(&self, _options: &ViewerOptions) -> Contract {
-        Contract::Exact
+    fn contract(&self, options: &ViewerOptions) -> Contract {
+        if options.margin() > 0.0 {
+            Contract::Conservative
+        } else {
+            Contract::Exact
+        }
     }
 
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
+        if passage.options.margin() > 0.0 {
+            let mut workplace = memory.take::<Workplace>();
+            self.visit(passage, &mut workplace, &mut NoCover { seen });
+            memory.put_back(workplace);
+            return;
+        }
         let strips = strips::count(passage);
         if strips > 1 {
             look_in_strips(strips, self, passage, memory, seen, |strip, memory, seen| {

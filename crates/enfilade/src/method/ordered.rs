@@ -65,7 +65,7 @@ impl<O: Order> Combination for Ordered<O> {
 }
 
 /// An occlusion test that every box and face passes.
-struct NoCover;
+pub(super) struct NoCover;
 
 impl OcclusionTest for NoCover {
     const TAKES_FACES: bool = false;

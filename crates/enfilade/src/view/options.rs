@@ -6,7 +6,7 @@
 /// use enfilade::{Viewer, ViewerOptions};
 /// let viewer = Viewer::with_options(ViewerOptions { parallel: false, ..ViewerOptions::default() });
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewerOptions {
     /// Recursion limits.
     pub limits: Limits,
@@ -38,6 +38,20 @@ pub struct ViewerOptions {
     /// A lower resolution is faster and reports more hidden items: such a method is conservative. Values are clamped to
     /// 1 to the screen's size.
     pub cover_size: Option<[u32; 2]>,
+    /// How far the renderer may move a vertex on the screen, in pixels along each axis. Default 0: a set is true of the
+    /// samples of the exact picture.
+    ///
+    /// GPUs snap vertices to a grid of 1/256 pixel (some to 1/16), and compute them in `f32`. Then an item may show up at a
+    /// sample that its exact outline just misses, or an occluder may miss one that it should just cover. With a margin, boxes
+    /// and faces that are tested grow by it, and outlines of occluders shrink by it: nothing is missed that any such picture
+    /// shows. Set it to the step of the grid, 1/256 or 1/16. Values are clamped to 0 to ½.
+    ///
+    /// Methods that take a cover size ([`Method::takes_cover_size`](crate::Method::takes_cover_size)) are conservative with
+    /// a margin. All others but `pvs` then cull by the clip region alone; `pvs` is strict, so the margin changes nothing.
+    #[doc(alias = "sub-pixel precision")]
+    #[doc(alias = "vertex snapping")]
+    #[doc(alias = "conservative rasterization")]
+    pub margin_px: f32,
 }
 
 impl Default for ViewerOptions {
@@ -48,7 +62,28 @@ impl Default for ViewerOptions {
             parallel: true,
             occluders: None,
             cover_size: None,
+            margin_px: 0.0,
         }
+    }
+}
+
+impl ViewerOptions {
+    /// Returns the margin within its range, in pixels.
+    pub(crate) fn margin(&self) -> f64 {
+        // NaN is an unknown margin: the maximum.
+        if self.margin_px >= 0.0 {
+            f64::from(self.margin_px.min(0.5))
+        } else if self.margin_px < 0.0 {
+            0.0
+        } else {
+            0.5
+        }
+    }
+
+    /// Returns columns and rows of a cover that is rasterized by cells: one of another size than the screen, or any cover
+    /// that keeps a margin.
+    pub(crate) fn cells(&self, screen: [u32; 2]) -> Option<[u32; 2]> {
+        self.cover_size.or((self.margin() > 0.0).then_some(screen))
     }
 }
 

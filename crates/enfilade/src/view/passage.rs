@@ -46,8 +46,9 @@ pub struct Passage {
     pub options: ViewerOptions,
     /// Whether no portal is followed and openings are empty holes (`Scene::without_portals`).
     pub(crate) flat: bool,
-    /// Whether to compute visibility for any sample position in a pixel, not for the pixel centre only.
-    pub(crate) any_place: bool,
+    /// Visibility is computed for sample positions up to this far from the pixel centre, in pixels along each axis: 0 at
+    /// the centre only, 0.5 anywhere in the pixel.
+    pub(crate) spread: f64,
     /// Hash of the chain of portals: the same chain has the same hash in the next frame.
     pub(crate) chain: u64,
     /// SIMD level of box tests; looked up once per look.
@@ -83,7 +84,7 @@ impl Passage {
             size: view.size(),
             options: ViewerOptions::default(),
             flat,
-            any_place: false,
+            spread: 0.0,
             chain: u64::from(sector.0),
             level: crate::simd::level(),
             eye_from_sector,
@@ -108,7 +109,9 @@ impl Passage {
         rows: Option<Rows>,
     ) -> Option<Passage> {
         let view = OpeningView::new(self, outline)?;
-        let aperture = self.aperture.behind(view.corners(), rows, self.any_place)?;
+        let aperture = self
+            .aperture
+            .behind(view.corners(), rows, self.spread, self.options.margin())?;
         let here_from_there = there_from_here.inverse()?;
         let eye_from_sector = self.eye_from_sector * here_from_there.0;
         Some(Passage {
@@ -122,7 +125,7 @@ impl Passage {
             size: self.size,
             options: self.options,
             flat: self.flat,
-            any_place: false,
+            spread: 0.0,
             chain: self.chain_through(portal),
             level: self.level,
             eye_from_sector,
@@ -157,13 +160,16 @@ impl Passage {
                 Some(_) => self.contract.combined_with(own),
                 None => own,
             },
-            any_place: own == Contract::Strict && !painted,
+            spread: match own {
+                Contract::Strict if !painted => 0.5,
+                _ => self.options.margin(),
+            },
             ..self
         }
     }
 
     /// Returns the passage at a lower resolution, whose pixels are cells; visibility is computed for any position in a
-    /// cell.
+    /// cell and, if the cells are pixels, within the margin of the options around each sample.
     pub(crate) fn in_cells(&self, cells: [u32; 2], room: &mut CellRoom) -> Passage {
         let scale = [0, 1].map(|axis| f64::from(cells[axis]) / f64::from(self.size[axis]));
         let scaling = DMat3::from_diagonal(DVec3::new(scale[0], scale[1], 1.0));
@@ -175,7 +181,11 @@ impl Passage {
         };
         Passage {
             size: cells,
-            any_place: true,
+            spread: if cells == self.size {
+                self.options.margin()
+            } else {
+                0.5 + self.options.margin() * scale[0].max(scale[1])
+            },
             screen_from_eye,
             screen_from_sector: compose(&screen_from_eye, &self.eye_from_sector),
             entry: self
@@ -198,7 +208,7 @@ impl Passage {
             size: self.size,
             options: self.options,
             flat: self.flat,
-            any_place: self.any_place,
+            spread: self.spread,
             chain: self.chain,
             level: self.level,
             eye_from_sector: self.eye_from_sector,
@@ -344,10 +354,10 @@ impl Passage {
         &self,
         outline: &ConvexPolygon,
         rows: Option<Rows>,
-        any_place: bool,
+        spread: f64,
     ) -> Option<Aperture> {
         let view = OpeningView::new(self, outline)?;
-        self.aperture.behind(view.corners(), rows, any_place)
+        self.aperture.behind(view.corners(), rows, spread, 0.0)
     }
 
     /// Projects an AABB around openings, which have no near plane.
@@ -391,7 +401,7 @@ impl From<&Passage> for Clip {
             rect: passage.aperture.rect(),
             near: f64::from(passage.z_near),
             entry: passage.entry,
-            any_place: passage.any_place,
+            spread: passage.spread,
             level: passage.level,
         }
     }

@@ -112,8 +112,8 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
                 viewer.look(&fresh, &view);
                 assert_eq!(looked, names(&fresh, viewer.visible()), "{place}: built afresh");
                 // The same focal length: all samples of this screen are among those of the wide one.
-                let mut wide = view;
-                wide.size[0] *= 3;
+                let mut wide = camera.view([3 * SIZE[0], SIZE[1]]).expect("a valid view");
+                wide.sector = view.sector;
                 viewer.look(scene, &wide);
                 let wide = names(scene, viewer.visible());
                 assert!(looked.is_subset(&wide), "{place}: less in a wider aperture");

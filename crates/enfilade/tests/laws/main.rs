@@ -8,6 +8,7 @@ mod extremes;
 mod glass;
 mod matrices;
 mod mixed;
+mod snapping;
 mod subject;
 mod suite;
 mod terrain;

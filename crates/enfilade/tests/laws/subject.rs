@@ -57,7 +57,8 @@ impl Subject {
     pub(crate) fn camera(&self, name: &str) -> View {
         let mut cameras = self.built.cameras.iter();
         let camera = cameras.find(|camera| camera.name == name);
-        camera.expect("a camera of that scene").view(SIZE)
+        let camera = camera.expect("a camera of that scene");
+        camera.view(SIZE).expect("a valid view")
     }
 }
 

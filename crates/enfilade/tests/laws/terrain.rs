@@ -1,6 +1,6 @@
 //! Terrain: exact visibility from any position; geometry that is no terrain, or no longer terrain, is rejected.
 
-use crate::convex::{keeps_its_contract, view};
+use crate::convex::{camera, keeps_its_contract, view};
 use enfilade::{
     Alpha, ConvexPolygon, Geometry, GeometryBuilder, HeightField, ItemId, Material, MaterialId, Mesh, Method,
     Scene, SceneBuilder, SceneError, SectorId, Transform, Unsuited, View,
@@ -109,15 +109,11 @@ fn views(random: &mut Random, field: &HeightField, place: &Transform) -> Vec<Vie
         if eye.distance(toward) < 1e-3 {
             continue;
         }
-        let mut seen = view(SectorId(0), eye, toward, [0.01, 0.5][look % 2]);
+        let mut camera = camera(SectorId(0), eye, toward, [0.01, 0.5][look % 2]);
         if look > 2 {
-            seen.up = [
-                random.between(-1.0, 1.0),
-                random.between(-1.0, 1.0),
-                random.between(-1.0, 1.0),
-            ];
+            camera.up = [0; 3].map(|_| f64::from(random.between(-1.0, 1.0)));
         }
-        views.push(seen);
+        views.push(camera.view([64, 48]).expect("a valid view"));
     }
     views
 }

@@ -50,6 +50,8 @@ pub(super) struct Face {
     pub(super) rect: Rect,
     min: [f64; 2],
     max: [f64; 2],
+    /// Distance from the sides of a cell's square to the sides of the cell: ½ minus half the side of the square.
+    inset: f64,
     /// Plane of reversed depth slope · (x, y, 1), and the minimum at the corners.
     slope: DVec3,
     least: f64,
@@ -125,9 +127,9 @@ impl Edge {
 
     /// Returns the minimum and maximum x of the edge in row `y` of cells; `None` if it does not reach the row.
     #[inline(always)]
-    fn reach(&self, y: u16) -> Option<[f64; 2]> {
-        let y0 = greater(self.min[1], f64::from(y) - SLACK);
-        let y1 = smaller(self.max[1], f64::from(y) + (1.0 + SLACK));
+    fn reach(&self, y: u16, inset: f64) -> Option<[f64; 2]> {
+        let y0 = greater(self.min[1], f64::from(y) + (inset - SLACK));
+        let y1 = smaller(self.max[1], f64::from(y) + (1.0 - inset + SLACK));
         if y0 > y1 {
             return None;
         }
@@ -144,9 +146,16 @@ impl Edge {
 impl Face {
     /// Clips a triangle. Returns `None` if it is edge-on, back-facing, outside `limits` or clipped away.
     ///
-    /// `front` is the sign of the determinant of front-facing corners, or 0 for double-sided faces.
+    /// `front` is the sign of the determinant of front-facing corners, or 0 for double-sided faces; `half` is half the side
+    /// of the square of a cell.
     #[inline(always)]
-    pub(super) fn of(corners: [&Corner; 3], front: f64, passage: &Passage, limits: &Rect) -> Option<Face> {
+    pub(super) fn of(
+        corners: [&Corner; 3],
+        front: f64,
+        passage: &Passage,
+        half: f64,
+        limits: &Rect,
+    ) -> Option<Face> {
         let [a, b, c] = corners.map(|corner| corner.at);
         let normal = (b - a).cross(c - a);
         let determinant = normal.dot(a);
@@ -173,6 +182,7 @@ impl Face {
             rect: Rect::default(),
             min: [f64::INFINITY; 2],
             max: [f64::NEG_INFINITY; 2],
+            inset: 0.5 - half,
             slope,
             least: f64::INFINITY,
             nearest: 0.0,
@@ -247,16 +257,17 @@ impl Face {
 
     #[inline(always)]
     fn within(&self, limits: &Rect) -> Option<Rect> {
-        let [x0, x1] = touched(self.min[0], self.max[0], [limits.x0, limits.x1])?;
-        let [y0, y1] = touched(self.min[1], self.max[1], [limits.y0, limits.y1])?;
+        let [x0, x1] = touched(self.min[0], self.max[0], self.inset, [limits.x0, limits.x1])?;
+        let [y0, y1] = touched(self.min[1], self.max[1], self.inset, [limits.y0, limits.y1])?;
         Some(Rect { x0, y0, x1, y1 })
     }
 
-    /// Returns `true` if the face is entirely inside these cells.
+    /// Returns `true` if the face is entirely inside the squares of these cells.
     #[inline(always)]
     pub(super) fn is_within(&self, rect: &Rect) -> bool {
         let [low, high] = [[rect.x0, rect.y0], [rect.x1, rect.y1]].map(|corner| corner.map(f64::from));
-        (0..2).all(|axis| self.min[axis] >= low[axis] && self.max[axis] <= high[axis])
+        (0..2)
+            .all(|axis| self.min[axis] >= low[axis] + self.inset && self.max[axis] <= high[axis] - self.inset)
     }
 
     /// Returns the maximum reversed depth, rounded up.
@@ -271,10 +282,10 @@ impl Face {
         let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
         let mut edges = SmallVec::new();
         for edge in &self.edges {
-            let reach = edge.reach(y);
+            let reach = edge.reach(y, self.inset);
             edges.push(
                 reach
-                    .and_then(|[x0, x1]| touched(x0, x1, limits))
+                    .and_then(|[x0, x1]| touched(x0, x1, self.inset, limits))
                     .unwrap_or([0; 2]),
             );
             if let Some([x0, x1]) = reach {
@@ -282,7 +293,7 @@ impl Face {
                 high = greater(x1, high);
             }
         }
-        let columns = touched(low, high, limits)?;
+        let columns = touched(low, high, self.inset, limits)?;
         let within = within(columns, &edges);
         Some(Row {
             columns,
@@ -296,7 +307,7 @@ impl Face {
     pub(super) fn upper_plane(&self, limits: &Rect) -> Triangle {
         let DVec3 { x: a, y: b, z: c } = self.slope;
         let most = a.abs() * f64::from(limits.x1) + b.abs() * f64::from(limits.y1) + c.abs();
-        let lifted = c + (a.abs() + b.abs()) * (0.5 + SLACK) + most * ROUNDING;
+        let lifted = c + (a.abs() + b.abs()) * (0.5 - self.inset + SLACK) + most * ROUNDING;
         Triangle {
             owner: 0,
             rev_depth: DVec3::new(a, b, lifted) * ROUND_UP,
@@ -310,7 +321,7 @@ impl Face {
     pub(super) fn lower_plane(&self, limits: &Rect) -> Triangle {
         let DVec3 { x: a, y: b, z: c } = self.slope;
         let most = a.abs() * f64::from(limits.x1) + b.abs() * f64::from(limits.y1) + c.abs();
-        let lowered = c - (a.abs() + b.abs()) * (0.5 + SLACK) - most * ROUNDING;
+        let lowered = c - (a.abs() + b.abs()) * (0.5 - self.inset + SLACK) - most * ROUNDING;
         Triangle {
             owner: 0,
             rev_depth: DVec3::new(a, b, lowered) * ROUND_DOWN,
@@ -324,8 +335,9 @@ impl Face {
     pub(super) fn least_in(&self, x: u16, y: u16) -> f32 {
         let DVec3 { x: a, y: b, z: c } = self.slope;
         // Linear, so the minimum is at a corner.
-        let x = f64::from(x) + if a < 0.0 { 1.0 + SLACK } else { -SLACK };
-        let y = f64::from(y) + if b < 0.0 { 1.0 + SLACK } else { -SLACK };
+        let [low, high] = [self.inset - SLACK, 1.0 - self.inset + SLACK];
+        let x = f64::from(x) + if a < 0.0 { high } else { low };
+        let y = f64::from(y) + if b < 0.0 { high } else { low };
         let rounding = (a.abs() * x.abs() + b.abs() * y.abs() + c.abs()) * ROUNDING;
         let rev_depth = greater(a * x + (b * y + c) - rounding, self.least) * ROUND_DOWN;
         let rev_depth = smaller(rev_depth, f64::from(f32::MAX)) as f32;
@@ -357,16 +369,18 @@ fn within(columns: [u16; 2], edges: &[[u16; 2]]) -> [u16; 2] {
     [first, end.max(first)]
 }
 
-/// Returns the first cell of a row or column that `low..high` touches inside `limits`, and the end (exclusive); `None`
-/// if there is none.
+/// Returns the first cell of a row or column inside `limits` whose square `low..high` touches, and the end (exclusive);
+/// `None` if there is none.
 #[inline(always)]
-fn touched(low: f64, high: f64, limits: [u16; 2]) -> Option<[u16; 2]> {
+fn touched(low: f64, high: f64, inset: f64, limits: [u16; 2]) -> Option<[u16; 2]> {
     let [first, end] = limits.map(f64::from);
-    let [low, high] = [low - SLACK, high + SLACK];
+    // Cell x is touched if `low` is at most x + 1, and `high` at least x, after the squares are blown up to whole cells.
+    let [low, high] = [low - SLACK + inset, high + SLACK - inset];
     // Written so that NaN fails too.
     if !(low < end && high >= first) {
         return None;
     }
     let last = smaller(high, end - 1.0) as u16;
-    Some([greater(low, first) as u16, last + 1])
+    let touched = [greater(low, first) as u16, last + 1];
+    (touched[0] < touched[1]).then_some(touched)
 }

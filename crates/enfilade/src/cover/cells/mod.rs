@@ -1,4 +1,5 @@
 //! Coverage of cells larger than samples: finds the cells that a surface covers entirely, and the farthest depth there.
+//! With a margin, a cell is the square around a sample in which the rounding of a renderer may move the picture.
 //!
 //! A surface covers a cell that it overlaps if the cell contains no boundary, silhouette or unpaired edge of it.
 //! Shrinking each triangle instead would leave a crack along every shared edge. So each edge that touches a cell is
@@ -43,6 +44,8 @@ pub struct CoarseCoverage {
     /// In row-major order from the top left cell of the screen.
     cells: Vec<Cell>,
     open_edges: Vec<OpenEdges>,
+    /// Half the side of the square around the centre of each cell that is to be covered, in cells: ½ for the whole cell.
+    half: f64,
     /// Number of the current cluster and of the first one of the passage, from 1.
     batch: u32,
     first_batch: u32,
@@ -93,6 +96,7 @@ impl CoarseCoverage {
     /// Clears the coverage for a passage, whose screen is in cells.
     pub(crate) fn clear(&mut self, passage: &Passage) {
         self.rect = passage.aperture.rect();
+        self.half = passage.spread;
         self.columns = usize::from(self.rect.x1);
         let count = self.columns * usize::from(self.rect.y1);
         if self.cells.len() < count {
@@ -129,7 +133,7 @@ impl CoarseCoverage {
             for last in 2..face.len() {
                 let used = [face[0], face[last - 1], face[last]]
                     .map(|index| &corners[(index - faces.first_position) as usize]);
-                if let Some(face) = Face::of(used, front, passage, &self.rect) {
+                if let Some(face) = Face::of(used, front, passage, self.half, &self.rect) {
                     stats.triangles += 1;
                     if cover.sees_cells(&face.rect, face.nearest()) {
                         self.insert(&face, cover);
@@ -163,7 +167,7 @@ impl CoarseCoverage {
                 let used = [face[0], face[last - 1], face[last]]
                     .map(|index| &self.corners[(index - faces.first_position) as usize]);
                 shows = shows
-                    || Face::of(used, front, passage, &self.rect)
+                    || Face::of(used, front, passage, self.half, &self.rect)
                         .is_some_and(|face| self.shows(&face, cover));
             }
         });

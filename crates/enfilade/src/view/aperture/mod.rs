@@ -3,7 +3,7 @@
 mod outline;
 
 use glam::DVec3;
-use outline::{Outline, within};
+use outline::{Outline, grown, within};
 use smallvec::smallvec;
 
 /// A rectangle of samples: columns `x0..x1`, rows `y0..y1`.
@@ -37,10 +37,10 @@ impl Rect {
         }
     }
 
-    /// Returns the pixels that overlap these bounds, in pixels, clipped to `within`. Bounds are enlarged by
-    /// [`Rect::SLACK`], so that rounding loses no pixel.
-    pub(crate) fn touched(min: [f64; 2], max: [f64; 2], within: &Rect) -> Rect {
-        Rect::around(min.map(|low| low - 0.5), max.map(|high| high + 0.5), within)
+    /// Returns the samples whose pixel centres are at most `spread` pixels from these bounds along each axis, clipped to
+    /// `within`; see [`Rect::around`].
+    pub(crate) fn near(min: [f64; 2], max: [f64; 2], spread: f64, within: &Rect) -> Rect {
+        Rect::around(min.map(|low| low - spread), max.map(|high| high + spread), within)
     }
 
     /// Margin in pixels. Screen positions are accurate to 10⁻⁹ pixel. An extra sample costs a test, a missing one a
@@ -175,25 +175,22 @@ impl Aperture {
     /// Returns the intersection with an opening, given by its corners as (X, Y, W); `None` if it contains no sample.
     ///
     /// `rows` are the samples that the opening owns, if the method knows them. Otherwise the samples are those within
-    /// the projected outline: with `any_place` at any position in a pixel, without it at pixel centres only.
+    /// the projected outline and up to `spread` around it. The outline grows by `margin` pixels.
     pub(crate) fn behind(
         &self,
         opening: impl Iterator<Item = DVec3>,
         rows: Option<Rows>,
-        any_place: bool,
+        spread: f64,
+        margin: f64,
     ) -> Option<Aperture> {
-        let outline = within(&self.outline, opening);
+        let outline = grown(within(&self.outline, opening), margin);
         let rect = match &rows {
             Some(rows) => rows.rect(),
             None => {
                 let low = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
                 let high = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
                 let [min, max] = [[low(0), low(1)], [high(0), high(1)]];
-                if any_place {
-                    Rect::touched(min, max, &self.rect)
-                } else {
-                    Rect::around(min, max, &self.rect)
-                }
+                Rect::near(min, max, spread, &self.rect)
             }
         };
         (!rect.is_empty()).then_some(Aperture { outline, rect, rows })
@@ -326,7 +323,7 @@ mod tests {
             .corners()
             .iter()
             .map(|corner| screen.transform_point3(DVec3::from(corner.map(f64::from))));
-        Aperture::screen(view.size()).behind(corners, None, false)
+        Aperture::screen(view.size()).behind(corners, None, 0.0, 0.0)
     }
 
     #[test]
@@ -354,7 +351,7 @@ mod tests {
                 .collect();
             let outline = corners.iter().map(|&[x, y]| DVec3::new(x, y, 1.0));
             let aperture = Aperture::screen([100, 100])
-                .behind(outline, None, false)
+                .behind(outline, None, 0.0, 0.0)
                 .expect("a window in view");
             let mut runs = Vec::new();
             for y in 0..100_u16 {

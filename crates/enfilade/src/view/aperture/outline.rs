@@ -45,6 +45,19 @@ pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> 
     hull.into_iter().collect()
 }
 
+/// Returns the outline with a square of twice `margin` pixels around each corner: all positions that are at most `margin`
+/// away along each axis.
+pub(super) fn grown(outline: Outline, margin: f64) -> Outline {
+    if margin == 0.0 {
+        return outline;
+    }
+    let corner =
+        |&[x, y]: &[f64; 2]| [-margin, margin].map(|dx| [-margin, margin].map(|dy| [x + dx, y + dy]));
+    let mut hull = convex_hull(outline.iter().flat_map(corner).flatten().collect());
+    widen(&mut hull, MAX_CORNERS);
+    hull.into_iter().collect()
+}
+
 /// Number of steps per pixel to which hull points are rounded. Triangles that share a corner clip it to positions that
 /// differ by rounding; without this step the turns of the hull would be rounding errors, and it would not be convex. A
 /// step is far smaller than the slack of sample tests (10⁻⁶ pixel).

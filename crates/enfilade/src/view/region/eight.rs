@@ -130,9 +130,9 @@ impl EightBoxes {
             .select(nearest, f64x8::splat(simd, f64::INFINITY))
             .store_slice(&mut self.nearest);
         let [mut min, mut max] = bounds.on_screen(simd, near, nearest_w, &middle);
-        if clip.any_place {
-            min = [min[0] - 0.5, min[1] - 0.5];
-            max = [max[0] + 0.5, max[1] + 0.5];
+        if clip.spread > 0.0 {
+            min = [min[0] - clip.spread, min[1] - clip.spread];
+            max = [max[0] + clip.spread, max[1] + clip.spread];
         }
         let [first, end] = samples(simd, min, max, &limits);
         first.store_slice(&mut self.first);

@@ -50,8 +50,8 @@ pub(crate) struct Clip {
     pub(crate) near: f64,
     /// Entry plane: what is in front of it, n · (X, Y, W) < d, is not visible.
     pub(crate) entry: Option<(DVec3, f64)>,
-    /// Whether a sample may be at any position in its pixel, not at the centre only.
-    pub(crate) any_place: bool,
+    /// How far a sample may be from the centre of its pixel, in pixels along each axis.
+    pub(crate) spread: f64,
     pub(crate) level: Level,
 }
 
@@ -73,11 +73,7 @@ impl Region {
         }
         let volume = Volume::new(screen_from_local, bounds);
         let ScreenBounds { min, max, nearest } = dispatch!(clip.level, simd => volume.touched(simd, clip))?;
-        let rect = if clip.any_place {
-            Rect::touched(min, max, &clip.rect)
-        } else {
-            Rect::around(min, max, &clip.rect)
-        };
+        let rect = Rect::near(min, max, clip.spread, &clip.rect);
         Some(Region {
             rect,
             nearest,

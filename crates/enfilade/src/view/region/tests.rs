@@ -160,7 +160,7 @@ fn eight_corners_at_once_touch_what_they_touch_one_by_one_at_every_level() {
                 rect: limits,
                 near: 0.1,
                 entry,
-                any_place: false,
+                spread: 0.0,
                 level,
             };
             let known = dispatch!(level, simd => volume.touched(simd, &clip));
@@ -187,7 +187,7 @@ fn eight_boxes_at_once_are_seen_as_one_by_one_at_every_level() {
             .view([100 + round % 7, 60 + round % 5])
             .expect("a valid view");
         let mut passage = Passage::at_the_eye(&view, SectorId(0), false);
-        passage.any_place = round % 3 == 0;
+        passage.spread = [0.5, 0.0, 0.01][round as usize % 3];
         if round % 4 == 0 {
             passage.entry = Some((DVec3::from(somewhere(&mut dice, 1.0).map(f64::from)), 0.5));
         }

@@ -356,7 +356,7 @@ fn what_is_before_the_last_portal_hides_nothing() {
 fn outside_the_aperture_nothing_is_seen_however_near() {
     let mut passage = square(64);
     let door = ConvexPolygon::rectangle([-0.1, -0.1, -1.0], [0.2, 0.0, 0.0], [0.0, 0.2, 0.0]);
-    let behind = passage.aperture_behind(&door.expect("a door"), None, false);
+    let behind = passage.aperture_behind(&door.expect("a door"), None, 0.0);
     passage.aperture = behind.expect("the door is in view");
     let mut cover = covered(&passage, &[]);
     let rect = Rect {

@@ -180,7 +180,7 @@ pub(super) fn passages(seed: u64, dice: &mut Dice) -> Passage {
             -1.0,
         ];
         let door = ConvexPolygon::rectangle(corner, [0.7, 0.1, 0.0], [0.1, 0.5, 0.0]).expect("a door");
-        if let Some(behind) = passage.aperture_behind(&door, None, false) {
+        if let Some(behind) = passage.aperture_behind(&door, None, 0.0) {
             passage.aperture = behind;
             passage.entry = Some((DVec3::Z, 1.0));
         }
@@ -197,7 +197,7 @@ pub(super) fn passages(seed: u64, dice: &mut Dice) -> Passage {
             }
         }
         let door = ConvexPolygon::rectangle([-9.0, -9.0, -1.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0]);
-        let behind = passage.aperture_behind(&door.expect("a door"), Some(rows), false);
+        let behind = passage.aperture_behind(&door.expect("a door"), Some(rows), 0.0);
         passage.aperture = behind.expect("some samples are open");
     }
     passage

@@ -1,7 +1,7 @@
 //! What a visible set holds, by the scene that was looked at: names and triangles, and what frustum culling alone would
 //! draw.
 
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::scene::Scene;
 use crate::view::visible::{VisibleItem, VisibleSet};
 use std::collections::BTreeSet;
@@ -60,7 +60,7 @@ impl VisibleSet {
                 continue;
             }
             let own = scene.sector(passage.sector);
-            for item in (0..own.item_count()).map(ItemId) {
+            for item in (0..own.item_count()).map(ItemIndex) {
                 if passage.frustum_meets(&passage.screen_from_sector, &own.item_bounds(item)) {
                     meet(item, &|| own.item_triangles(item, &[]));
                 }

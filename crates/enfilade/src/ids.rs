@@ -19,7 +19,7 @@ pub struct PassageId(pub u32);
 /// Identifies an item of a sector: its index in [`Geometry::items`](crate::Geometry::items).
 #[doc(alias = "instance id")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ItemId(pub u32);
+pub struct ItemIndex(pub u32);
 
 /// Identifies a mesh of a geometry: its index in [`Geometry::meshes`](crate::Geometry::meshes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -125,7 +125,7 @@ pub use geometry::{
     GeometryError, Item, Material, Minify, MovedItem, Opening, Owner, Owners, Texture, TextureError, Wrap,
 };
 pub use ids::{
-    CellId, ItemId, LightId, MaterialId, MeshId, NestedId, OpeningId, PassageId, PortalId, SectorId,
+    CellId, ItemIndex, LightId, MaterialId, MeshId, NestedId, OpeningId, PassageId, PortalId, SectorId,
     TextureId,
 };
 #[cfg(feature = "terrain")]

@@ -1,7 +1,7 @@
 //! LOD selection by screen-space error.
 
 use crate::{Details, Key};
-use enfilade::{Aabb, ItemId, Passage, Scene, VisibleSet};
+use enfilade::{Aabb, ItemIndex, Passage, Scene, VisibleSet};
 use std::collections::BTreeMap;
 
 /// The level that an item should have.
@@ -14,7 +14,7 @@ impl Details {
     /// Returns the visible items, each with its target level, largest screen-space error first.
     pub(super) fn wanted(&self, scene: &Scene, seen: &[&VisibleSet]) -> Vec<WantedLevel> {
         let mut most: BTreeMap<Key, f64> = BTreeMap::new();
-        let mut note = |passage: &Passage, item: ItemId| {
+        let mut note = |passage: &Passage, item: ItemIndex| {
             let key = (passage.sector, item);
             if !self.holds(scene, key) {
                 return;
@@ -52,9 +52,9 @@ impl Details {
     /// Returns the items whose AABB contains the start of a passage: the eye or the last portal. Such an item need not
     /// appear in the visible set, as no face of its volume may be in view, yet its finer levels may be in front of
     /// everything drawn.
-    fn entered(&self, scene: &Scene, passage: &Passage) -> impl Iterator<Item = ItemId> {
+    fn entered(&self, scene: &Scene, passage: &Passage) -> impl Iterator<Item = ItemIndex> {
         let begins = beginnings(scene, passage);
-        let here = (passage.sector, ItemId(0))..=(passage.sector, ItemId(u32::MAX));
+        let here = (passage.sector, ItemIndex(0))..=(passage.sector, ItemIndex(u32::MAX));
         let geometry = scene.geometry(passage.sector);
         self.items.range(here).filter_map(move |(key, _)| {
             let held = geometry.filter(|geometry| geometry.holds(key.1))?;

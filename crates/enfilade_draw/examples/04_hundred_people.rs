@@ -17,7 +17,7 @@ struct Person {
     place: Location,
     goal: Vec3,
     /// The person is an item of each sector that it touches.
-    items: Vec<(SectorId, ItemId)>,
+    items: Vec<(SectorId, ItemIndex)>,
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut people: Vec<Person> = (0..100).map(start).collect();
     let mut kinds: Vec<Arc<Mesh>> = Vec::new();
     for geometry in scene.sectors().filter_map(|id| scene.geometry(id)) {
-        for (id, item) in (0..).map(ItemId).zip(geometry.items()) {
+        for (id, item) in (0..).map(ItemIndex).zip(geometry.items()) {
             let mesh = &geometry.meshes()[item.mesh.0 as usize];
             if geometry.name(id).contains(": statue") && !kinds.iter().any(|kind| Arc::ptr_eq(kind, mesh)) {
                 kinds.push(Arc::clone(mesh));

@@ -1,7 +1,7 @@
 //! Random edits, to test properties that must hold for every edited scene.
 
 use crate::random::Random;
-use enfilade::{EditStats, Geometry, ItemId, Scene, SceneError, SectorId, Transform};
+use enfilade::{EditStats, Geometry, ItemIndex, Scene, SceneError, SectorId, Transform};
 use std::sync::Arc;
 
 /// Applies `count` random edits in one transaction: adds copies of items, removes, moves, rotates, mirrors, flattens,
@@ -29,8 +29,8 @@ pub fn random_edits(
         let Some(geometry) = edit.scene().geometry(sector) else {
             continue;
         };
-        let item = ItemId(random.below(geometry.items().len()) as u32);
-        let other = ItemId(random.below(geometry.items().len()) as u32);
+        let item = ItemIndex(random.below(geometry.items().len()) as u32);
+        let other = ItemIndex(random.below(geometry.items().len()) as u32);
         let [mesh, other_mesh] =
             [item, other].map(|item| Arc::clone(&geometry.meshes()[geometry.item(item).mesh.0 as usize]));
         let name = geometry.name(item).to_owned();
@@ -52,7 +52,7 @@ pub fn random_edits(
 
 /// Returns a random transform for an item: moved a little or anywhere in and around the sector's bounds, and sometimes
 /// rotated, mirrored or flattened.
-fn elsewhere(geometry: &Geometry, item: ItemId, random: &mut Random) -> Transform {
+fn elsewhere(geometry: &Geometry, item: ItemIndex, random: &mut Random) -> Transform {
     let bounds = geometry.bounds();
     let size = bounds.size();
     let transform = geometry.item(item).transform();

@@ -104,7 +104,7 @@ fn contents(generated: &Scene, read: &Scene) -> Result<()> {
         let [a, b] = [generated, read].map(|scene| scene.geometry(id).context("geometry"));
         let (a, b) = (a?, b?);
         ensure!(a.items().len() == b.items().len(), "{name}: items");
-        for (item, one) in (0..).map(enfilade::ItemId).zip(a.items()) {
+        for (item, one) in (0..).map(enfilade::ItemIndex).zip(a.items()) {
             let called = a.name(item);
             ensure!(
                 called == b.name(item),

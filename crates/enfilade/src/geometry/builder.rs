@@ -5,7 +5,7 @@ use super::names::Names;
 use super::terrain::Terrain;
 use super::{BakedCells, Geometry, Item, Material, Opening, Texture};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, Transform, is_in_range};
-use crate::ids::{ItemId, MeshId, OpeningId};
+use crate::ids::{ItemIndex, MeshId, OpeningId};
 use crate::mesh::Mesh;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 use thiserror::Error;
@@ -46,16 +46,16 @@ impl GeometryBuilder {
 
     /// Adds an item: a mesh with an object-to-sector transform. Names need not be unique.
     #[doc(alias = "instance")]
-    pub fn item(&mut self, name: &str, mesh: MeshId, sector_from_item: Transform) -> ItemId {
+    pub fn item(&mut self, name: &str, mesh: MeshId, sector_from_item: Transform) -> ItemIndex {
         self.items.push((mesh, sector_from_item, true));
         self.names.push(name);
-        ItemId(self.items.len() as u32 - 1)
+        ItemIndex(self.items.len() as u32 - 1)
     }
 
     /// Sets whether an item may hide others; default `true`. An item that is no occluder is culled like any other, but
     /// hides nothing itself: for items whose mesh only approximates what is drawn. Give a skinned or animated object a mesh
     /// that encloses every pose (a box is enough), and make it no occluder. Ignores an item that does not exist.
-    pub fn set_occluder(&mut self, item: ItemId, is_occluder: bool) {
+    pub fn set_occluder(&mut self, item: ItemIndex, is_occluder: bool) {
         if let Some((_, _, flag)) = self.items.get_mut(item.0 as usize) {
             *flag = is_occluder;
         }

@@ -10,7 +10,7 @@ use super::builder::{MAX_OPENINGS, placed_bounds};
 use super::slots::Slots;
 use super::{Geometry, Item};
 use crate::geom::{Aabb, Transform, is_in_range};
-use crate::ids::{ItemId, MeshId};
+use crate::ids::{ItemIndex, MeshId};
 use crate::mesh::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, Weak};
@@ -26,7 +26,7 @@ pub(crate) struct Placing {
 /// Changes to swap in, item by item.
 #[derive(Debug, Default)]
 pub(crate) struct Changes {
-    items: BTreeMap<ItemId, Change>,
+    items: BTreeMap<ItemIndex, Change>,
     /// The last free id that was taken, and the number of ids appended after the last item.
     last_free: Option<u32>,
     appended: u32,
@@ -47,7 +47,7 @@ struct Change {
 #[derive(Clone, Copy, Debug)]
 pub struct MovedItem {
     /// The item. Its current AABB is in the geometry, and empty if the item was removed.
-    pub item: ItemId,
+    pub item: ItemIndex,
     /// Previous AABB, in the space of the sector; empty if the item was added.
     pub old_bounds: Aabb,
 }
@@ -75,7 +75,7 @@ pub(crate) enum Unfit {
 
 impl Placing {
     /// Returns the current state of an item.
-    fn at(geometry: &Geometry, item: ItemId) -> Placing {
+    fn at(geometry: &Geometry, item: ItemIndex) -> Placing {
         let placed = geometry.item(item);
         Placing {
             mesh: Arc::clone(&geometry.meshes[placed.mesh.0 as usize]),
@@ -114,7 +114,7 @@ impl Placing {
 
 impl Changes {
     /// Returns the state of an item after the changes; `None` if it does not exist then.
-    fn placing(&self, geometry: &Geometry, item: ItemId) -> Option<Placing> {
+    fn placing(&self, geometry: &Geometry, item: ItemIndex) -> Option<Placing> {
         match self.items.get(&item) {
             Some(change) => change.placing.clone(),
             None => geometry.holds(item).then(|| Placing::at(geometry, item)),
@@ -122,7 +122,7 @@ impl Changes {
     }
 
     /// Returns the name of an item after the changes.
-    pub(crate) fn name<'a>(&'a self, geometry: &'a Geometry, item: ItemId) -> &'a str {
+    pub(crate) fn name<'a>(&'a self, geometry: &'a Geometry, item: ItemIndex) -> &'a str {
         let change = self.items.get(&item).and_then(|change| change.name.as_deref());
         change.unwrap_or_else(|| {
             if geometry.holds(item) {
@@ -137,7 +137,7 @@ impl Changes {
     pub(crate) fn change(
         &mut self,
         geometry: &Geometry,
-        item: ItemId,
+        item: ItemIndex,
         change: impl FnOnce(Placing) -> Option<Placing>,
     ) -> Option<Result<(), Unfit>> {
         let was = self.placing(geometry, item)?;
@@ -149,7 +149,7 @@ impl Changes {
     fn set(
         &mut self,
         geometry: &Geometry,
-        item: ItemId,
+        item: ItemIndex,
         had: u32,
         placing: Option<Placing>,
     ) -> Result<(), Unfit> {
@@ -173,13 +173,18 @@ impl Changes {
     }
 
     /// Adds an item; returns its id.
-    pub(crate) fn add(&mut self, geometry: &Geometry, name: &str, placing: Placing) -> Result<ItemId, Unfit> {
+    pub(crate) fn add(
+        &mut self,
+        geometry: &Geometry,
+        name: &str,
+        placing: Placing,
+    ) -> Result<ItemIndex, Unfit> {
         let next = self.last_free.map_or(0, |last| last + 1);
         let free = geometry
             .slots
             .as_ref()
             .and_then(|slots| slots.free_items.range(next..).next().copied());
-        let item = ItemId(free.unwrap_or(geometry.items.len() as u32 + self.appended));
+        let item = ItemIndex(free.unwrap_or(geometry.items.len() as u32 + self.appended));
         self.set(geometry, item, 0, Some(placing))?;
         match free {
             Some(number) => self.last_free = Some(number),
@@ -248,7 +253,7 @@ impl Geometry {
     /// Swaps one item; returns the mesh that it no longer uses.
     fn exchange_one(
         &mut self,
-        item: ItemId,
+        item: ItemIndex,
         change: &mut Change,
         slots: &mut Slots,
         done: &mut Exchanged,

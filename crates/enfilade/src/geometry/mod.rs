@@ -23,7 +23,7 @@ pub use owners::Owners;
 pub use texture::{Filter, Minify, Texture, TextureError, Wrap};
 
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
-use crate::ids::{ItemId, MeshId, OpeningId};
+use crate::ids::{ItemIndex, MeshId, OpeningId};
 use crate::mesh::{Cluster, Mesh};
 use names::Names;
 use slots::Slots;
@@ -119,14 +119,14 @@ impl Geometry {
         &self.textures
     }
 
-    /// Returns the items, by [`ItemId`]. Removed items stay in the list with an empty mesh until a new item reuses
+    /// Returns the items, by [`ItemIndex`]. Removed items stay in the list with an empty mesh until a new item reuses
     /// their id; test with [`Geometry::holds`].
     pub fn items(&self) -> &[Item] {
         &self.items
     }
 
     /// Returns `true` if an item with this id exists and was not removed.
-    pub fn holds(&self, item: ItemId) -> bool {
+    pub fn holds(&self, item: ItemIndex) -> bool {
         let is_free = |slots: &Slots| slots.free_items.contains(&item.0);
         (item.0 as usize) < self.items.len() && !self.slots.as_ref().is_some_and(is_free)
     }
@@ -140,7 +140,7 @@ impl Geometry {
     ///
     /// # Panics
     /// If `item` is out of range.
-    pub fn item(&self, item: ItemId) -> &Item {
+    pub fn item(&self, item: ItemIndex) -> &Item {
         &self.items[item.0 as usize]
     }
 
@@ -148,7 +148,7 @@ impl Geometry {
     ///
     /// # Panics
     /// If `item` is out of range.
-    pub fn mesh_of(&self, item: ItemId) -> &Mesh {
+    pub fn mesh_of(&self, item: ItemIndex) -> &Mesh {
         &self.meshes[self.item(item).mesh.0 as usize]
     }
 
@@ -156,7 +156,7 @@ impl Geometry {
     ///
     /// # Panics
     /// If `item` is out of range.
-    pub fn name(&self, item: ItemId) -> &str {
+    pub fn name(&self, item: ItemIndex) -> &str {
         self.names.get(item.0 as usize)
     }
 
@@ -203,7 +203,7 @@ impl Geometry {
 
     /// Returns the material of a cluster of an item. If the item is not an occluder, [`Alpha::Opaque`] becomes
     /// [`Alpha::Mask`].
-    pub fn material_of(&self, item: ItemId, cluster: &Cluster) -> Material {
+    pub fn material_of(&self, item: ItemIndex, cluster: &Cluster) -> Material {
         let mut material = self.materials[cluster.material.0 as usize];
         if material.alpha == Alpha::Opaque && !self.item(item).is_occluder {
             material.alpha = Alpha::Mask;
@@ -252,7 +252,7 @@ impl Geometry {
     }
 
     /// Returns the number of an item's first face among all faces of the geometry.
-    pub(crate) fn first_face(&self, item: ItemId) -> u32 {
+    pub(crate) fn first_face(&self, item: ItemIndex) -> u32 {
         self.first_faces[item.0 as usize]
     }
 
@@ -278,7 +278,7 @@ const FEW_ITEMS: usize = 6;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Owner {
     /// A face of an item, by its index in the item's mesh.
-    Face(ItemId, u32),
+    Face(ItemIndex, u32),
     /// An opening, whatever is behind it.
     Opening(OpeningId),
 }
@@ -312,13 +312,16 @@ mod tests {
         let geometry = builder.build().expect("valid geometry");
         let owners: Vec<_> = (0..3).map(|number| geometry.owner(number, None)).collect();
         let expected = [
-            Owner::Face(ItemId(1), 0),
-            Owner::Face(ItemId(3), 0),
+            Owner::Face(ItemIndex(1), 0),
+            Owner::Face(ItemIndex(3), 0),
             Owner::Opening(OpeningId(0)),
         ];
         assert_eq!(owners, expected);
         assert_eq!(geometry.owner(1, Some(owners[0])), owners[1]);
-        assert_eq!((geometry.name(ItemId(0)), geometry.name(ItemId(3))), ("a", "d"));
+        assert_eq!(
+            (geometry.name(ItemIndex(0)), geometry.name(ItemIndex(3))),
+            ("a", "d")
+        );
     }
 
     #[test]

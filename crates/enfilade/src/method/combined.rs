@@ -5,7 +5,7 @@ use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Changes, Exchanged, Geometry, Opening};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::order::{Order, Visit};
 use crate::sector::{BuildStats, Hit, Ray, Sector, Surface};
 use crate::unsuited::Unsuited;
@@ -136,7 +136,7 @@ impl<M: Combination> Sector for Combined<M> {
         self.geometry.cast(ray)
     }
 
-    fn surface(&self, item: ItemId, face: u32) -> Surface {
+    fn surface(&self, item: ItemIndex, face: u32) -> Surface {
         self.geometry.surface(item, face)
     }
 
@@ -194,7 +194,7 @@ impl Visit for Count<'_> {
         Visibility::Partial
     }
 
-    fn first_time(&mut self, item: ItemId) -> bool {
+    fn first_time(&mut self, item: ItemIndex) -> bool {
         self.marks.first_time(item)
     }
 

@@ -32,7 +32,7 @@ pub use summary::OccluderSummary;
 
 use crate::geom::{Aabb, Line, Octree, Step};
 use crate::geometry::{Exchanged, Geometry, MovedItem};
-use crate::ids::{ItemId, MeshId};
+use crate::ids::{ItemIndex, MeshId};
 use crate::mesh::Mesh;
 use crate::threads;
 use glam::{DMat3, DVec3};
@@ -199,7 +199,7 @@ impl OccluderSet {
         let items = 0..geometry.items().len() as u32;
         self.areas = items
             .clone()
-            .map(|item| self.area_of(geometry, ItemId(item)))
+            .map(|item| self.area_of(geometry, ItemIndex(item)))
             .collect();
         let bounds: Vec<Aabb> = items.map(|item| box_of(geometry, &self.areas, item)).collect();
         self.tree = Octree::build(&bounds, FEW);
@@ -208,7 +208,7 @@ impl OccluderSet {
 
     /// Returns an upper bound of the area of an item's largest occluder, in sector space; 0 if it hides nothing. An
     /// item flattened by its transform hides nothing, since its areas are meaningless.
-    fn area_of(&self, geometry: &Geometry, item: ItemId) -> f64 {
+    fn area_of(&self, geometry: &Geometry, item: ItemIndex) -> f64 {
         let placed = geometry.item(item);
         let largest = &self.meshes[placed.mesh.0 as usize].largest;
         match largest.first() {
@@ -297,7 +297,7 @@ impl OccluderSet {
 /// Returns the bounding box of an item with occluders; an empty box if it has none.
 fn box_of(geometry: &Geometry, areas: &[f64], item: u32) -> Aabb {
     if areas[item as usize] > 0.0 {
-        geometry.item(ItemId(item)).bounds
+        geometry.item(ItemIndex(item)).bounds
     } else {
         Aabb::EMPTY
     }

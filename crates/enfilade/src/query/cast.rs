@@ -10,7 +10,7 @@
 
 use crate::geom::{Line, Step};
 use crate::geometry::{Geometry, Material};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::mesh::Mesh;
 use crate::sector::{Hit, Ray, Surface};
 use glam::DVec3;
@@ -75,7 +75,7 @@ impl Geometry {
         self.item_tree().walk(line.origin.into(), |step| match step {
             Step::Node(bounds) => line.meets(bounds, line.margin(bounds), limit).is_some(),
             Step::Thing(item) => {
-                self.along_item(ItemId(item), line, &mut limit, &counts, &mut found);
+                self.along_item(ItemIndex(item), line, &mut limit, &counts, &mut found);
                 true
             }
         });
@@ -83,7 +83,7 @@ impl Geometry {
 
     fn along_item(
         &self,
-        item: ItemId,
+        item: ItemIndex,
         line: &Line,
         limit: &mut f64,
         counts: &impl Fn(&Material) -> bool,
@@ -130,7 +130,7 @@ impl Geometry {
     }
 
     /// Returns the surface of a face: normal, a point on it, and material.
-    pub fn surface(&self, item: ItemId, face: u32) -> Surface {
+    pub fn surface(&self, item: ItemIndex, face: u32) -> Surface {
         let mesh = self.mesh_of(item);
         let material = self.material_of(item, &mesh.clusters()[mesh.cluster_of(face)]);
         let transform = self.item(item).transform();
@@ -156,7 +156,7 @@ impl Geometry {
 
 impl Hit {
     /// Returns the sort key of hits at the same distance.
-    fn key(&self) -> (ItemId, u32) {
+    fn key(&self) -> (ItemIndex, u32) {
         (self.item, self.face)
     }
 }

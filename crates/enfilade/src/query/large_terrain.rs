@@ -7,7 +7,7 @@
 
 use super::cast::{line_of, meet};
 use crate::geom::Line;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::large_terrain::{LargeTerrain, Workplace};
 use crate::sector::{Hit, Ray};
 use glam::DVec3;
@@ -68,7 +68,7 @@ impl Search<'_> {
     fn through_block(&mut self, block: [u32; 2]) {
         let terrain = self.terrain;
         terrain.read(block, &mut self.workplace);
-        let item = ItemId(terrain.block_number(block));
+        let item = ItemIndex(terrain.block_number(block));
         let [columns, rows] = terrain.squares(block);
         for place in (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])) {
             let square = terrain.square(block, place);

@@ -11,7 +11,7 @@
 
 use super::location::{Location, corners};
 use crate::geom::{Aabb, nearest_in};
-use crate::ids::{ItemId, PortalId, SectorId};
+use crate::ids::{ItemIndex, PortalId, SectorId};
 use crate::scene::Scene;
 use glam::{DAffine3, DMat3, DVec3};
 use std::cmp::Reverse;
@@ -24,7 +24,7 @@ pub struct NearItem {
     /// The sector that contains the item.
     pub sector: SectorId,
     /// The item.
-    pub item: ItemId,
+    pub item: ItemIndex,
     /// Length of the shortest path to its bounding box through open portals, in units of the space of the start. Up to
     /// 0.1 % too long if the path crosses portals.
     pub distance: f64,
@@ -115,7 +115,7 @@ struct Search<'a> {
     start: DVec3,
     radius: f64,
     chains: Vec<Chain>,
-    found: BTreeMap<(SectorId, ItemId), NearItem>,
+    found: BTreeMap<(SectorId, ItemIndex), NearItem>,
     searched: f64,
 }
 

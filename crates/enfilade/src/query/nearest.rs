@@ -9,7 +9,7 @@
 use super::items::nearest_squared;
 use crate::geom::Step;
 use crate::geometry::Geometry;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -18,7 +18,7 @@ use std::collections::BinaryHeap;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestItem {
     /// The item.
-    pub item: ItemId,
+    pub item: ItemIndex,
     /// Distance from the point to the bounding box of the item, in scene units; 0 inside.
     pub distance: f64,
 }
@@ -60,7 +60,7 @@ impl Geometry {
         self.item_tree().walk(point.into(), |step| match step {
             Step::Node(bounds) => nearest_squared(bounds, point).sqrt() <= reach,
             Step::Thing(item) => {
-                let item = ItemId(item);
+                let item = ItemIndex(item);
                 let distance = nearest_squared(&self.item(item).bounds, point).sqrt();
                 if distance <= reach {
                     let full = best.len() == count;

@@ -7,7 +7,7 @@
 use super::{Body, Scene, SceneError};
 use crate::geom::{MAX_COORDINATE, Transform};
 use crate::geometry::{Changes, Placing, Unfit};
-use crate::ids::{ItemId, SectorId};
+use crate::ids::{ItemIndex, SectorId};
 use crate::mesh::Mesh;
 use crate::method::{EditStats, UnsuitedMethod};
 use std::collections::BTreeMap;
@@ -79,7 +79,7 @@ impl Scene {
     /// # let mut scene = enfilade_scenes::built_in("two-rooms").expect("a scene").scene;
     /// # let hall = SectorId(0);
     /// let mut edit = scene.edit();
-    /// edit.set_transform(hall, ItemId(0), Transform::translation([0.0, 1.0, 0.0]))?;
+    /// edit.set_transform(hall, ItemIndex(0), Transform::translation([0.0, 1.0, 0.0]))?;
     /// let edited = edit.finish()?;
     /// assert_eq!((edited.items, edited.rebuilt), (1, 0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -115,7 +115,7 @@ impl Edit<'_> {
         name: &str,
         mesh: impl Into<Arc<Mesh>>,
         sector_from_item: Transform,
-    ) -> Result<ItemId, EditError> {
+    ) -> Result<ItemIndex, EditError> {
         let placing = Placing {
             mesh: mesh.into(),
             place: sector_from_item.columns(),
@@ -133,7 +133,7 @@ impl Edit<'_> {
     ///
     /// # Errors
     /// Returns [`EditError::NoSuchSector`], [`EditError::CustomSector`] or [`EditError::NoSuchItem`] and removes nothing.
-    pub fn remove(&mut self, sector: SectorId, item: ItemId) -> Result<(), EditError> {
+    pub fn remove(&mut self, sector: SectorId, item: ItemIndex) -> Result<(), EditError> {
         self.change(sector, item, |_| None)
     }
 
@@ -144,7 +144,7 @@ impl Edit<'_> {
     pub fn set_transform(
         &mut self,
         sector: SectorId,
-        item: ItemId,
+        item: ItemIndex,
         sector_from_item: Transform,
     ) -> Result<(), EditError> {
         self.change(sector, item, |was| {
@@ -162,7 +162,7 @@ impl Edit<'_> {
     pub fn set_mesh(
         &mut self,
         sector: SectorId,
-        item: ItemId,
+        item: ItemIndex,
         mesh: impl Into<Arc<Mesh>>,
     ) -> Result<(), EditError> {
         let mesh = mesh.into();
@@ -177,7 +177,7 @@ impl Edit<'_> {
     pub fn set_occluder(
         &mut self,
         sector: SectorId,
-        item: ItemId,
+        item: ItemIndex,
         is_occluder: bool,
     ) -> Result<(), EditError> {
         self.change(sector, item, |was| Some(Placing { is_occluder, ..was }))
@@ -217,7 +217,7 @@ impl Edit<'_> {
     fn change(
         &mut self,
         sector: SectorId,
-        item: ItemId,
+        item: ItemIndex,
         change: impl FnOnce(Placing) -> Option<Placing>,
     ) -> Result<(), EditError> {
         let (scene, changes) = self.changes_of(sector)?;

@@ -20,7 +20,7 @@ pub use portal::Portal;
 
 use crate::geom::{Aabb, Transform};
 use crate::geometry::Geometry;
-use crate::ids::{ItemId, OpeningId, PortalId, SectorId};
+use crate::ids::{ItemIndex, OpeningId, PortalId, SectorId};
 use crate::method::{EditableSector, Method, UnsuitedMethod};
 use crate::sector::{BuildStats, Sector};
 use crate::threads;
@@ -320,7 +320,7 @@ impl Scene {
         match self.geometry(id) {
             Some(geometry) => geometry.triangle_count(),
             None => (0..own.item_count())
-                .map(|item| own.item_triangles(ItemId(item), &[]))
+                .map(|item| own.item_triangles(ItemIndex(item), &[]))
                 .sum(),
         }
     }

@@ -1,7 +1,7 @@
 //! Edits: their effects and their errors.
 
 use enfilade::{
-    Aabb, EditError, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
+    Aabb, EditError, GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
     SceneError, SectorId, Transform, View, Viewer,
 };
 use std::sync::Arc;
@@ -48,8 +48,8 @@ fn what_is_removed_is_not_seen_and_its_number_goes_to_the_next_that_comes() {
         let (mut scene, mut viewer) = (hall(method), Viewer::new());
         assert_eq!(seen(&mut viewer, &scene), ["wall", "left", "middle", "right"]);
         let mut edit = scene.edit();
-        edit.remove(HALL, ItemId(1)).expect("it is there");
-        edit.remove(HALL, ItemId(2)).expect("it is there");
+        edit.remove(HALL, ItemIndex(1)).expect("it is there");
+        edit.remove(HALL, ItemIndex(2)).expect("it is there");
         assert_eq!(edit.finish().expect("little").items, 2);
         assert_eq!(seen(&mut viewer, &scene), ["wall", "right"], "{method}");
         assert_eq!(scene.item_count(), 2);
@@ -58,7 +58,7 @@ fn what_is_removed_is_not_seen_and_its_number_goes_to_the_next_that_comes() {
         let [first, second, third] =
             ["a", "b", "c"].map(|name| edit.add(HALL, name, leaf(), there).expect("it fits"));
         edit.finish().expect("little");
-        assert_eq!([first, second, third], [ItemId(1), ItemId(2), ItemId(4)]);
+        assert_eq!([first, second, third], [ItemIndex(1), ItemIndex(2), ItemIndex(4)]);
         assert!(seen(&mut viewer, &scene).contains(&"a".to_owned()), "{method}");
         assert_eq!(scene.item_count(), 5);
     }
@@ -69,7 +69,7 @@ fn an_edit_that_is_dropped_changes_nothing() {
     let mut scene = hall(Method::HierarchicalZ);
     let before = scene.geometry(HALL).expect("ours").items().to_vec();
     let mut edit = scene.edit();
-    edit.remove(HALL, ItemId(1)).expect("it is there");
+    edit.remove(HALL, ItemIndex(1)).expect("it is there");
     edit.add(HALL, "new", leaf(), Transform::IDENTITY)
         .expect("it fits");
     drop(edit);
@@ -85,8 +85,8 @@ fn a_copy_of_a_scene_stays_as_it_was() {
         let mut scene = hall(method);
         let (copy, geometry) = (scene.clone(), scene.geometry(HALL).expect("ours").clone());
         let mut edit = scene.edit();
-        edit.remove(HALL, ItemId(1)).expect("it is there");
-        edit.set_transform(HALL, ItemId(2), Transform::translation([0.0, 50.0, 0.0]))
+        edit.remove(HALL, ItemIndex(1)).expect("it is there");
+        edit.set_transform(HALL, ItemIndex(2), Transform::translation([0.0, 50.0, 0.0]))
             .expect("it may");
         edit.finish().expect("little");
         assert_eq!(seen(&mut Viewer::new(), &scene), ["wall", "right"], "{method}");
@@ -136,8 +136,8 @@ fn meshes_live_as_long_as_an_item_is_a_copy_of_them() {
         let mut edit = scene.edit();
         let there = Transform::translation([0.0, round as f32 * 0.01, -3.0]);
         for item in 1..4 {
-            edit.set_mesh(HALL, ItemId(item), leaf()).expect("it fits");
-            edit.set_transform(HALL, ItemId(item), there).expect("it may");
+            edit.set_mesh(HALL, ItemIndex(item), leaf()).expect("it fits");
+            edit.set_transform(HALL, ItemIndex(item), there).expect("it may");
         }
         edit.finish().expect("little");
     }
@@ -152,7 +152,7 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
     let mut scene = hall(Method::HierarchicalZ);
     let before = scene.geometry(HALL).expect("ours").items().to_vec();
     let mut edit = scene.edit();
-    let item = ItemId(2);
+    let item = ItemIndex(2);
     let at = |x: f32| Transform::translation([x, 0.0, 0.0]);
     let says = |refused: Result<(), EditError>, message: &str| {
         assert_eq!(refused.expect_err(message).to_string(), message);
@@ -186,7 +186,7 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
         "the transform of item `ghost` contains NaN",
     );
     says(
-        edit.remove(HALL, ItemId(9)),
+        edit.remove(HALL, ItemIndex(9)),
         "sector `hall` has no item 9; it was removed or never existed",
     );
     says(
@@ -218,7 +218,7 @@ fn an_edit_that_needs_too_much_memory_is_undone_in_every_sector() {
     let mut scene = builder.build().expect("small enough");
     let before = [open, tree].map(|id| scene.geometry(id).expect("ours").items().to_vec());
     let mut edit = scene.edit();
-    edit.remove(open, ItemId(1)).expect("it is there");
+    edit.remove(open, ItemIndex(1)).expect("it is there");
     for i in 0..2000_u16 {
         let there = Transform::translation([f32::from(i), 0.0, 0.0]);
         edit.add(tree, "more", leaf(), there)
@@ -258,7 +258,7 @@ fn a_mesh_too_large_for_its_occluders_to_be_found_is_refused() {
         let corners: Vec<u32> = triangles.flat_map(|i| [i, i + 1, i + side]).collect();
         let sheet = Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sheet");
         let mut edit = scene.edit();
-        edit.set_mesh(HALL, ItemId(2), sheet).expect("it may be");
+        edit.set_mesh(HALL, ItemIndex(2), sheet).expect("it may be");
         let refused = edit.finish().expect_err("the limit is small");
         assert!(
             matches!(refused, SceneError::Unsuited { .. }),
@@ -274,8 +274,8 @@ fn a_set_of_the_scene_before_can_still_be_asked() {
     seen(&mut viewer, &scene);
     let before = viewer.visible().triangle_count(&scene);
     let mut edit = scene.edit();
-    edit.remove(HALL, ItemId(0)).expect("it is there");
-    edit.remove(HALL, ItemId(3)).expect("it is there");
+    edit.remove(HALL, ItemIndex(0)).expect("it is there");
+    edit.remove(HALL, ItemIndex(3)).expect("it is there");
     edit.finish().expect("little");
     assert_eq!(viewer.visible().triangle_count(&scene), before - 2);
     assert_eq!(viewer.visible().blend_order(&scene), []);

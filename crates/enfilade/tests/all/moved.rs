@@ -1,11 +1,11 @@
 //! A camera that moves slightly costs as much as a still one plus the geometry that has appeared.
 
-use enfilade::{ItemId, Method, Scene, Viewer};
+use enfilade::{ItemIndex, Method, Scene, Viewer};
 use enfilade_scenes::built_in;
 use std::collections::BTreeMap;
 
 /// Number of triangles of each cluster visible in the last look.
-fn clusters(viewer: &Viewer, scene: &Scene) -> BTreeMap<(u32, ItemId, u32), u64> {
+fn clusters(viewer: &Viewer, scene: &Scene) -> BTreeMap<(u32, ItemIndex, u32), u64> {
     let set = viewer.visible();
     let mut all = BTreeMap::new();
     for item in set.items() {

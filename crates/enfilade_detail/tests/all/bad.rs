@@ -1,7 +1,7 @@
 //! Sources that fail: their items keep their boxes, the error is reported once, and later looks work.
 
 use crate::world::{Ball, HALL, at, empty, settle, square, straight};
-use enfilade::{Aabb, ItemId, MaterialId, Mesh, Method, SectorId, Transform, Viewer};
+use enfilade::{Aabb, ItemIndex, MaterialId, Mesh, Method, SectorId, Transform, Viewer};
 use enfilade_detail::{DetailError, DetailOptions, DetailSource, Details};
 use std::error::Error;
 use std::sync::Arc;
@@ -154,7 +154,7 @@ fn sources_that_do_not_know_their_size_are_refused() {
     );
     assert!(matches!(add([0.0, 1.0], SectorId(9)), Err(DetailError::Edit(_))));
     let source: Arc<dyn DetailSource> = Arc::new(SOUND);
-    for nowhere in [(SectorId(9), ItemId(0)), (HALL, ItemId(5))] {
+    for nowhere in [(SectorId(9), ItemIndex(0)), (HALL, ItemIndex(5))] {
         let adopted = details.adopt(&mut scene, [(nowhere.0, nowhere.1, source.clone())]);
         assert!(matches!(adopted, Err(DetailError::Edit(_))));
     }

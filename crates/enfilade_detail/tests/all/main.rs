@@ -110,7 +110,7 @@ fn what_the_eye_or_a_door_stands_in_is_seen_though_no_side_of_its_box_is() {
         let wall = edit
             .add(study, "wall", wall_at(-5.0), Transform::IDENTITY)
             .expect("it fits");
-        edit.remove(HALL, enfilade::ItemId(0)).expect("it is there");
+        edit.remove(HALL, enfilade::ItemIndex(0)).expect("it is there");
         edit.remove(HALL, around_eye).expect("it is there");
         edit.finish().expect("little");
         details
@@ -217,7 +217,10 @@ fn only_the_exact_level_hides_what_is_behind_it() {
         let mut near = View::new([0.0, 0.0, -2.9], [0.0, 0.0, -4.0], [960, 720]);
         near.fov_y = 1.5;
         settle(&mut details, &mut scene, &mut viewer, &near);
-        assert_eq!(details.level(HALL, enfilade::ItemId(0)), Some(Some(Ball::FINEST)));
+        assert_eq!(
+            details.level(HALL, enfilade::ItemIndex(0)),
+            Some(Some(Ball::FINEST))
+        );
         assert_eq!(
             names(&scene, viewer.visible()),
             ["ball"],

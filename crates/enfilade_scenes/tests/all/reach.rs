@@ -172,7 +172,7 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
     };
     let named = |scene: &Scene, sector: SectorId, name: &str| {
         let geometry = scene.geometry(sector).expect("a sector with geometry");
-        let mut items = (0..geometry.items().len() as u32).map(enfilade::ItemId);
+        let mut items = (0..geometry.items().len() as u32).map(enfilade::ItemIndex);
         let item = items
             .find(|&item| geometry.name(item) == name)
             .expect("an existing item");

@@ -5,8 +5,8 @@ mod deep;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    BakedCells, Geometry, GeometryBuilder, ItemId, Limits, Method, Scene, SceneBuilder, SectorId, Transform,
-    View, Viewer,
+    BakedCells, Geometry, GeometryBuilder, ItemIndex, Limits, Method, Scene, SceneBuilder, SectorId,
+    Transform, View, Viewer,
 };
 use enfilade_scenes::{BuiltIn, Random, built_in, random_house};
 use std::sync::Arc;
@@ -61,7 +61,7 @@ fn with_cells(geometry: &Geometry, cells: Option<Arc<BakedCells>>) -> Geometry {
     let mut builder = GeometryBuilder::new(geometry.materials());
     for (number, item) in geometry.items().iter().enumerate() {
         let mesh = builder.mesh(Arc::clone(&geometry.meshes()[item.mesh.0 as usize]));
-        builder.item(geometry.name(ItemId(number as u32)), mesh, item.transform());
+        builder.item(geometry.name(ItemIndex(number as u32)), mesh, item.transform());
     }
     for opening in geometry.openings() {
         builder.opening(&opening.name, opening.outline.clone());
@@ -184,12 +184,12 @@ fn a_room_behind_a_door_shows_what_is_seen_through_it_and_not_what_its_eye_would
 /// Moves, adds and removes free-standing items, also into walls and out of the house.
 fn edit_what_stands_free(scene: &mut Scene, count: usize, random: &mut Random) -> u64 {
     let geometry = Arc::clone(scene.geometry(HOUSE).expect("ours"));
-    let is_free = |item: &ItemId| {
+    let is_free = |item: &ItemIndex| {
         let name = geometry.name(*item);
         geometry.holds(*item) && ["box", "ball", "pillar"].iter().any(|free| name.ends_with(free))
     };
-    let free: Vec<ItemId> = (0..geometry.items().len() as u32)
-        .map(ItemId)
+    let free: Vec<ItemIndex> = (0..geometry.items().len() as u32)
+        .map(ItemIndex)
         .filter(is_free)
         .collect();
     let bounds = geometry.bounds();
@@ -247,7 +247,7 @@ fn a_thing_that_stands_nowhere_is_always_looked_at_and_one_that_is_gone_never() 
     let BuiltIn { scene, .. } = random_house(1);
     let mut scene = by_cells(&scene);
     let geometry = Arc::clone(scene.geometry(HOUSE).expect("ours"));
-    let ball = (0..geometry.items().len() as u32).map(ItemId);
+    let ball = (0..geometry.items().len() as u32).map(ItemIndex);
     let ball = ball
         .into_iter()
         .find(|&item| geometry.name(item) == "room 0 ball")

@@ -1,13 +1,13 @@
 //! Rays: the first hit and all hits.
 
 use super::{QUESTIONS, about, affine, geometries, triangles};
-use enfilade::{Geometry, Hit, ItemId, Ray};
+use enfilade::{Geometry, Hit, ItemIndex, Ray};
 use enfilade_scenes::Random;
 use glam::{DAffine3, DVec3};
 
 /// A triangle in item space, and its item and face.
 struct Face {
-    item: ItemId,
+    item: ItemIndex,
     face: u32,
     corners: [DVec3; 3],
 }
@@ -20,12 +20,12 @@ struct All {
 
 impl All {
     fn of(geometry: &Geometry) -> All {
-        let items = || (0..geometry.items().len() as u32).map(ItemId);
-        let back = |item: ItemId| {
+        let items = || (0..geometry.items().len() as u32).map(ItemIndex);
+        let back = |item: ItemIndex| {
             let placed = affine(&geometry.item(item).transform());
             (placed.matrix3.determinant() != 0.0).then(|| placed.inverse())
         };
-        let of_item = |item: ItemId| {
+        let of_item = |item: ItemIndex| {
             triangles(geometry.mesh_of(item)).map(move |(face, corners)| Face { item, face, corners })
         };
         All {
@@ -38,9 +38,9 @@ impl All {
     }
 
     /// Returns all hits of a ray: distance, closeness to an edge, and face.
-    fn hits(&self, ray: &Ray) -> Vec<(f64, f64, ItemId, u32)> {
+    fn hits(&self, ray: &Ray) -> Vec<(f64, f64, ItemIndex, u32)> {
         let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
-        let mut local = (ItemId(u32::MAX), origin, direction);
+        let mut local = (ItemIndex(u32::MAX), origin, direction);
         let mut hits = Vec::new();
         for Face {
             item,

@@ -181,7 +181,7 @@ pub(crate) fn distinct(set: &VisibleSet) -> Vec<(SectorId, ItemIndex)> {
     let mut items: Vec<_> = set
         .items()
         .iter()
-        .map(|seen| (set.passage(seen.passage).sector, seen.item))
+        .map(|seen| (set.passage(seen.passage).sector, seen.item.index))
         .collect();
     items.sort_unstable();
     items.dedup();
@@ -192,7 +192,7 @@ pub(crate) fn distinct(set: &VisibleSet) -> Vec<(SectorId, ItemIndex)> {
 fn sizes_px(set: &VisibleSet, visible: &[(SectorId, ItemIndex)]) -> Vec<u16> {
     let mut sizes = vec![0; visible.len()];
     for seen in set.items() {
-        let item = (set.passage(seen.passage).sector, seen.item);
+        let item = (set.passage(seen.passage).sector, seen.item.index);
         if let Ok(index) = visible.binary_search(&item) {
             sizes[index] = seen.size_px.max(sizes[index]);
         }

@@ -102,7 +102,7 @@ impl Town {
         let mut edit = self.scene.edit();
         for number in 0..self.people {
             let there = walker(number, moment, self.side);
-            edit.set_transform(TOWN, ItemIndex(number), there)
+            edit.set_transform(TOWN, ItemIndex(number).into(), there)
                 .expect("a place in the town");
         }
         let edited = edit.finish().expect("a small town");

@@ -46,7 +46,7 @@ fn count(set: &VisibleSet, scene: &Scene) -> usize {
     let clusters = |item: &VisibleItem| match set.clusters(item).len() {
         0 => {
             let geometry = scene.geometry(set.passage(item.passage).sector);
-            geometry.map_or(1, |geometry| geometry.mesh_of(item.item).clusters().len())
+            geometry.map_or(1, |geometry| geometry.mesh_of(item.item.index).clusters().len())
         }
         some => some,
     };

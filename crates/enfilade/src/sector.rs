@@ -3,7 +3,7 @@
 use crate::contract::Contract;
 use crate::geom::Aabb;
 use crate::geometry::{Alpha, Opening};
-use crate::ids::ItemIndex;
+use crate::ids::{ItemId, ItemIndex};
 use crate::view::canvas::Canvas;
 use crate::view::collector::Collector;
 use crate::view::memory::Memory;
@@ -74,12 +74,17 @@ pub trait Sector: Send + Sync {
         0
     }
 
-    /// Returns the number of items; their ids are 0 up to this number, exclusive. Default 0 (unknown).
+    /// Returns the number of items; their indices are 0 up to this number, exclusive, and their generation is 0. Default 0 (unknown).
     ///
     /// Used for counting, and only for custom sectors: for others
     /// [`Scene::geometry`](crate::Scene::geometry) has the items.
     fn item_count(&self) -> u32 {
         0
+    }
+
+    /// Returns the key of an item for [`VisibleItem::key`](crate::VisibleItem::key). Default: its index.
+    fn item_key(&self, item: ItemIndex) -> u64 {
+        u64::from(item.0)
     }
 
     /// Returns the name of an item for display. Default: empty (no name).
@@ -127,7 +132,9 @@ pub struct Ray {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The item that was hit.
-    pub item: ItemIndex,
+    pub item: ItemId,
+    /// The key of the item.
+    pub key: u64,
     /// Index of the face in the item's mesh.
     pub face: u32,
     /// Distance from the ray's origin, in lengths of the ray's direction; above zero.

@@ -1,7 +1,7 @@
 //! LOD selection by screen-space error.
 
 use crate::{Details, Key};
-use enfilade::{Aabb, ItemIndex, Passage, Scene, VisibleSet};
+use enfilade::{Aabb, ItemId, ItemIndex, Passage, Scene, SectorId, VisibleSet};
 use std::collections::BTreeMap;
 
 /// The level that an item should have.
@@ -14,7 +14,7 @@ impl Details {
     /// Returns the visible items, each with its target level, largest screen-space error first.
     pub(super) fn wanted(&self, scene: &Scene, seen: &[&VisibleSet]) -> Vec<WantedLevel> {
         let mut most: BTreeMap<Key, f64> = BTreeMap::new();
-        let mut note = |passage: &Passage, item: ItemIndex| {
+        let mut note = |passage: &Passage, item: ItemId| {
             let key = (passage.sector, item);
             if !self.holds(scene, key) {
                 return;
@@ -23,7 +23,7 @@ impl Details {
                 return;
             };
             let bounds = &self.sources[&self.items[&key].source].bounds;
-            let pixels = passage.pixels_per_unit(&geometry.item(item).transform(), bounds);
+            let pixels = passage.pixels_per_unit(&geometry.item(item.index).transform(), bounds);
             let known = most.entry(key).or_default();
             *known = known.max(pixels);
         };
@@ -52,13 +52,14 @@ impl Details {
     /// Returns the items whose AABB contains the start of a passage: the eye or the last portal. Such an item need not
     /// appear in the visible set, as no face of its volume may be in view, yet its finer levels may be in front of
     /// everything drawn.
-    fn entered(&self, scene: &Scene, passage: &Passage) -> impl Iterator<Item = ItemIndex> {
+    fn entered(&self, scene: &Scene, passage: &Passage) -> impl Iterator<Item = ItemId> {
         let begins = beginnings(scene, passage);
-        let here = (passage.sector, ItemIndex(0))..=(passage.sector, ItemIndex(u32::MAX));
+        let first_of = |sector| (sector, ItemId::from(ItemIndex(0)));
+        let here = first_of(passage.sector)..first_of(SectorId(passage.sector.0 + 1));
         let geometry = scene.geometry(passage.sector);
         self.items.range(here).filter_map(move |(key, _)| {
-            let held = geometry.filter(|geometry| geometry.holds(key.1))?;
-            let bounds = &held.item(key.1).bounds;
+            let held = geometry?;
+            let bounds = &held.item(held.index_of(key.1)?).bounds;
             let begins_within = begins.iter().flatten().any(|begin| begin.meets(bounds));
             (begins_within && passage.may_show(bounds)).then_some(key.1)
         })

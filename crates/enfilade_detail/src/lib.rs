@@ -23,9 +23,7 @@ pub use bezier::{BezierError, BezierPatch, BezierSurface};
 pub use source::DetailSource;
 
 use choose::WantedLevel;
-use enfilade::{
-    EditError, ItemIndex, MAX_COORDINATE, Mesh, Scene, SceneError, SectorId, Transform, VisibleSet,
-};
+use enfilade::{EditError, ItemId, MAX_COORDINATE, Mesh, Scene, SceneError, SectorId, Transform, VisibleSet};
 use source::Levels;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -74,7 +72,7 @@ impl Default for DetailOptions {
     }
 }
 
-type Key = (SectorId, ItemIndex);
+type Key = (SectorId, ItemId);
 
 /// New level per item.
 type Changes = BTreeMap<Key, Option<u32>>;
@@ -103,7 +101,7 @@ pub struct RefineStats {
     pub waiting: u32,
     /// Items that keep their level because the new one could not be built or does not fit, and the reason. Each level
     /// of a source is reported once, for the first item that needed it.
-    pub failed: Vec<(SectorId, ItemIndex, String)>,
+    pub failed: Vec<(SectorId, ItemId, String)>,
     /// Memory of all levels kept, in bytes.
     pub bytes: u64,
 }
@@ -129,7 +127,7 @@ impl Details {
         name: &str,
         source: Arc<dyn DetailSource>,
         sector_from_item: Transform,
-    ) -> Result<ItemIndex, DetailError> {
+    ) -> Result<ItemId, DetailError> {
         let source = self.levels_of(source)?;
         let mut edit = scene.edit();
         let volume = Arc::clone(self.sources[&source].mesh(None));
@@ -147,7 +145,7 @@ impl Details {
     pub fn adopt(
         &mut self,
         scene: &mut Scene,
-        items: impl IntoIterator<Item = (SectorId, ItemIndex, Arc<dyn DetailSource>)>,
+        items: impl IntoIterator<Item = (SectorId, ItemId, Arc<dyn DetailSource>)>,
     ) -> Result<(), DetailError> {
         let mut adopted = Vec::new();
         for (sector, item, source) in items {
@@ -169,12 +167,12 @@ impl Details {
 
     /// Stops managing an item; it keeps its current level. Not needed for items that were removed from the scene or
     /// given another mesh.
-    pub fn forget(&mut self, sector: SectorId, item: ItemIndex) {
+    pub fn forget(&mut self, sector: SectorId, item: ItemId) {
         self.items.remove(&(sector, item));
     }
 
     /// Returns the current level of an item: `Some(None)` if it is drawn as its box, `None` if it is not managed.
-    pub fn level(&self, sector: SectorId, item: ItemIndex) -> Option<Option<u32>> {
+    pub fn level(&self, sector: SectorId, item: ItemId) -> Option<Option<u32>> {
         self.items.get(&(sector, item)).map(|held| held.level)
     }
 
@@ -337,7 +335,7 @@ impl DetailedItem {
 fn scene_item(scene: &Scene, (sector, item): Key) -> Option<(&Arc<Mesh>, bool)> {
     let there = (sector.0 as usize) < scene.sector_count();
     let geometry = there.then(|| scene.geometry(sector)).flatten()?;
-    let item = geometry.holds(item).then(|| geometry.item(item))?;
+    let item = geometry.item(geometry.index_of(item)?);
     Some((&geometry.meshes()[item.mesh.0 as usize], item.is_occluder))
 }
 

@@ -17,7 +17,7 @@ struct Person {
     place: Location,
     goal: Vec3,
     /// The person is an item of each sector that it touches.
-    items: Vec<(SectorId, ItemIndex)>,
+    items: Vec<(SectorId, ItemId)>,
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -88,7 +88,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let there = Transform::translation(feet.into()) * turn;
                 let item = match before.iter().find(|item| item.0 == sector) {
                     Some(&(_, item)) => edit.set_transform(sector, item, there).map(|()| item)?,
-                    None => edit.add(sector, "person", kinds[number % kinds.len()].clone(), there)?,
+                    None => edit
+                        .add(sector, "person", kinds[number % kinds.len()].clone(), there)?
+                        .index
+                        .into(),
                 };
                 somebody.items.push((sector, item));
             }

@@ -105,7 +105,7 @@ fn distinct(viewer: &mut Viewer, scene: &Scene, view: &View) -> BTreeSet<(Sector
     let set = viewer.look(scene, view);
     let items = set.items().iter();
     items
-        .map(|seen| (set.passage(seen.passage).sector, seen.item))
+        .map(|seen| (set.passage(seen.passage).sector, seen.item.index))
         .collect()
 }
 

@@ -36,15 +36,16 @@ pub fn random_edits(
         let name = geometry.name(item).to_owned();
         let there = elsewhere(geometry, item, random);
         let is_there = geometry.holds(item);
+        let id = geometry.id_of(item);
         let crowded = geometry.item_count() > at_first[sector.0 as usize];
         // Edits of removed items, and edits that leave an item without faces, return an error and change nothing.
         let _ = match random.below(10) {
-            0 if crowded => edit.remove(sector, item),
+            0 if crowded => edit.remove(sector, id),
             0 | 1 if is_there => edit.add(sector, &name, mesh, there).map(|_| ()),
-            2 => edit.remove(sector, item),
-            3 => edit.set_mesh(sector, item, other_mesh),
-            4 => edit.set_occluder(sector, item, random.below(3) > 0),
-            _ => edit.set_transform(sector, item, there),
+            2 => edit.remove(sector, id),
+            3 => edit.set_mesh(sector, id, other_mesh),
+            4 => edit.set_occluder(sector, id, random.below(3) > 0),
+            _ => edit.set_transform(sector, id, there),
         };
     }
     edit.finish()

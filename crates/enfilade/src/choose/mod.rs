@@ -388,7 +388,11 @@ fn edit(
     for time in 0..4 {
         let start = clock();
         let mut edit = scene.edit();
-        let placed = edit.set_transform(sector, item, if time % 2 == 0 { there } else { here });
+        let placed = edit.set_transform(
+            sector,
+            geometry.id_of(item),
+            if time % 2 == 0 { there } else { here },
+        );
         placed.map_err(|_| SkipReason::Moves)?;
         edit.finish().map_err(|_| SkipReason::Moves)?;
         let took = clock().saturating_sub(start);

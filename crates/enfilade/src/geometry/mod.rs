@@ -15,15 +15,15 @@ pub use baked_cells::{BakedCells, BakedCellsError, CellNode, CellSide, CellTree}
 pub(crate) use baked_cells::{Leaf, Room};
 #[cfg(feature = "terrain")]
 pub(crate) use builder::MAX_OPENINGS;
-pub use builder::{GeometryBuilder, GeometryError};
+pub use builder::{GeometryBuilder, GeometryError, ItemLabel};
 pub use edit::MovedItem;
-pub(crate) use edit::{Changes, Exchanged, Placing, Unfit};
+pub(crate) use edit::{Changes, Exchanged, Unfit};
 pub use material::{Alpha, Material};
 pub use owners::Owners;
 pub use texture::{Filter, Minify, Texture, TextureError, Wrap};
 
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
-use crate::ids::{ItemIndex, MeshId, OpeningId};
+use crate::ids::{ItemId, ItemIndex, MeshId, OpeningId};
 use crate::mesh::{Cluster, Mesh};
 use names::Names;
 use slots::Slots;
@@ -82,6 +82,8 @@ pub struct Geometry {
     materials: Arc<[Material]>,
     textures: Arc<[Arc<Texture>]>,
     items: Vec<Item>,
+    /// The key of each item.
+    keys: Vec<u64>,
     names: Names,
     /// Free and used slots, once items were edited.
     slots: Option<Slots>,
@@ -120,15 +122,41 @@ impl Geometry {
     }
 
     /// Returns the items, by [`ItemIndex`]. Removed items stay in the list with an empty mesh until a new item reuses
-    /// their id; test with [`Geometry::holds`].
+    /// their index; test with [`Geometry::holds`].
     pub fn items(&self) -> &[Item] {
         &self.items
     }
 
-    /// Returns `true` if an item with this id exists and was not removed.
+    /// Returns `true` if there is an item with this index that was not removed.
     pub fn holds(&self, item: ItemIndex) -> bool {
-        let is_free = |slots: &Slots| slots.free_items.contains(&item.0);
-        (item.0 as usize) < self.items.len() && !self.slots.as_ref().is_some_and(is_free)
+        let placed = self.items.get(item.0 as usize);
+        placed.is_some_and(|placed| {
+            self.slots
+                .as_ref()
+                .is_none_or(|slots| placed.mesh != slots.nothing)
+        })
+    }
+
+    /// Returns the index of an item; `None` if it was removed or never existed.
+    pub fn index_of(&self, id: ItemId) -> Option<ItemIndex> {
+        (self.holds(id.index) && self.id_of(id.index) == id).then_some(id.index)
+    }
+
+    /// Returns the id of the item with this index, or of the last one if it was removed.
+    pub fn id_of(&self, index: ItemIndex) -> ItemId {
+        let generations = self.slots.as_ref().map_or(&[][..], |slots| &slots.generations);
+        ItemId {
+            index,
+            generation: generations.get(index.0 as usize).copied().unwrap_or(0),
+        }
+    }
+
+    /// Returns the key of an item; see [`GeometryBuilder::set_key`].
+    ///
+    /// # Panics
+    /// If `item` is out of range.
+    pub fn key(&self, item: ItemIndex) -> u64 {
+        self.keys[item.0 as usize]
     }
 
     /// Returns the number of items, without removed ones.
@@ -228,7 +256,10 @@ impl Geometry {
             + self.item_tree.get().map_or(0, Octree::bytes)
             + self.opening_tree.bytes()
             + self.cells.as_ref().map_or(0, |cells| cells.bytes())
-            + (size_of_val(&*self.items) + size_of_val(&*self.first_faces) + self.names.bytes()) as u64
+            + (size_of_val(&*self.items)
+                + size_of_val(&*self.keys)
+                + size_of_val(&*self.first_faces)
+                + self.names.bytes()) as u64
     }
 
     /// Returns the structure that another method built over this geometry and that is still in use; otherwise builds
@@ -346,6 +377,6 @@ mod tests {
         let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let mesh = builder.mesh(leaf());
         builder.item("far", mesh, Transform::translation([f32::INFINITY, 0.0, 0.0]));
-        assert!(matches!(builder.build(), Err(GeometryError::NotFinite(name)) if name == "far"));
+        assert!(matches!(builder.build(), Err(GeometryError::NotFinite(item)) if item.name == "far"));
     }
 }

@@ -61,7 +61,8 @@ impl GeometryBuilder {
             }
         }
         let (first_item, first_mesh) = first.expect("a height field has at least one block");
-        let blocks = first_item.0..first_item.0 + columns * rows;
+        let first = first_item.index.0;
+        let blocks = first..first + columns * rows;
         self.terrains.push(Terrain {
             field,
             blocks: blocks.clone(),

@@ -365,7 +365,7 @@ fn contract_of(set: &VisibleSet) -> Contract {
 }
 
 fn items_of(set: &VisibleSet) -> BTreeSet<(SectorId, ItemIndex)> {
-    let name = |seen: &crate::VisibleItem| (set.passage(seen.passage).sector, seen.item);
+    let name = |seen: &crate::VisibleItem| (set.passage(seen.passage).sector, seen.item.index);
     set.items().iter().map(name).collect()
 }
 

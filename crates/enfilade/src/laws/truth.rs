@@ -219,7 +219,7 @@ impl Truth {
             .iter()
             .map(|visible| {
                 let chain = chains[visible.passage.0 as usize];
-                (chain.sector, chain.found(&numbers), visible.item)
+                (chain.sector, chain.found(&numbers), visible.item.index)
             })
             .collect();
         let answer = |&(chain, item): &(Chain, ItemIndex)| (chain.sector, Some(chain), item);

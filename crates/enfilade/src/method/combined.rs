@@ -75,7 +75,7 @@ pub(super) trait Combination: Send + Sync + Sized + 'static {
     }
 
     /// Updates what is kept beside the order after an edit; returns the number of tree nodes touched.
-    fn follow(&mut self, _geometry: &Geometry, _done: &Exchanged) -> u64 {
+    fn follow(&mut self, _geometry: &Geometry, _done: &mut Exchanged) -> u64 {
         0
     }
 }
@@ -171,8 +171,8 @@ impl<M: Combination> EditableSector for Combined<M> {
             order,
             combination,
         } = self;
-        let (mut edited, done) = edit_order(order, geometry, changes, limit, M::needs_bytes)?;
-        edited.nodes += combination.follow(geometry, &done);
+        let mut edited = edit_order(order, geometry, changes, limit, M::needs_bytes)?;
+        edited.nodes += combination.follow(geometry, &mut changes.exchanged);
         Ok(edited)
     }
 }

@@ -158,7 +158,7 @@ impl OccluderSet {
     }
 
     /// Updates the set after items were edited, and returns the number of octree nodes touched.
-    pub(crate) fn follow(&mut self, geometry: &Geometry, done: &Exchanged) -> u64 {
+    pub(crate) fn follow(&mut self, geometry: &Geometry, done: &mut Exchanged) -> u64 {
         for &mesh in &done.meshes {
             let of_mesh = self.add(MeshPolygons::of(&geometry.meshes()[mesh.0 as usize], geometry));
             let place = mesh.0 as usize;
@@ -178,20 +178,20 @@ impl OccluderSet {
         }
         let OccluderSet { tree, areas, .. } = self;
         let boxes = |item: u32| box_of(geometry, areas, item);
-        let mut touched = Vec::new();
+        done.touched.clear();
         for MovedItem { item, old_bounds } in &done.moved {
-            tree.shift(item.0, old_bounds, &boxes, &mut touched);
+            tree.shift(item.0, old_bounds, &boxes, &mut done.touched);
         }
         if tree.tidy(geometry.items().len(), &boxes) {
             self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);
         } else {
             self.largest.resize(self.tree.node_count(), 0.0);
             // If a node is listed twice, the last entry counts: by then its children are up to date.
-            for &node in &touched {
+            for &node in &done.touched {
                 self.largest[node as usize] = self.largest_in(node);
             }
         }
-        touched.len() as u64
+        done.touched.len() as u64
     }
 
     /// Builds the octree over the items.

@@ -43,7 +43,7 @@ impl Geometry {
                 limit
             },
         );
-        hits.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.key().cmp(&b.key())));
+        hits.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.rank().cmp(&b.rank())));
     }
 
     /// Returns the first face along a line up to `limit` whose material passes `counts`.
@@ -55,7 +55,7 @@ impl Geometry {
     ) -> Option<Hit> {
         let mut first: Option<Hit> = None;
         self.along(line, limit, counts, |hit| {
-            let comes_first = |known: &Hit| (hit.distance, hit.key()) < (known.distance, known.key());
+            let comes_first = |known: &Hit| (hit.distance, hit.rank()) < (known.distance, known.rank());
             if first.as_ref().is_none_or(comes_first) {
                 first = Some(hit);
             }
@@ -117,7 +117,8 @@ impl Geometry {
                     let distance = distance.max(enter).min(leave.max(f64::MIN_POSITIVE));
                     if distance <= *limit {
                         *limit = found(Hit {
-                            item,
+                            item: self.id_of(item),
+                            key: self.key(item),
                             face,
                             distance,
                             from_behind,
@@ -156,8 +157,8 @@ impl Geometry {
 
 impl Hit {
     /// Returns the sort key of hits at the same distance.
-    fn key(&self) -> (ItemIndex, u32) {
-        (self.item, self.face)
+    fn rank(&self) -> (ItemIndex, u32) {
+        (self.item.index, self.face)
     }
 }
 

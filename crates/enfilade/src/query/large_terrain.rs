@@ -86,10 +86,11 @@ impl Search<'_> {
                 };
                 let distance = distance.max(enter).min(leave.max(f64::MIN_POSITIVE));
                 let comes_first =
-                    |known: Hit| (distance, item, face) < (known.distance, known.item, known.face);
+                    |known: Hit| (distance, item, face) < (known.distance, known.item.index, known.face);
                 if self.first.is_none_or(comes_first) {
                     self.first = Some(Hit {
-                        item,
+                        item: item.into(),
+                        key: u64::from(item.0),
                         face,
                         distance,
                         from_behind,

@@ -11,7 +11,7 @@
 
 use super::location::{Location, corners};
 use crate::geom::{Aabb, nearest_in};
-use crate::ids::{ItemIndex, PortalId, SectorId};
+use crate::ids::{ItemId, ItemIndex, PortalId, SectorId};
 use crate::scene::Scene;
 use glam::{DAffine3, DMat3, DVec3};
 use std::cmp::Reverse;
@@ -24,7 +24,9 @@ pub struct NearItem {
     /// The sector that contains the item.
     pub sector: SectorId,
     /// The item.
-    pub item: ItemIndex,
+    pub item: ItemId,
+    /// The key of the item.
+    pub key: u64,
     /// Length of the shortest path to its bounding box through open portals, in units of the space of the start. Up to
     /// 0.1 % too long if the path crosses portals.
     pub distance: f64,
@@ -323,7 +325,8 @@ impl Search<'_> {
             if distance <= self.radius && known.is_none_or(|known| distance < known) {
                 let near = NearItem {
                     sector: chain.sector,
-                    item,
+                    item: geometry.id_of(item),
+                    key: geometry.key(item),
                     distance,
                     crossed: crossed.clone(),
                 };

@@ -9,7 +9,7 @@
 use super::items::nearest_squared;
 use crate::geom::Step;
 use crate::geometry::Geometry;
-use crate::ids::ItemIndex;
+use crate::ids::{ItemId, ItemIndex};
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -18,7 +18,9 @@ use std::collections::BinaryHeap;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestItem {
     /// The item.
-    pub item: ItemIndex,
+    pub item: ItemId,
+    /// The key of the item.
+    pub key: u64,
     /// Distance from the point to the bounding box of the item, in scene units; 0 inside.
     pub distance: f64,
 }
@@ -64,7 +66,11 @@ impl Geometry {
                 let distance = nearest_squared(&self.item(item).bounds, point).sqrt();
                 if distance <= reach {
                     let full = best.len() == count;
-                    let one = NearestItem { item, distance };
+                    let one = NearestItem {
+                        item: self.id_of(item),
+                        key: self.key(item),
+                        distance,
+                    };
                     if !full {
                         best.push(one);
                     } else if let Some(mut last) = best.peek_mut().filter(|last| one < **last) {

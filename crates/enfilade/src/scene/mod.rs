@@ -19,7 +19,7 @@ pub use light::{Light, LightShape};
 pub use portal::Portal;
 
 use crate::geom::{Aabb, Transform};
-use crate::geometry::Geometry;
+use crate::geometry::{Changes, Geometry};
 use crate::ids::{ItemIndex, OpeningId, PortalId, SectorId};
 use crate::method::{EditableSector, Method, UnsuitedMethod};
 use crate::sector::{BuildStats, Sector};
@@ -60,6 +60,8 @@ struct SceneSector {
     open_above: bool,
     /// Number of times its method was built.
     builds: u64,
+    /// The changes of an edit in progress; empty between edits, but keeps its buffers.
+    changes: Changes,
 }
 
 #[derive(Clone)]

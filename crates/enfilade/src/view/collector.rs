@@ -147,7 +147,7 @@ impl Collector {
             let start = self.clusters.len() as u32;
             self.clusters.extend_from_slice(set.clusters(item));
             self.items.push(CollectedItem {
-                item: item.item,
+                item: item.item.index,
                 clusters: [start, self.clusters.len() as u32],
             });
         }

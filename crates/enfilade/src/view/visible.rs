@@ -1,6 +1,6 @@
 //! The result of a look: passages with their visible items.
 
-use crate::ids::{ItemIndex, PassageId};
+use crate::ids::{ItemId, PassageId};
 use crate::view::passage::Passage;
 
 /// The result of [`Viewer::look`](crate::Viewer::look): the passages from the eye into sectors, and the items visible
@@ -30,7 +30,11 @@ pub struct VisibleItem {
     /// The passage through which the item is visible.
     pub passage: PassageId,
     /// The item in the passage's sector.
-    pub item: ItemIndex,
+    pub item: ItemId,
+    /// The key of the item ([`GeometryBuilder::set_key`](crate::GeometryBuilder::set_key),
+    /// [`Sector::item_key`](crate::Sector::item_key)).
+    #[doc(alias = "user data")]
+    pub key: u64,
     /// Longer side of the item's screen-space bounding rectangle, clipped to the aperture, in pixels. For an item of a
     /// custom sector the rectangle is that of [`Sector::item_bounds`](crate::Sector::item_bounds); 0 if the sector does
     /// not override that method.

@@ -117,7 +117,7 @@ fn where_faces_coincide_the_lower_item_is_seen_whatever_comes_first() {
                     .look(&scene, &ahead())
                     .items()
                     .iter()
-                    .any(|seen| seen.item == ItemIndex(0));
+                    .any(|seen| seen.item == ItemIndex(0).into());
                 assert!(found, "{method} of {halves:?}, slanted by {slant}");
             }
         }
@@ -150,7 +150,7 @@ fn what_was_found_before_the_wall_that_hides_it_is_taken_back() {
             .look(&scene, &ahead())
             .items()
             .iter()
-            .map(|seen| seen.item)
+            .map(|seen| seen.item.index)
             .collect();
         assert_eq!(items, [ItemIndex(1)], "{method}");
     }

@@ -272,7 +272,7 @@ impl<'a> Surveyor<'a> {
                     &mut others
                 };
                 *seen = [seen[0] + u32::from(!hit.from_behind), seen[1] + 1];
-                met(hit.item);
+                met(hit.item.index);
             }
         }
         if others[1] >= ENOUGH_HITS {
@@ -403,7 +403,7 @@ impl<'a> Surveyor<'a> {
         };
         let cast = self.scene.cast_until(sector, &ray, far);
         match cast.end {
-            RayEnd::Face(hit) => Some((cast.distance, (cast.sector, hit.item))),
+            RayEnd::Face(hit) => Some((cast.distance, (cast.sector, hit.item.index))),
             _ => None,
         }
     }

@@ -111,7 +111,10 @@ fn the_nearest_items_are_the_first_of_all_by_distance() {
             expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             expected.truncate(count);
             geometry.nearest_items(point, count, radius, &mut nearest);
-            let found: Vec<_> = nearest.iter().map(|near| (near.distance, near.item)).collect();
+            let found: Vec<_> = nearest
+                .iter()
+                .map(|near| (near.distance, near.item.index))
+                .collect();
             assert_eq!(found, expected, "@{name}, {count} within {radius} of {point:?}");
         }
     }
@@ -220,7 +223,7 @@ fn a_visible_set_counts_what_is_in_its_frustum_by_the_same_rule() {
             let geometry = scene.geometry(passage.sector).expect("ours");
             let items = found(|visit| geometry.items_in_frustum(&view, visit));
             assert_eq!(set.in_frustum(&scene).0, items.len(), "@{name}");
-            assert!(set.items().iter().all(|seen| items.contains(&seen.item)));
+            assert!(set.items().iter().all(|seen| items.contains(&seen.item.index)));
         }
     }
 }

@@ -89,7 +89,7 @@ fn agrees(name: &str, scene: &Scene, place: Location, radius: f32) -> usize {
     );
     let mut found = BTreeMap::new();
     for item in &near.items {
-        let before = found.insert((item.sector, item.item), item);
+        let before = found.insert((item.sector, item.item.index), item);
         assert!(before.is_none(), "@{name}: {item:?} is listed twice");
     }
     let sampled = sampled(scene, place);

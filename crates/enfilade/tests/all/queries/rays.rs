@@ -121,7 +121,7 @@ fn a_ray_meets_first_what_is_nearest_of_all_faces() {
                 Some(hit) => {
                     let known = hits
                         .iter()
-                        .find(|known| (known.2, known.3) == (hit.item, hit.face));
+                        .find(|known| (known.2, known.3) == (hit.item.index, hit.face));
                     let known = known.unwrap_or_else(|| panic!("@{name}: {ray:?} does not meet {hit:?}"));
                     assert!(
                         (known.0 - hit.distance).abs() <= slack,
@@ -196,13 +196,14 @@ fn all_hits_are_all_that_any_face_meets() {
                 assert!(
                     found
                         .iter()
-                        .any(|known| (known.item, known.face) == (hit.2, hit.3)),
+                        .any(|known| (known.item, known.face) == (hit.2.into(), hit.3)),
                     "@{name}: {ray:?} misses {hit:?}"
                 );
             }
             for known in &found {
                 assert!(
-                    hits.iter().any(|hit| (known.item, known.face) == (hit.2, hit.3)),
+                    hits.iter()
+                        .any(|hit| (known.item, known.face) == (hit.2.into(), hit.3)),
                     "@{name}: {ray:?} meets {known:?}"
                 );
             }

@@ -47,7 +47,7 @@ fn boxes_and_nearest(file: &str, geometry: &Geometry) {
             .collect();
         expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         expected.truncate(8);
-        let found = nearest.iter().map(|near| (near.distance, near.item));
+        let found = nearest.iter().map(|near| (near.distance, near.item.index));
         assert!(found.eq(expected), "{file}, {middle:?}");
     }
 }

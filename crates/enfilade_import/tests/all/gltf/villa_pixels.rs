@@ -141,7 +141,7 @@ fn without_originals(mut scene: Scene) -> Scene {
         let original = items
             .find(|&item| geometry.name(item) == name)
             .expect("an original");
-        edit.remove(SectorId(0), original).expect("it is there");
+        edit.remove(SectorId(0), original.into()).expect("it is there");
     }
     edit.finish().expect("less than before");
     scene

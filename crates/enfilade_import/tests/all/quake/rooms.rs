@@ -24,7 +24,7 @@ fn seen(scene: &Scene, eye: [f32; 3], toward: [f32; 3]) -> Vec<String> {
     let mut names: Vec<String> = set
         .items()
         .iter()
-        .map(|item| geometry.name(item.item).to_owned())
+        .map(|item| geometry.name(item.item.index).to_owned())
         .collect();
     names.sort();
     names

@@ -49,7 +49,7 @@ impl Plan {
     pub(crate) fn visible(&mut self, stock: &Stock, lens: &Lens, set: &VisibleSet) {
         self.start(stock, lens);
         for item in set.items() {
-            let placed = &stock.items[item.item.0 as usize];
+            let placed = &stock.items[item.item.index.0 as usize];
             let clusters = set.clusters(item);
             if clusters.is_empty() || placed.at.is_some() {
                 self.add_whole(stock, lens, placed);
@@ -211,7 +211,7 @@ mod tests {
         let mut viewer = Viewer::new();
         let set = viewer.look(&scene, &view);
         plan.visible(&stock, &lens, set);
-        let seen: Vec<ItemIndex> = set.items().iter().map(|item| item.item).collect();
+        let seen: Vec<ItemIndex> = set.items().iter().map(|item| item.item.index).collect();
         assert_eq!(
             seen,
             [1, 4, 5].map(ItemIndex),

@@ -74,7 +74,7 @@ fn seen(viewer: &mut Viewer, scene: &Scene, view: &View) -> BTreeSet<(u32, Strin
     for found in viewer.visible().items() {
         let sector = viewer.visible().passages()[found.passage.0 as usize].sector;
         let geometry = scene.geometry(sector).expect("all sectors have geometry");
-        seen.insert((sector.0, geometry.name(found.item).to_owned()));
+        seen.insert((sector.0, geometry.name(found.item.index).to_owned()));
     }
     seen
 }

@@ -174,6 +174,13 @@ impl Bvh {
         })
     }
 
+    /// Frees two adjacent nodes.
+    fn free(&mut self, pair: u32) {
+        // Their area is 0 then, for `cost_now`.
+        self.nodes[pair as usize..pair as usize + 2].fill(Node::EMPTY);
+        self.free_pairs.push(pair);
+    }
+
     /// Allocates the slots of a leaf.
     fn leaf_slots(&mut self) -> u32 {
         self.free_slots.pop().unwrap_or_else(|| {
@@ -197,14 +204,12 @@ impl Bvh {
     /// Returns the SAH cost: the sum of box areas weighted by the number of children and primitives, relative to the
     /// root's area.
     fn cost_now(&self) -> f64 {
-        let mut pending: Vec<u32> = self.root().into_iter().collect();
-        let mut cost = 0.0;
-        while let Some(node) = pending.pop() {
-            cost +=
-                self.bounds(node).half_area() * (self.children(node).len() + self.things(node).len()) as f64;
-            pending.extend(self.children(node));
-        }
-        cost / self.root().map_or(1.0, |root| self.bounds(root).half_area())
+        let tests = |node: &Node| if node.things == 0 { 2 } else { node.things };
+        let costs = self
+            .nodes
+            .iter()
+            .map(|node| node.bounds.half_area() * f64::from(tests(node)));
+        costs.sum::<f64>() / self.root().map_or(1.0, |root| self.bounds(root).half_area())
     }
 }
 

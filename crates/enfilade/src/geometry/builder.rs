@@ -235,17 +235,12 @@ const FEW_OPENINGS: usize = 16;
 /// the corners of the mesh's AABB.
 pub(super) fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
     const FEW: usize = 64;
-    let around = |points: &[[f32; 3]]| {
-        points
-            .iter()
-            .fold(Aabb::EMPTY, |sum, &p| sum.union(&transform.point_box(p)))
-    };
     if mesh.bounds().is_empty() {
         Aabb::EMPTY
     } else if mesh.positions().len() <= FEW {
-        around(mesh.positions())
+        transform.box_of(mesh.positions())
     } else {
-        around(&mesh.bounds().corners())
+        transform.box_of(&mesh.bounds().corners())
     }
 }
 

@@ -36,8 +36,19 @@ pub(crate) struct Changes {
 #[derive(Debug)]
 struct Change {
     item: ItemIndex,
+    sector_from_item: [[f32; 3]; 4],
+    bounds: Aabb,
+    /// What else changes. Most items only move, often thousands in an edit, so it is stored apart.
+    rest: Option<Box<Rest>>,
+}
+
+/// What rarely changes.
+#[derive(Debug)]
+struct Rest {
     mesh: MeshChange,
-    state: ItemState,
+    is_occluder: bool,
+    key: u64,
+    generation: u32,
     /// The new name, if it changes.
     name: Option<String>,
 }
@@ -51,16 +62,6 @@ enum MeshChange {
     New(Arc<Mesh>),
     /// The item does not exist after the change.
     Gone,
-}
-
-/// What edits replace by copying.
-#[derive(Clone, Copy, Debug)]
-struct ItemState {
-    sector_from_item: [[f32; 3]; 4],
-    bounds: Aabb,
-    is_occluder: bool,
-    key: u64,
-    generation: u32,
 }
 
 /// An item that an edit changed, and the AABB that it had before.
@@ -108,8 +109,8 @@ impl Changes {
     ) -> Result<(), Unfit> {
         self.check_exists(geometry, item)?;
         let bounds = bounds_of(self.mesh_of(geometry, item.index), &sector_from_item)?;
-        let state = &mut self.change_of(geometry, item.index).state;
-        (state.sector_from_item, state.bounds) = (sector_from_item, bounds);
+        let change = self.change_of(geometry, item.index);
+        (change.sector_from_item, change.bounds) = (sector_from_item, bounds);
         Ok(())
     }
 
@@ -124,17 +125,18 @@ impl Changes {
         check_mesh(geometry, &mesh)?;
         let had = self.mesh_of(geometry, item.index).face_count();
         let more_faces = self.with_faces(geometry, i64::from(mesh.face_count()) - i64::from(had))?;
-        let sector_from_item = self.state_of(geometry, item.index).sector_from_item;
+        let placed = self.get(item.index).map(|change| change.sector_from_item);
+        let sector_from_item = placed.unwrap_or(geometry.item(item.index).sector_from_item);
         let bounds = bounds_of(&mesh, &sector_from_item)?;
         self.more_faces = more_faces;
+        self.change_of(geometry, item.index).bounds = bounds;
         let is_held = geometry.index_of(item).is_some();
-        let change = self.change_of(geometry, item.index);
-        change.state.bounds = bounds;
-        change.mesh = if is_held && Arc::ptr_eq(&mesh, geometry.mesh_arc(item.index)) {
-            MeshChange::Same
-        } else {
-            MeshChange::New(mesh)
-        };
+        self.rest_of(geometry, item.index).mesh =
+            if is_held && Arc::ptr_eq(&mesh, geometry.mesh_arc(item.index)) {
+                MeshChange::Same
+            } else {
+                MeshChange::New(mesh)
+            };
         Ok(())
     }
 
@@ -146,14 +148,14 @@ impl Changes {
         is_occluder: bool,
     ) -> Result<(), Unfit> {
         self.check_exists(geometry, item)?;
-        self.change_of(geometry, item.index).state.is_occluder = is_occluder;
+        self.rest_of(geometry, item.index).is_occluder = is_occluder;
         Ok(())
     }
 
     /// Sets the key of an item.
     pub(crate) fn set_key(&mut self, geometry: &Geometry, item: ItemId, key: u64) -> Result<(), Unfit> {
         self.check_exists(geometry, item)?;
-        self.change_of(geometry, item.index).state.key = key;
+        self.rest_of(geometry, item.index).key = key;
         Ok(())
     }
 
@@ -161,9 +163,8 @@ impl Changes {
     pub(crate) fn remove(&mut self, geometry: &Geometry, item: ItemId) -> Result<(), Unfit> {
         self.check_exists(geometry, item)?;
         self.more_faces -= i64::from(self.mesh_of(geometry, item.index).face_count());
-        let change = self.change_of(geometry, item.index);
-        change.mesh = MeshChange::Gone;
-        change.state.bounds = Aabb::EMPTY;
+        self.change_of(geometry, item.index).bounds = Aabb::EMPTY;
+        self.rest_of(geometry, item.index).mesh = MeshChange::Gone;
         Ok(())
     }
 
@@ -191,15 +192,15 @@ impl Changes {
         self.generation = generation;
         self.push(Change {
             item: index,
-            mesh: MeshChange::New(mesh),
-            state: ItemState {
-                sector_from_item,
-                bounds,
+            sector_from_item,
+            bounds,
+            rest: Some(Box::new(Rest {
+                mesh: MeshChange::New(mesh),
                 is_occluder: true,
                 key: u64::from(index.0),
                 generation,
-            },
-            name: Some(name.to_owned()),
+                name: Some(name.to_owned()),
+            })),
         });
         Ok(ItemId { index, generation })
     }
@@ -214,10 +215,11 @@ impl Changes {
 
     /// Returns the name and the key of an existing item after the changes.
     pub(crate) fn label(&self, geometry: &Geometry, item: ItemIndex) -> ItemLabel {
-        let named = self.get(item).and_then(|change| change.name.as_deref());
+        let rest = self.get(item).and_then(|change| change.rest.as_ref());
+        let name = rest.and_then(|rest| rest.name.as_deref());
         ItemLabel {
-            name: named.unwrap_or_else(|| geometry.name(item)).to_owned(),
-            key: self.state_of(geometry, item).key,
+            name: name.unwrap_or_else(|| geometry.name(item)).to_owned(),
+            key: rest.map_or_else(|| geometry.key(item), |rest| rest.key),
         }
     }
 
@@ -243,12 +245,8 @@ impl Changes {
 
     /// Checks that an item exists after the changes so far.
     fn check_exists(&self, geometry: &Geometry, item: ItemId) -> Result<(), Unfit> {
-        let exists = match self.get(item.index) {
-            Some(Change {
-                mesh: MeshChange::Gone,
-                ..
-            }) => false,
-            Some(change) => change.state.generation == item.generation,
+        let exists = match self.get(item.index).and_then(|change| change.rest.as_ref()) {
+            Some(rest) => !matches!(rest.mesh, MeshChange::Gone) && rest.generation == item.generation,
             None => geometry.index_of(item).is_some(),
         };
         exists.then_some(()).ok_or(Unfit::NoSuchItem)
@@ -256,29 +254,40 @@ impl Changes {
 
     /// Returns the mesh of an existing item after the changes so far.
     fn mesh_of<'a>(&'a self, geometry: &'a Geometry, item: ItemIndex) -> &'a Arc<Mesh> {
-        match self.get(item).map(|change| &change.mesh) {
-            Some(MeshChange::New(mesh)) => mesh,
-            _ => geometry.mesh_arc(item),
+        match self.get(item).and_then(|change| change.rest.as_ref()) {
+            Some(rest) => match &rest.mesh {
+                MeshChange::New(mesh) => mesh,
+                _ => geometry.mesh_arc(item),
+            },
+            None => geometry.mesh_arc(item),
         }
-    }
-
-    fn state_of(&self, geometry: &Geometry, item: ItemIndex) -> ItemState {
-        self.get(item)
-            .map_or_else(|| ItemState::of(geometry, item), |change| change.state)
     }
 
     /// Returns the change of an existing item; one that changes nothing if there was none yet.
     fn change_of(&mut self, geometry: &Geometry, item: ItemIndex) -> &mut Change {
         if self.get(item).is_none() {
+            let placed = geometry.item(item);
             self.push(Change {
                 item,
-                mesh: MeshChange::Same,
-                state: ItemState::of(geometry, item),
-                name: None,
+                sector_from_item: placed.sector_from_item,
+                bounds: placed.bounds,
+                rest: None,
             });
         }
         let place = self.places[item.0 as usize] as usize;
         &mut self.list[place - 1]
+    }
+
+    fn rest_of(&mut self, geometry: &Geometry, item: ItemIndex) -> &mut Rest {
+        self.change_of(geometry, item).rest.get_or_insert_with(|| {
+            Box::new(Rest {
+                mesh: MeshChange::Same,
+                is_occluder: geometry.item(item).is_occluder,
+                key: geometry.key(item),
+                generation: geometry.id_of(item).generation,
+                name: None,
+            })
+        })
     }
 
     fn push(&mut self, change: Change) {
@@ -310,19 +319,6 @@ impl Clone for Changes {
     }
 }
 
-impl ItemState {
-    fn of(geometry: &Geometry, item: ItemIndex) -> ItemState {
-        let placed = geometry.item(item);
-        ItemState {
-            sector_from_item: placed.sector_from_item,
-            bounds: placed.bounds,
-            is_occluder: placed.is_occluder,
-            key: geometry.key(item),
-            generation: geometry.id_of(item).generation,
-        }
-    }
-}
-
 /// Checks that a mesh has faces, and only materials of the geometry.
 fn check_mesh(geometry: &Geometry, mesh: &Mesh) -> Result<(), Unfit> {
     let materials = geometry.materials.len();
@@ -337,11 +333,10 @@ fn check_mesh(geometry: &Geometry, mesh: &Mesh) -> Result<(), Unfit> {
 /// Returns the AABB of a transformed mesh in the space of the sector, if it is in range.
 fn bounds_of(mesh: &Mesh, sector_from_item: &[[f32; 3]; 4]) -> Result<Aabb, Unfit> {
     let bounds = placed_bounds(&Transform::from_columns(*sector_from_item), mesh);
-    let values = bounds.min.into_iter().chain(bounds.max);
-    let mut values = values.chain(sector_from_item.iter().flatten().copied());
-    if values.clone().all(is_in_range) {
+    let values = sector_from_item.as_flattened();
+    if bounds.is_in_range() && values.iter().all(|&value| is_in_range(value)) {
         Ok(bounds)
-    } else if values.any(f32::is_nan) {
+    } else if values.iter().any(|value| value.is_nan()) {
         Err(Unfit::NotFinite)
     } else {
         Err(Unfit::TooFar)
@@ -381,13 +376,20 @@ impl Geometry {
             if item.0 as usize == self.items.len() {
                 self.push_nothing(&mut slots);
             }
-            let old_bounds = self.item(item).bounds;
-            let had = self.mesh_of(item).face_count();
-            self.exchange_one(change, &mut slots, done);
-            if self.mesh_of(item).face_count() != had {
-                renumbered = renumbered.min(item.0 as usize);
+            let placed = &mut self.items[item.0 as usize];
+            std::mem::swap(&mut placed.sector_from_item, &mut change.sector_from_item);
+            std::mem::swap(&mut placed.bounds, &mut change.bounds);
+            done.moved.push(MovedItem {
+                item,
+                old_bounds: change.bounds,
+            });
+            if let Some(rest) = &mut change.rest {
+                let had = self.mesh_of(item).face_count();
+                self.exchange_rest(item, rest, &mut slots, done);
+                if self.mesh_of(item).face_count() != had {
+                    renumbered = renumbered.min(item.0 as usize);
+                }
             }
-            done.moved.push(MovedItem { item, old_bounds });
         }
         changes.more_faces = -changes.more_faces;
         // Last, because another item may have started to use a mesh that one item left.
@@ -413,22 +415,14 @@ impl Geometry {
         slots.free_items.insert(number as u32);
     }
 
-    /// Swaps one item.
-    fn exchange_one(&mut self, change: &mut Change, slots: &mut Slots, done: &mut Exchanged) {
-        let Change {
-            item,
-            mesh,
-            state,
-            name,
-        } = change;
+    /// Swaps what is stored apart of one item.
+    fn exchange_rest(&mut self, item: ItemIndex, rest: &mut Rest, slots: &mut Slots, done: &mut Exchanged) {
         let number = item.0 as usize;
         let placed = &mut self.items[number];
-        std::mem::swap(&mut placed.sector_from_item, &mut state.sector_from_item);
-        std::mem::swap(&mut placed.bounds, &mut state.bounds);
-        std::mem::swap(&mut placed.is_occluder, &mut state.is_occluder);
-        std::mem::swap(&mut self.keys[number], &mut state.key);
-        std::mem::swap(&mut slots.generations[number], &mut state.generation);
-        if matches!(mesh, MeshChange::Same) {
+        std::mem::swap(&mut placed.is_occluder, &mut rest.is_occluder);
+        std::mem::swap(&mut self.keys[number], &mut rest.key);
+        std::mem::swap(&mut slots.generations[number], &mut rest.generation);
+        if matches!(rest.mesh, MeshChange::Same) {
             return;
         }
         slots.last_generation = slots.last_generation.max(slots.generations[number]);
@@ -440,7 +434,7 @@ impl Geometry {
             slots.give_back(had);
             MeshChange::New(Arc::clone(&self.meshes[had.0 as usize]))
         };
-        placed.mesh = match std::mem::replace(mesh, before) {
+        placed.mesh = match std::mem::replace(&mut rest.mesh, before) {
             MeshChange::New(after) => {
                 let (mesh, is_new) = slots.take(&after, &mut self.meshes);
                 done.meshes.extend(is_new.then_some(mesh));
@@ -452,7 +446,7 @@ impl Geometry {
                 slots.nothing
             }
         };
-        if let Some(name) = name {
+        if let Some(name) = &mut rest.name {
             let before = self.names.get(number).to_owned();
             self.names.set(number, &std::mem::replace(name, before));
         }

@@ -34,6 +34,8 @@ pub(crate) struct Bvh {
     /// First nodes of free pairs, and first slots of removed leaves.
     free_pairs: Vec<u32>,
     free_slots: Vec<u32>,
+    /// Whether a node has to be refitted, while primitives are moved.
+    stale: Vec<bool>,
     few: u32,
     /// Number of primitives in the tree.
     count: usize,
@@ -74,6 +76,7 @@ impl Bvh {
             leaves: vec![0; count],
             free_pairs: Vec::new(),
             free_slots: Vec::new(),
+            stale: Vec::new(),
             few,
             count: solid.len(),
             changes: 0,
@@ -160,9 +163,13 @@ impl Bvh {
 
     /// Refits a node's AABB to its primitives and children.
     fn fit(&mut self, node: u32, boxes: &impl Fn(u32) -> Aabb) {
-        let own = self.things(node).iter().map(|&thing| boxes(thing));
-        let below = self.children(node).map(|child| *self.bounds(child));
-        self.nodes[node as usize].bounds = own.chain(below).fold(Aabb::EMPTY, |sum, held| sum.union(&held));
+        let children = self.children(node);
+        self.nodes[node as usize].bounds = if children.is_empty() {
+            let own = self.things(node).iter();
+            own.fold(Aabb::EMPTY, |sum, &thing| sum.union(&boxes(thing)))
+        } else {
+            self.bounds(children.start).union(self.bounds(children.start + 1))
+        };
     }
 
     /// Allocates two adjacent nodes.

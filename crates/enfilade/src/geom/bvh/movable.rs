@@ -22,7 +22,7 @@ const MAX_COST_RATIO: f64 = 2.0;
 
 /// One in this many changes reinserts the primitive although it could stay in its leaf. All primitives of a leaf can
 /// drift apart, or away from it, so slowly that none ever leaves its box.
-const REINSERT_PERIOD: usize = 16;
+const REINSERT_PERIOD: usize = 64;
 
 /// A primitive stays in its leaf if the leaf's area grows by at most this factor.
 const MAX_GROWTH: f64 = 1.5;
@@ -80,11 +80,16 @@ impl Bvh {
         for (thing, was) in moved.clone() {
             self.shift_one(thing, &was, boxes, touched);
         }
+        self.stale.resize(self.nodes.len(), false);
         for (thing, _) in moved {
-            if let Some(leaf) = self.leaf_of(thing) {
-                self.refit(leaf, boxes, touched);
+            let mut next = self.leaf_of(thing);
+            while let Some(node) =
+                next.filter(|&node| !std::mem::replace(&mut self.stale[node as usize], true))
+            {
+                next = self.parent(node);
             }
         }
+        self.refit(boxes, touched);
     }
 
     /// Moves a primitive. The AABB of a leaf that keeps it may be too large then, and those above it too small.
@@ -260,19 +265,21 @@ impl Bvh {
         }
     }
 
-    /// Refits a leaf and its ancestors, up to the first that stays the same.
-    fn refit(&mut self, leaf: u32, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
-        self.fit(leaf, boxes);
-        touched.push(leaf);
-        let mut next = self.parent(leaf);
-        while let Some(node) = next {
-            let was = self.nodes[node as usize].bounds;
+    /// Refits all stale nodes, each once.
+    fn refit(&mut self, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
+        let mut next = touched.len();
+        touched.extend(self.root());
+        let first = next;
+        while let Some(&node) = touched.get(next) {
+            let stale = self.children(node).filter(|&child| self.stale[child as usize]);
+            touched.extend(stale);
+            next += 1;
+        }
+        // Children come after their parents.
+        for &node in touched[first..].iter().rev() {
+            self.stale[node as usize] = false;
             self.merge(node);
             self.fit(node, boxes);
-            touched.push(node);
-            next = self
-                .parent(node)
-                .filter(|_| self.nodes[node as usize].bounds != was);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Renderers that snap vertices to a grid of sub-pixels, as GPUs do.
 
 use crate::subject::subjects;
-use enfilade::{Alpha, Geometry, ItemId, Method, Scene, Transform, View, Viewer};
+use enfilade::{Alpha, Geometry, ItemIndex, Method, Scene, Transform, View, Viewer};
 use glam::{DMat4, DVec3, DVec4};
 use std::collections::BTreeSet;
 
@@ -12,11 +12,11 @@ type Snapped = ([i64; 2], f64);
 
 /// Returns the opaque items that a rasterizer shows which snaps vertices to `steps` positions per pixel and samples pixel
 /// centres.
-fn drawn_snapped(geometry: &Geometry, view: &View, steps: i64) -> BTreeSet<ItemId> {
+fn drawn_snapped(geometry: &Geometry, view: &View, steps: i64) -> BTreeSet<ItemIndex> {
     let [width, height] = view.size().map(|side| side as usize);
     let mut nearest = vec![(0.0, None); width * height];
     for (number, item) in geometry.items().iter().enumerate() {
-        let id = ItemId(number as u32);
+        let id = ItemIndex(number as u32);
         let mesh = geometry.mesh_of(id);
         let clip_from_item =
             matrix(view.clip_from_eye()) * affine(&view.eye_from_sector()) * affine(&item.transform());
@@ -129,14 +129,14 @@ fn affine(transform: &Transform) -> DMat4 {
 
 /// Returns the items that a renderer with `steps` sub-pixels shows and a look with a margin does not list, and the number of
 /// those that it shows.
-fn missed(scene: &Scene, view: &View, margin_px: f32, shown: &BTreeSet<ItemId>) -> usize {
+fn missed(scene: &Scene, view: &View, margin_px: f32, shown: &BTreeSet<ItemIndex>) -> usize {
     let mut viewer = Viewer::new();
     viewer.options.margin_px = margin_px;
-    let listed: BTreeSet<ItemId> = viewer
+    let listed: BTreeSet<ItemIndex> = viewer
         .look(scene, view)
         .items()
         .iter()
-        .map(|item| item.item)
+        .map(|item| item.item.index)
         .collect();
     shown.difference(&listed).count()
 }

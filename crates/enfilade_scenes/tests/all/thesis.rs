@@ -4,7 +4,7 @@
 //! independently of the methods. Then the methods are tested against the same table.
 
 use enfilade::{
-    Camera, Canvas, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer,
+    Camera, Canvas, Geometry, ItemIndex, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer,
 };
 use enfilade_scenes::{BuiltIn, Group, figures};
 use glam::{DMat3, DVec3};
@@ -121,7 +121,7 @@ fn polygons(figure: &BuiltIn) -> Vec<Vec<DVec3>> {
         })
     };
     (0..geometry.items().len() as u32)
-        .map(ItemId)
+        .map(ItemIndex)
         .flat_map(polygons_of)
         .collect()
 }

@@ -166,4 +166,5 @@ pub use view::passage::Passage;
 pub use view::region::{Region, Visibility};
 pub use view::viewer::Viewer;
 pub use view::visible::{VisibleItem, VisibleSet};
+pub use view::visible_keys::VisibleKeys;
 pub use view::{Camera, ClipDepth, View, ViewError, Viewport};

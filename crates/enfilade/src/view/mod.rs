@@ -17,6 +17,7 @@ pub(crate) mod region;
 mod tests;
 pub(crate) mod viewer;
 pub(crate) mod visible;
+pub(crate) mod visible_keys;
 
 pub use camera::Camera;
 pub use error::ViewError;

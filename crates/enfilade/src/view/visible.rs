@@ -72,6 +72,17 @@ impl VisibleSet {
         &self.clusters[item.clusters[0] as usize..item.clusters[1] as usize]
     }
 
+    /// Sets the bit of each visible item's key: bit `key % 64` of word `key / 64`. Keys beyond the end of `words` are skipped.
+    ///
+    /// For keys that are small numbers, such as slots of an array of objects. Clear the words first.
+    pub fn mark(&self, words: &mut [u64]) {
+        for item in &self.items {
+            if let Some(word) = usize::try_from(item.key / 64).ok().and_then(|at| words.get_mut(at)) {
+                *word |= 1 << (item.key % 64);
+            }
+        }
+    }
+
     /// Returns `true` if every visible open portal was followed; `false` if items may be missing, because the viewer
     /// hit one of its [`Limits`](crate::Limits), or if the set is empty because the scene lacks the sector of the view.
     pub fn complete(&self) -> bool {

@@ -89,6 +89,7 @@ mod chance;
 mod choose;
 mod contract;
 mod counts;
+mod error_codes;
 mod faces;
 mod geometry;
 mod ids;
@@ -118,6 +119,7 @@ mod view;
 pub use choose::{ChoiceGoal, ChoiceOptions, Cost, MethodChoice, SkipReason, Trial, choose_methods};
 pub use contract::Contract;
 pub use cover::OccluderMesh;
+pub use error_codes::ERROR_CODES;
 pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use geometry::{
@@ -130,7 +132,7 @@ pub use ids::{
 };
 #[cfg(feature = "terrain")]
 pub use large_terrain::{HeightBytes, HeightFormat, Heights, LargeTerrain};
-pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
+pub use mesh::{Attributes, Cluster, Indices, Mesh, MeshError, Part, Vertices};
 #[cfg(feature = "terrain")]
 pub use method::FloatingHorizon;
 #[cfg(feature = "classic")]

@@ -37,6 +37,7 @@ impl Aabb {
     };
 
     /// Returns the smallest box that contains all `points`; empty if there are none.
+    #[inline]
     pub fn of(points: impl IntoIterator<Item = [f32; 3]>) -> Aabb {
         let mut bounds = Aabb::EMPTY;
         for point in points {
@@ -53,6 +54,7 @@ impl Aabb {
     }
 
     /// Returns the smallest box that contains both boxes.
+    #[inline]
     #[must_use]
     pub fn union(&self, other: &Aabb) -> Aabb {
         Aabb {

@@ -5,10 +5,12 @@ mod below;
 mod build;
 mod cuboid;
 mod neighbours;
+mod vertices;
 
 pub use attributes::Attributes;
 pub use build::MeshError;
 pub(crate) use neighbours::NONE;
+pub use vertices::{Indices, Vertices};
 
 use crate::geom::{Aabb, Octree, Step};
 use crate::ids::MaterialId;
@@ -55,12 +57,12 @@ pub struct Cluster {
 #[doc(alias = "submesh")]
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
-    /// Positions in object space, in scene units.
+    /// Positions in object space, in scene units. Those that no face uses are ignored and may be NaN.
     #[doc(alias = "vertices")]
-    pub positions: &'a [[f32; 3]],
+    pub positions: Vertices<'a, 3>,
     /// Indices into `positions`, face by face, each face counter-clockwise when seen from its front.
     #[doc(alias = "indices")]
-    pub corners: &'a [u32],
+    pub corners: Indices<'a>,
     /// Number of corners of each face, in order; `None` if all faces are triangles.
     pub sides: Option<&'a [u32]>,
     /// Material of all faces.
@@ -86,7 +88,17 @@ impl Mesh {
 
     /// Returns a mesh without faces.
     pub(crate) fn nothing() -> Mesh {
-        build(&[], Vec::new())
+        Mesh {
+            positions: Vec::new(),
+            attributes: MeshAttributes::default(),
+            corners: Vec::new(),
+            starts: Vec::new(),
+            neighbours: Vec::new(),
+            clusters: Vec::new(),
+            tree: Octree::default(),
+            below: Below::default(),
+            bounds: Aabb::EMPTY,
+        }
     }
 
     /// Creates a mesh of triangles with one material.
@@ -101,8 +113,8 @@ impl Mesh {
         material: MaterialId,
     ) -> Result<Mesh, MeshError> {
         Mesh::new(&[Part {
-            positions,
-            corners,
+            positions: Vertices::Packed(positions),
+            corners: Indices::U32(corners),
             sides: None,
             material,
             attributes: Attributes::default(),
@@ -290,8 +302,8 @@ mod tests {
     fn faces_of_two_materials_are_not_in_one_cluster() {
         let (positions, corners) = sheet(2);
         let part = |material| Part {
-            positions: &positions,
-            corners: &corners,
+            positions: Vertices::Packed(&positions),
+            corners: Indices::U32(&corners),
             sides: None,
             material,
             attributes: Attributes::default(),
@@ -316,13 +328,34 @@ mod tests {
             Mesh::triangles(&corner, &[0, 1], STONE),
             Err(MeshError::CornersLeft { .. })
         ));
+        let with_nan = [corner[0], [f32::NAN; 3], corner[1], [f32::INFINITY; 3], corner[2]];
         assert!(matches!(
-            Mesh::triangles(&[[f32::NAN; 3]], &[], STONE),
-            Err(MeshError::NotFinite { part: 0, position: 0 })
+            Mesh::triangles(&with_nan, &[0, 2, 4, 2, 4, 3], STONE),
+            Err(MeshError::NotFinite { part: 0, position: 3 })
+        ));
+        let unused = Mesh::triangles(&with_nan, &[0, 2, 4], STONE).expect("no face uses NaN");
+        assert_eq!(unused.positions(), &corner[..3]);
+        let crowded = Part {
+            positions: Vertices::Strided {
+                bytes: &[0; 64],
+                stride: 8,
+            },
+            corners: Indices::U16(&[0, 1, 2]),
+            sides: None,
+            material: STONE,
+            attributes: Attributes::default(),
+        };
+        assert!(matches!(
+            Mesh::new(&[crowded]),
+            Err(MeshError::ShortStride {
+                stride: 8,
+                least: 12,
+                ..
+            })
         ));
         let bent = Part {
-            positions: &corner,
-            corners: &[0, 1, 3, 2],
+            positions: Vertices::Packed(&corner),
+            corners: Indices::U32(&[0, 1, 3, 2]),
             sides: Some(&[4]),
             material: STONE,
             attributes: Attributes::default(),

@@ -4,7 +4,7 @@ use super::*;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, Material};
 use crate::ids::ItemId;
-use crate::mesh::Attributes;
+use crate::mesh::{Attributes, Vertices};
 use crate::sector::Ray;
 
 fn field(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightField {
@@ -177,7 +177,7 @@ fn what_places_carry_comes_to_the_corners_of_their_blocks() {
         .collect();
     let carrying = |texture: &[[f32; 2]]| {
         field.clone().carrying(Attributes {
-            texture,
+            texture: Vertices::Packed(texture),
             ..Attributes::default()
         })
     };

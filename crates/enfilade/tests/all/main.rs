@@ -15,3 +15,4 @@ mod limits;
 mod moved;
 mod queries;
 mod scene_errors;
+mod send_sync;

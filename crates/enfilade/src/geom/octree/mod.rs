@@ -123,28 +123,57 @@ impl Octree {
     /// Splits a childless node recursively and distributes the primitives; appends the new nodes to `made`, parents
     /// first.
     fn split(&mut self, cell: Cell, boxes: &impl Fn(u32) -> Aabb, made: &mut Vec<u32>) {
+        const STAY: usize = 0;
+        let Cell { node_cell, members } = cell;
+        // Sorted together with what decides where they go: looking up boxes in another order costs more.
+        let placed = |&thing: &u32| {
+            let bounds = boxes(thing);
+            (thing, bounds.center(), bounds.longest_side())
+        };
+        let mut all: Vec<(u32, [f32; 3], f32)> = members.iter().map(placed).collect();
+        let (mut sorted, mut things) = (Vec::new(), Vec::new());
+        // Octant of each primitive of a cell, or `STAY`.
+        let mut octants: Vec<u8> = Vec::new();
         // A stack instead of recursion; the children of a node are made together, so they are adjacent.
-        let mut pending = vec![cell];
-        while let Some(Cell { node_cell, members }) = pending.pop() {
+        let mut pending = vec![(node_cell, 0..all.len())];
+        while let Some((node_cell, range)) = pending.pop() {
+            let members = &mut all[range.clone()];
             let few = members.len() <= self.few;
-            let mut stay = Vec::new();
-            let mut go: [Vec<u32>; 8] = Default::default();
-            for thing in members {
-                match self.belongs(&node_cell, &boxes(thing)) {
-                    Some(octant) if !few => go[octant].push(thing),
-                    _ => stay.push(thing),
+            let mut counts = [0; 9];
+            octants.clear();
+            octants.extend(members.iter().map(|&(_, middle, side)| {
+                let octant = if few {
+                    None
+                } else {
+                    self.octant(&node_cell, middle, side)
+                };
+                let octant = octant.map_or(STAY, |octant| octant + 1);
+                counts[octant] += 1;
+                octant as u8
+            }));
+            // A stable counting sort: first those that stay, then octant by octant.
+            let mut next = [0; 9];
+            for octant in 1..9 {
+                next[octant] = next[octant - 1] + counts[octant - 1];
+            }
+            if counts[STAY] < members.len() {
+                sorted.clear();
+                sorted.extend_from_slice(members);
+                for (&octant, &placed) in octants.iter().zip(&sorted) {
+                    members[next[usize::from(octant)]] = placed;
+                    next[usize::from(octant)] += 1;
                 }
             }
-            self.nodes[node_cell.node as usize].things = self.things.put(&stay);
-            let count = go.iter().filter(|members| !members.is_empty()).count();
+            things.clear();
+            things.extend(members[..counts[STAY]].iter().map(|placed| placed.0));
+            self.nodes[node_cell.node as usize].things = self.things.put(&things);
+            let count = counts[1..].iter().filter(|&&count| count > 0).count();
             if count == 0 {
                 continue;
             }
             let (first, room) = self.block(count as u32);
-            for (octant, members) in go.into_iter().enumerate() {
-                if members.is_empty() {
-                    continue;
-                }
+            let mut start = range.start + counts[STAY];
+            for (octant, &count) in counts[1..].iter().enumerate().filter(|&(_, &count)| count > 0) {
                 let node = &mut self.nodes[node_cell.node as usize];
                 let child = first + node.children.count_ones();
                 node.first_child = first;
@@ -157,7 +186,8 @@ impl Octree {
                 };
                 self.nodes[child as usize] = Node::new(&node_cell.space);
                 made.push(child);
-                pending.push(Cell { node_cell, members });
+                pending.push((node_cell, start..start + count));
+                start += count;
             }
         }
     }
@@ -166,9 +196,14 @@ impl Octree {
     /// to the node itself: if the cell is not twice as large as the box, if the node is at the maximum depth, or if the
     /// box is far outside the root cell, where it would enlarge the AABBs of many nodes.
     fn belongs(&self, node_cell: &NodeCell, thing: &Aabb) -> Option<usize> {
-        let middle = thing.center();
+        self.octant(node_cell, thing.center(), thing.longest_side())
+    }
+
+    /// Like [`Octree::belongs`], for a box with this centre and longest side.
+    #[inline]
+    fn octant(&self, node_cell: &NodeCell, middle: [f32; 3], side: f32) -> Option<usize> {
         let outside = node_cell.depth == 0 && self.is_outside(middle);
-        let large = thing.longest_side() > 0.5 * node_cell.space.longest_side();
+        let large = side > 0.5 * node_cell.space.longest_side();
         let below = !outside && !large && node_cell.depth < MAX_DEPTH;
         below.then(|| octant_of(middle, self.nodes[node_cell.node as usize].center))
     }

@@ -5,6 +5,7 @@ use super::below::Below;
 use super::neighbours::Adjacency;
 use super::{Cluster, Mesh, Part, Vertices};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, PolygonError, is_in_range};
+use std::sync::OnceLock;
 use thiserror::Error;
 
 /// Why a mesh is invalid; returned by [`Mesh::new`].
@@ -259,6 +260,7 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
     }
     mesh.below = Below::new(&tree, |cluster| mesh.triangles_in(cluster));
     mesh.tree = tree;
+    mesh.face_boxes.resize_with(mesh.clusters.len(), OnceLock::new);
     mesh.bounds = bounds.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b));
     mesh.positions.shrink_to_fit();
     mesh.clusters.shrink_to_fit();

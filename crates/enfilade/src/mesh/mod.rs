@@ -4,6 +4,7 @@ mod attributes;
 mod below;
 mod build;
 mod cuboid;
+mod face_boxes;
 mod neighbours;
 mod vertices;
 
@@ -17,7 +18,9 @@ use crate::ids::MaterialId;
 use attributes::MeshAttributes;
 use below::Below;
 use build::{build, check};
+use face_boxes::FaceBoxes;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// An indexed mesh of triangles or convex polygons, grouped into clusters that are culled separately.
 ///
@@ -37,6 +40,8 @@ pub struct Mesh {
     tree: Octree,
     below: Below,
     bounds: Aabb,
+    /// For each cluster the boxes of its faces, made by the first query that needs them.
+    face_boxes: Vec<OnceLock<FaceBoxes>>,
 }
 
 /// A meshlet: up to 128 nearby faces with one material, the unit of culling and drawing.
@@ -98,6 +103,7 @@ impl Mesh {
             tree: Octree::default(),
             below: Below::default(),
             bounds: Aabb::EMPTY,
+            face_boxes: Vec::new(),
         }
     }
 
@@ -196,6 +202,13 @@ impl Mesh {
             + size_of_val(&*self.neighbours)
             + size_of_val(&*self.clusters)
             + self.below.bytes()
+            + size_of_val(&*self.face_boxes)
+            + self
+                .face_boxes
+                .iter()
+                .filter_map(OnceLock::get)
+                .map(FaceBoxes::bytes)
+                .sum::<usize>()
             + self.attributes.bytes()) as u64
             + self.tree.bytes()
     }

@@ -72,10 +72,13 @@ impl Geometry {
         counts: impl Fn(&Material) -> bool,
         mut found: impl FnMut(Hit) -> f64,
     ) {
+        let quick = line.quick(&self.bounds());
         self.item_tree().walk(line.origin.into(), |step| match step {
-            Step::Node(bounds) => line.meets(bounds, line.margin(bounds), limit).is_some(),
+            Step::Node(bounds) => quick.may_meet(bounds, limit),
             Step::Thing(item) => {
-                self.along_item(ItemId(item), line, &mut limit, &counts, &mut found);
+                if quick.may_meet(&self.item(ItemId(item)).bounds, limit) {
+                    self.along_item(ItemId(item), line, &mut limit, &counts, &mut found);
+                }
                 true
             }
         });
@@ -102,17 +105,21 @@ impl Geometry {
         };
         let line = line.moved(&item_from_sector.0);
         let mesh = self.mesh_of(item);
+        let quick = line.quick(&mesh.bounds());
         mesh.walk(line.origin.into(), |step| match step {
-            Step::Node(bounds) => line.meets(bounds, 0.0, *limit).is_some(),
-            Step::Thing(cluster) => {
-                let cluster = &mesh.clusters()[cluster as usize];
+            Step::Node(bounds) => quick.may_meet(bounds, *limit),
+            Step::Thing(number) => {
+                let cluster = &mesh.clusters()[number as usize];
+                if !quick.may_meet(&cluster.bounds, *limit) {
+                    return true;
+                }
                 let inside = line.meets(&cluster.bounds, 0.0, *limit);
                 let Some([enter, leave]) = inside.filter(|_| counts(&self.material_of(item, cluster))) else {
                     return true;
                 };
-                for face in cluster.faces.clone() {
+                mesh.faces_along(number as usize, &line, [enter, leave], *limit, |face| {
                     let Some((distance, from_behind)) = meet_face(mesh, face, &line) else {
-                        continue;
+                        return;
                     };
                     let distance = distance.max(enter).min(leave.max(f64::MIN_POSITIVE));
                     if distance <= *limit {
@@ -123,7 +130,7 @@ impl Geometry {
                             from_behind,
                         });
                     }
-                }
+                });
                 true
             }
         });

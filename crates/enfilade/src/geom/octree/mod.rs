@@ -15,6 +15,7 @@ mod tests;
 
 use crate::geom::Aabb;
 use crate::geom::runs::{FreeList, Run, Runs};
+use smallvec::SmallVec;
 
 /// Octree over indexed AABBs, stored in two flat arrays.
 ///
@@ -79,6 +80,10 @@ pub(crate) enum Enter {
     /// Accepts all primitives of the subtree without visiting its nodes.
     All,
 }
+
+/// Nodes that a traversal has still to visit, and whether all of their subtrees was accepted: at most seven siblings on
+/// each level, so that it never allocates. Not an array, because to fill it takes longer than many a traversal.
+type Pending = SmallVec<[(u32, bool); 256]>;
 
 /// Maximum depth: 2⁻²⁰ of the scene's size is finer than f32 positions.
 const MAX_DEPTH: u32 = 20;
@@ -266,12 +271,9 @@ impl Octree {
     /// Like [`Octree::walk`], but `visit` may also accept a subtree as a whole ([`Enter::All`]): none of its nodes is
     /// visited, and `visit` gets `true` with each of its primitives.
     pub(crate) fn walk_by(&self, eye: [f64; 3], mut visit: impl FnMut(Step, bool) -> Enter) {
-        // At most seven siblings are pending on each level.
-        let mut pending = [(0_u32, false); 7 * MAX_DEPTH as usize + 8];
-        let mut count = usize::from(self.root().is_some());
-        while count > 0 {
-            count -= 1;
-            let (node, mut all) = pending[count];
+        let mut pending = Pending::new();
+        pending.extend(self.root().map(|root| (root, false)));
+        while let Some((node, mut all)) = pending.pop() {
             let node = &self.nodes[node as usize];
             if !all {
                 match visit(Step::Node(&node.bounds), false) {
@@ -283,7 +285,9 @@ impl Octree {
             for &thing in self.things.get(node.things) {
                 visit(Step::Thing(thing), all);
             }
-            count = push_children(node, eye, all, &mut pending, count);
+            if node.children != 0 {
+                push_children(node, eye, all, &mut pending);
+            }
         }
     }
 
@@ -324,15 +328,8 @@ impl Octree {
     }
 }
 
-/// Pushes the children of a node, the nearest last; returns the new number of pending nodes. Apart from
-/// [`Octree::walk_by`], which is compiled for each visitor.
-fn push_children(
-    node: &Node,
-    eye: [f64; 3],
-    all: bool,
-    pending: &mut [(u32, bool)],
-    mut count: usize,
-) -> usize {
+/// Pushes the children of a node, the nearest last. Apart from [`Octree::walk_by`], which is compiled for each visitor.
+fn push_children(node: &Node, eye: [f64; 3], all: bool, pending: &mut Pending) {
     const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
     let octant: usize = (0..3)
         .map(|axis| usize::from(eye[axis] > f64::from(node.center[axis])) << axis)
@@ -341,11 +338,9 @@ fn push_children(
         let child = octant ^ step;
         if node.children >> child & 1 == 1 {
             let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
-            pending[count] = (node.first_child + before, all);
-            count += 1;
+            pending.push((node.first_child + before, all));
         }
     }
-    count
 }
 
 impl Default for Octree {

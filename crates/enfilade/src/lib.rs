@@ -161,6 +161,7 @@ pub use unsuited::{FaceName, NotConvex, Unsuited};
 pub use view::aperture::{Aperture, Rect, Rows};
 pub use view::canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use view::collector::Collector;
+pub use view::draw_runs::DrawRun;
 pub use view::memory::Memory;
 pub use view::options::{Limits, ViewerOptions};
 pub use view::passage::Passage;

@@ -32,5 +32,5 @@ pub(crate) use octree::{Enter, Octree};
 pub(crate) use pierce::{Pierced, nearest_in, pierced};
 pub use polygon::{ConvexPolygon, PolygonError};
 pub(crate) use runs::{Run, Runs};
-pub(crate) use slabs::{Line, QuickLine};
+pub(crate) use slabs::Line;
 pub use transform::Transform;

@@ -6,6 +6,7 @@ mod build;
 mod cuboid;
 mod face_boxes;
 mod neighbours;
+mod triangles;
 mod vertices;
 
 pub use attributes::Attributes;

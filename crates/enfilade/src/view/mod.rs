@@ -4,6 +4,7 @@
 pub(crate) mod aperture;
 pub(crate) mod canvas;
 pub(crate) mod collector;
+pub(crate) mod draw_runs;
 mod entrance;
 pub(crate) mod memory;
 pub(crate) mod opening_view;

@@ -7,6 +7,7 @@ mod choose;
 mod cover_size;
 mod degenerate;
 mod detail;
+mod draw_runs;
 mod dynamic;
 mod edits;
 mod known;

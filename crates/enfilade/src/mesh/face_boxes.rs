@@ -9,7 +9,7 @@
 //! Conservative: boxes are rounded outward, and a ray tests them with a margin above its rounding errors.
 
 use super::{Cluster, Mesh};
-use crate::geom::{Aabb, Line};
+use crate::geom::{Aabb, Line, Step};
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -163,13 +163,13 @@ fn bits(is_in: impl Fn(usize) -> bool) -> u32 {
     (0..GROUP).fold(0, |bits, lane| bits | u32::from(is_in(lane)) << lane)
 }
 
-/// Calls `visit` with the numbers of the bits that are set.
-#[inline]
-fn each(mut bits: u32, mut visit: impl FnMut(usize)) {
-    while bits != 0 {
-        visit(bits.trailing_zeros() as usize);
-        bits &= bits - 1;
-    }
+/// Iterates over the bits that are set.
+fn ones(mut bits: u128) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let next = bits.trailing_zeros();
+        bits &= bits.wrapping_sub(1);
+        (next < u128::BITS).then_some(next)
+    })
 }
 
 impl FaceBoxes {
@@ -207,21 +207,26 @@ impl FaceBoxes {
         }
     }
 
-    /// Calls `visit` with the faces that pass, as numbers in the cluster; `meets` returns the boxes that pass, as bits.
+    /// Returns the faces that pass, as bits; `meets` returns the boxes that pass, as bits.
     #[inline]
-    fn visit(&self, meets: impl Fn(&Eight) -> u32, mut visit: impl FnMut(u32)) {
-        let count = usize::from(self.faces).div_ceil(GROUP);
-        let (groups, above) = self.groups.split_at(count);
-        let mut enter = |group: &Eight| each(meets(group), |lane| visit(u32::from(group.members[lane])));
+    fn faces(&self, meets: impl Fn(&Eight) -> u32) -> u128 {
+        let (groups, above) = self.groups.split_at(usize::from(self.faces).div_ceil(GROUP));
+        let mut faces = 0;
+        let mut enter = |group: &Eight| {
+            for lane in ones(u128::from(meets(group))) {
+                faces |= 1_u128 << group.members[lane as usize];
+            }
+        };
         if above.is_empty() {
             groups.iter().for_each(enter);
         } else {
             for eight in above {
-                each(meets(eight), |lane| {
-                    enter(&groups[usize::from(eight.members[lane])])
-                });
+                for lane in ones(u128::from(meets(eight))) {
+                    enter(&groups[usize::from(eight.members[lane as usize])]);
+                }
             }
         }
+        faces
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -261,8 +266,8 @@ impl Mesh {
         self.face_boxes[cluster].get_or_init(|| FaceBoxes::of(self, cluster))
     }
 
-    /// Visits the faces of a cluster that a ray may meet up to `limit`, in no order. `interval`: the parameters of the
-    /// ray at which it enters and leaves the box of the cluster.
+    /// Visits the faces of a cluster that a ray may meet up to `limit`, in order. `interval`: the parameters of the ray at
+    /// which it enters and leaves the box of the cluster.
     #[inline]
     pub(crate) fn faces_along(
         &self,
@@ -273,13 +278,106 @@ impl Mesh {
         mut visit: impl FnMut(u32),
     ) {
         let Cluster { faces, bounds, .. } = &self.clusters[cluster];
-        let grid_line = (faces.len() > GROUP / 2).then(|| Grid::of(bounds).line(line, interval, limit));
-        match grid_line.flatten() {
+        let line = (faces.len() > GROUP / 2).then(|| Grid::of(bounds).line(line, interval, limit));
+        match line.flatten() {
             Some(line) => {
-                let visit = |number| visit(faces.start + number);
-                self.boxes_of(cluster).visit(|eight| eight.along(&line), visit);
+                let met = self.boxes_of(cluster).faces(|eight| eight.along(&line));
+                ones(met).for_each(|number| visit(faces.start + number));
             }
             None => faces.clone().for_each(visit),
         }
+    }
+
+    /// Visits the faces whose AABBs intersect a box, in object space. Boxes that only touch do intersect; an empty box, or
+    /// one with NaN, intersects nothing.
+    ///
+    /// Cost: O(log clusters) box tests where little overlaps, then one for every eight faces nearby. The first query that
+    /// reaches a cluster computes the boxes of its faces, eight bytes each.
+    #[doc(alias = "range query")]
+    #[doc(alias = "overlap")]
+    pub fn faces_in_box(&self, bounds: &Aabb, mut visit: impl FnMut(u32)) {
+        if bounds.is_empty() {
+            return;
+        }
+        self.tree.walk([0.0; 3], |step| match step {
+            Step::Node(node) => node.meets(bounds),
+            Step::Thing(number) => {
+                let cluster = &self.clusters[number as usize];
+                if cluster.bounds.meets(bounds) {
+                    let within = Grid::of(&cluster.bounds).place(bounds);
+                    let near = self
+                        .boxes_of(number as usize)
+                        .faces(|eight| eight.within(&within));
+                    let near = ones(near).map(|face| cluster.faces.start + face);
+                    near.filter(|&face| self.face_bounds(face).meets(bounds))
+                        .for_each(&mut visit);
+                }
+                true
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::chance::Dice;
+    use crate::ids::MaterialId;
+
+    /// Returns random triangles: of all sizes, thin, in one plane, on a coarse lattice, or points; some of them twice.
+    pub(crate) fn soup(dice: &mut Dice, scale: f64) -> Mesh {
+        let kind = dice.below(5);
+        let mut positions = Vec::new();
+        for _ in 0..1 + dice.below(400) {
+            let size = dice.by_ratio(1e-3, 2.0);
+            let middle = dice.point(1.0);
+            let mut corners = [(); 3].map(|()| middle + dice.point(size));
+            match kind {
+                0 => corners[2] = corners[0].lerp(corners[1], dice.roll()) + dice.point(1e-7),
+                1 => corners.iter_mut().for_each(|corner| corner.y = 0.25),
+                2 => corners = corners.map(|corner| (corner * 4.0).round() / 4.0),
+                3 if dice.below(4) == 0 => corners = [middle; 3],
+                _ => {}
+            }
+            let corners = corners.map(|corner| (corner * scale).as_vec3().to_array());
+            for _ in 0..1 + usize::from(dice.below(8) == 0) {
+                positions.extend(corners);
+            }
+        }
+        let corners: Vec<u32> = (0..positions.len() as u32).collect();
+        Mesh::triangles(&positions, &corners, MaterialId(0)).expect("finite")
+    }
+
+    #[test]
+    fn the_faces_in_a_box_are_those_whose_boxes_meet_it() {
+        let mut dice = Dice::new(1);
+        let mut some = 0;
+        for _ in 0..200 {
+            let scale = dice.by_ratio(1e-12, 1e11);
+            let mesh = soup(&mut dice, scale);
+            for question in 0..50 {
+                let middle = dice.point(1.2 * scale);
+                let half = dice.by_ratio(1e-3, 1.0) * scale;
+                let [min, max] = [middle - half, middle + half];
+                let mut bounds = Aabb {
+                    min: min.as_vec3().to_array(),
+                    max: max.as_vec3().to_array(),
+                };
+                if question % 5 == 0 {
+                    // Touches a face from one side.
+                    let face = dice.below(mesh.face_count() as usize) as u32;
+                    bounds.min[0] = mesh.face_bounds(face).max[0];
+                    bounds.max[0] = bounds.max[0].max(bounds.min[0]);
+                }
+                let mut found = Vec::new();
+                mesh.faces_in_box(&bounds, |face| found.push(face));
+                found.sort_unstable();
+                let meets = |face: &u32| mesh.face_bounds(*face).meets(&bounds);
+                let expected: Vec<u32> = (0..mesh.face_count()).filter(meets).collect();
+                assert_eq!(found, expected, "{bounds:?}");
+                some += usize::from(!found.is_empty());
+            }
+        }
+        assert!(some > 2000, "only {some} boxes met anything");
     }
 }

@@ -11,6 +11,8 @@ mod vertices;
 
 pub use attributes::Attributes;
 pub use build::MeshError;
+#[cfg(test)]
+pub(crate) use face_boxes::tests::soup;
 pub(crate) use neighbours::NONE;
 pub use vertices::{Indices, Vertices};
 
@@ -25,7 +27,31 @@ use std::sync::OnceLock;
 
 /// An indexed mesh of triangles or convex polygons, grouped into clusters that are culled separately.
 ///
-/// Immutable. Building sorts the faces by position, so face numbers differ from those of the input.
+/// Immutable. Building sorts the faces by position, so face numbers differ from those of the input. A mesh can be built
+/// on any thread, and so can a scene with it, while others look at the scene before:
+///
+/// ```
+/// # use enfilade::*;
+/// # let mut room = GeometryBuilder::new([Material::opaque([0.8; 3])]);
+/// # let wall = room.mesh(Mesh::cuboid([-9.0, -9.0, -5.0], [9.0, 9.0, -4.0], MaterialId(0))?);
+/// # room.item("wall", wall, Transform::IDENTITY);
+/// # let mut scene = Scene::single(room.build()?, Method::Masked)?;
+/// # let ray = Ray { origin: [0.0; 3], direction: [0.0, 0.0, -1.0] };
+/// // A clone shares the geometry until it is edited.
+/// let mut next = scene.clone();
+/// let prepared = std::thread::spawn(move || -> Result<Scene, Box<dyn std::error::Error + Send + Sync>> {
+///     let statue = Mesh::cuboid([-0.5; 3], [0.5; 3], MaterialId(0))?;
+///     let mut edit = next.edit();
+///     edit.add(SectorId(0), "statue", statue, Transform::translation([0.0, 0.0, -2.0]))?;
+///     edit.finish()?;
+///     Ok(next)
+/// });
+/// // Until it is ready, frames show the scene without the statue.
+/// assert_eq!(scene.cast(SectorId(0), &ray).distance, 4.0);
+/// scene = prepared.join().expect("no panic").expect("a sound mesh");
+/// assert_eq!(scene.cast(SectorId(0), &ray).distance, 1.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[doc(alias = "vertex buffer")]
 #[doc(alias = "index buffer")]
 #[derive(Clone, Debug)]

@@ -203,3 +203,6 @@ pub(super) fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Op
     let distance = ac.dot(q) / determinant;
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0).then_some((distance, determinant < 0.0))
 }
+
+#[cfg(test)]
+mod tests;

@@ -124,3 +124,69 @@ impl Indices<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ids::MaterialId;
+    use crate::mesh::{Attributes, Mesh, Part};
+
+    #[test]
+    fn an_interleaved_buffer_makes_the_same_mesh_as_separate_lists() {
+        let side = 50_u16;
+        let place = |i: u16| [i % side, i / side].map(f32::from);
+        let positions: Vec<[f32; 3]> = (0..side * side).map(place).map(|[x, z]| [x, x * z, z]).collect();
+        let colors: Vec<[f32; 4]> = positions.iter().map(|&[x, y, z]| [x, y, z, 0.5]).collect();
+        let is_inside = |i: &u16| i % side + 1 < side && i / side + 1 < side;
+        let cells = (0..side * side).filter(is_inside);
+        let corners: Vec<u16> = cells.flat_map(|i| [i, i + side, i + 1]).collect();
+        // Five bytes before the position, so that nothing is aligned, and three after the color.
+        let mut bytes = Vec::new();
+        for (position, color) in positions.iter().zip(&colors) {
+            bytes.extend([0xFF; 5]);
+            bytes.extend(position.iter().chain(color).flat_map(|value| value.to_ne_bytes()));
+            bytes.extend([0xFF; 3]);
+        }
+        let stride = 36;
+        let strided = Part {
+            positions: Vertices::Strided {
+                bytes: &bytes[5..],
+                stride,
+            },
+            corners: Indices::U16(&corners),
+            sides: None,
+            material: MaterialId(0),
+            attributes: Attributes {
+                colors: Vertices::Strided {
+                    bytes: &bytes[17..],
+                    stride,
+                },
+                ..Attributes::default()
+            },
+        };
+        let wide: Vec<u32> = corners.iter().map(|&corner| corner.into()).collect();
+        let packed = Part {
+            positions: Vertices::Packed(&positions),
+            corners: Indices::U32(&wide),
+            attributes: Attributes {
+                colors: Vertices::Packed(&colors),
+                ..Attributes::default()
+            },
+            ..strided
+        };
+        let [strided, packed] = [strided, packed].map(|part| Mesh::new(&[part]).expect("a valid part"));
+        assert!(strided.clusters().len() > 10 && strided.colors().len() == strided.positions().len());
+        assert_eq!(format!("{strided:?}"), format!("{packed:?}"));
+    }
+
+    #[test]
+    fn a_buffer_has_as_many_vertices_as_are_whole() {
+        let strided = |len: usize| Vertices::<3>::Strided {
+            bytes: &[0; 64][..len],
+            stride: 20,
+        };
+        for (bytes, vertices) in [(0, 0), (11, 0), (12, 1), (31, 1), (32, 2), (52, 3), (64, 3)] {
+            assert_eq!(strided(bytes).len(), vertices, "{bytes} bytes");
+        }
+    }
+}

@@ -196,6 +196,18 @@ fn what_places_carry_comes_to_the_corners_of_their_blocks() {
         few,
         "1400 texture coordinates are needed, or none, but there are 1399"
     );
+    let crowded = field.clone().carrying(Attributes {
+        texture: Vertices::Strided {
+            bytes: &[0; 64],
+            stride: 4,
+        },
+        ..Attributes::default()
+    });
+    let crowded = crowded.expect_err("overlapping entries").to_string();
+    assert_eq!(
+        crowded,
+        "the texture coordinates have a stride of 4 bytes, but take 8"
+    );
     let mut odd = places.clone();
     odd[7] = [f32::NAN, 0.0];
     let odd = carrying(&odd).expect_err("NaN").to_string();

@@ -334,13 +334,21 @@ fn push_children(node: &Node, eye: [f64; 3], all: bool, pending: &mut Pending) {
     let octant: usize = (0..3)
         .map(|axis| usize::from(eye[axis] > f64::from(node.center[axis])) << axis)
         .sum();
+    // Without branches, which would be hard to predict: an octant without a child is overwritten by the next.
+    let mut next = node.first_child;
+    let by_octant: [u32; 8] = std::array::from_fn(|child| {
+        let this = next;
+        next += u32::from(node.children >> child & 1);
+        this
+    });
+    let mut children = [(0, all); 8];
+    let mut count = 0;
     for step in FRONT_TO_BACK.into_iter().rev() {
         let child = octant ^ step;
-        if node.children >> child & 1 == 1 {
-            let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
-            pending.push((node.first_child + before, all));
-        }
+        children[count].0 = by_octant[child];
+        count += usize::from(node.children >> child & 1);
     }
+    pending.extend_from_slice(&children[..count]);
 }
 
 impl Default for Octree {

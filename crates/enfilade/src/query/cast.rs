@@ -1,12 +1,14 @@
 //! Ray casts within a geometry: the first hit or all hits, and the surface at a hit.
 //!
-//! Idea: traverses the tree over the items near to far, then the trees of the meshes; nodes beyond the first hit are
-//!     skipped.
+//! Idea: traverses the tree over the items near to far, then the trees of the meshes, then the boxes of the faces of a
+//!     cluster, eight at a time; what is beyond the first hit is skipped.
 //! Source: the traversal is that of [`Octree`](crate::geom::Octree); Möller, Trumbore, Fast, Minimum Storage
 //!     Ray/Triangle Intersection, 1997.
-//! Cost: O(log items + log clusters) box tests where little overlaps, then the faces of the clusters met.
-//! Each hit distance is clamped to the interval of the ray in the box of the face's cluster. So rounding never makes
-//! skipping boxes change a result, and the first of all hits is the first hit.
+//! Cost: O(log items + log clusters) box tests where little overlaps, then the faces whose boxes the ray meets. The
+//!     first ray that reaches a cluster computes its faces' boxes.
+//! Each hit distance is clamped to the interval of the ray in the box of the face's cluster, and boxes of faces are tested
+//! with a margin above the rounding error of a hit. So skipping boxes does not change a result, and the first of all hits
+//! is the first hit.
 
 use crate::geom::{Line, Step};
 use crate::geometry::{Geometry, Material};
@@ -26,7 +28,8 @@ impl Geometry {
     }
 
     /// Finds all faces along a ray up to `limit`, in multiples of the length of its direction. Replaces the contents of
-    /// `hits`, sorted by distance, then by item and face. Does not allocate if `hits` has enough capacity.
+    /// `hits`, sorted by distance, then by item and face. Does not allocate if `hits` has enough capacity, except for the
+    /// boxes of faces in clusters that no ray has reached before.
     ///
     /// Each face is listed once. A ray through an edge that two faces share hits one of them, or both.
     pub fn cast_all(&self, ray: &Ray, limit: f64, hits: &mut Vec<Hit>) {

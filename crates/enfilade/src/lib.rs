@@ -89,6 +89,7 @@ mod chance;
 mod choose;
 mod contract;
 mod counts;
+mod error_codes;
 mod faces;
 mod geometry;
 mod ids;
@@ -118,6 +119,7 @@ mod view;
 pub use choose::{ChoiceGoal, ChoiceOptions, Cost, MethodChoice, SkipReason, Trial, choose_methods};
 pub use contract::Contract;
 pub use cover::OccluderMesh;
+pub use error_codes::ERROR_CODES;
 pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use geometry::{
@@ -131,7 +133,7 @@ pub use ids::{
 };
 #[cfg(feature = "terrain")]
 pub use large_terrain::{HeightBytes, HeightFormat, Heights, LargeTerrain};
-pub use mesh::{Attributes, Cluster, Mesh, MeshError, Part};
+pub use mesh::{Attributes, Cluster, Indices, Mesh, MeshError, Part, Vertices};
 #[cfg(feature = "terrain")]
 pub use method::FloatingHorizon;
 #[cfg(feature = "classic")]
@@ -160,6 +162,7 @@ pub use unsuited::{FaceName, NotConvex, Unsuited};
 pub use view::aperture::{Aperture, Rect, Rows};
 pub use view::canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use view::collector::Collector;
+pub use view::draw_runs::DrawRun;
 pub use view::memory::Memory;
 pub use view::options::{Limits, ViewerOptions};
 pub use view::passage::Passage;

@@ -98,8 +98,8 @@ mod tests {
     use crate::shade::Row;
     use crate::stage::{Exposure, Stage};
     use enfilade::{
-        Attributes, GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, Part, SceneBuilder,
-        SectorId, Transform, View, Viewer,
+        Attributes, GeometryBuilder, Indices, ItemIndex, Material, MaterialId, Mesh, Method, Part,
+        SceneBuilder, SectorId, Transform, Vertices, View, Viewer,
     };
 
     /// Returns pseudorandom numbers between −1 and 1.
@@ -121,12 +121,12 @@ mod tests {
                 if seed % 7 == corner % 7 { [0.0; 3] } else { normal }
             });
             let mesh = Mesh::new(&[Part {
-                positions: &corners,
-                corners: &[0, 1, 2],
+                positions: Vertices::Packed(&corners),
+                corners: Indices::U32(&[0, 1, 2]),
                 sides: None,
                 material: MaterialId(0),
                 attributes: Attributes {
-                    normals: &normals,
+                    normals: Vertices::Packed(&normals),
                     ..Attributes::default()
                 },
             }]);

@@ -14,8 +14,10 @@ use enfilade::{
 use enfilade_scenes::{Random, built_in};
 use enfilade_walk::Capsule;
 use pairs::pairs;
+use parry3d::bounding_volume::Aabb as Bounds;
 use parry3d::math::Vector;
-use parry3d::query::RayCast;
+use parry3d::partitioning::{Bvh, BvhBuildStrategy};
+use parry3d::query::{PointQuery, RayCast};
 use parry3d::shape::TriMesh;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -111,6 +113,10 @@ fn items(bench: &Bench, place: &str, geometry: &Geometry) {
         (!item.bounds.is_empty()).then(|| Boxed::new(Rectangle::from_corners(min, max), number))
     };
     let tree = RTree::bulk_load((0..).zip(geometry.items()).filter_map(boxed).collect());
+    let leaves: Vec<Bounds> = (geometry.items().iter())
+        .map(|item| Bounds::new(item.bounds.min.into(), item.bounds.max.into()))
+        .collect();
+    let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
     let (whole, mut chance) = (geometry.bounds(), Random::new(1));
     let half = 0.02 * whole.longest_side();
     let points: Vec<[f32; 3]> = (0..bench.questions).map(|_| chance.point_in(&whole)).collect();
@@ -145,6 +151,12 @@ fn items(bench: &Bench, place: &str, geometry: &Geometry) {
         Some(("rstar", theirs)),
         found as f64 / each,
     );
+    let theirs = bench.ns(|i| {
+        let Aabb { min, max } = cube(points[i], half);
+        bvh.intersect_aabb(&Bounds::new(min.into(), max.into()))
+            .for_each(hold);
+    });
+    bench.tell(place, "", ours, Some(("parry3d", theirs)), found as f64 / each);
 
     let mut found = 0_u64;
     let ours = bench.ns(|i| {
@@ -206,6 +218,26 @@ fn items(bench: &Bench, place: &str, geometry: &Geometry) {
         }
     });
     bench.tell(place, "the 10 nearest items", ours, Some(("rstar", theirs)), 10.0);
+    let theirs = |point: [f32; 3]| {
+        let off = |bounds: &Bounds| bounds.distance_to_local_point(point.into(), true);
+        let near = bvh.find_best(
+            f32::MAX,
+            |node, _| off(&node.aabb()),
+            |leaf, _| Some(off(&leaves[leaf as usize])),
+        );
+        near.map_or(f32::INFINITY, |near| near.1)
+    };
+    for &point in &points {
+        geometry.nearest_items(point, 1, f32::INFINITY, &mut nearest);
+        let [ours, theirs] = [nearest[0].distance, f64::from(theirs(point))];
+        assert!(
+            (ours - theirs).abs() <= 1e-4 * f64::from(whole.longest_side()),
+            "{place}: {ours}, {theirs}"
+        );
+    }
+    let ours = bench.ns(|i| geometry.nearest_items(points[i], 1, f32::INFINITY, &mut nearest));
+    let theirs = bench.ns(|i| hold(theirs(points[i])));
+    bench.tell(place, "the nearest item", ours, Some(("parry3d", theirs)), 1.0);
 }
 
 /// Builds one mesh from all triangles of a geometry.

@@ -1,6 +1,6 @@
 //! Axis-aligned bounding boxes (AABBs).
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3, Vec3A};
 
 /// Maximum absolute value of a coordinate, in scene units, for built and placed geometry, edits and camera positions.
 ///
@@ -37,6 +37,7 @@ impl Aabb {
     };
 
     /// Returns the smallest box that contains all `points`; empty if there are none.
+    #[inline]
     pub fn of(points: impl IntoIterator<Item = [f32; 3]>) -> Aabb {
         let mut bounds = Aabb::EMPTY;
         for point in points {
@@ -53,6 +54,7 @@ impl Aabb {
     }
 
     /// Returns the smallest box that contains both boxes.
+    #[inline]
     #[must_use]
     pub fn union(&self, other: &Aabb) -> Aabb {
         Aabb {
@@ -96,13 +98,18 @@ impl Aabb {
     }
 
     /// Returns `true` if the boxes share a point. Boxes that only touch share one.
+    #[inline]
     pub fn meets(&self, other: &Aabb) -> bool {
-        (0..3).all(|axis| self.min[axis] <= other.max[axis] && other.min[axis] <= self.max[axis])
+        let begins = Vec3A::from(self.min).cmple(Vec3A::from(other.max));
+        let ends = Vec3A::from(other.min).cmple(Vec3A::from(self.max));
+        (begins & ends).all()
     }
 
     /// Returns `true` if the box contains `point`, boundary included.
+    #[inline]
     pub fn contains(&self, point: [f32; 3]) -> bool {
-        (0..3).all(|axis| self.min[axis] <= point[axis] && point[axis] <= self.max[axis])
+        let point = Vec3A::from(point);
+        (Vec3A::from(self.min).cmple(point) & point.cmple(Vec3A::from(self.max))).all()
     }
 
     /// Returns the centre. The corners are halved before they are added, so that huge boxes do not overflow.

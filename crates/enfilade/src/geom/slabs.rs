@@ -7,7 +7,7 @@
 //! subtrees may be skipped.
 
 use super::Aabb;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3, Vec3A};
 
 /// A ray in f64: the points `origin + t · direction` with t ≥ 0.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +70,54 @@ impl Line {
             .chain(&bounds.max)
             .fold(0.0_f32, |most, value| most.max(value.abs()));
         1e-10 * (f64::from(farthest) + self.origin.abs().max_element())
+    }
+}
+
+/// A ray in f32, for a first test of many boxes in a space whose coordinates are at most as large as given.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct QuickLine {
+    /// The origin, plus and minus a margin.
+    above: Vec3A,
+    below: Vec3A,
+    inverse: Vec3A,
+    /// Length of the parameter of [`Line`] in that of this ray, of which a step is at most 1 along each axis.
+    scale: f64,
+}
+
+impl Line {
+    /// Returns the ray for boxes inside `space`.
+    #[inline]
+    pub(crate) fn quick(&self, space: &Aabb) -> QuickLine {
+        let farthest = Vec3::from(space.min)
+            .abs()
+            .max(Vec3::from(space.max).abs())
+            .max_element();
+        let origin = self.origin.as_vec3a();
+        // More than the rounding of the origin and of differences from it, and than `Line::margin`.
+        let margin = Vec3A::splat(4e-7 * (farthest + origin.abs().max_element()));
+        let scale = self.direction.abs().max_element();
+        // Along a side that is nearly parallel to it, the ray moves by less than the margin.
+        let inverse = (self.inverse * scale).clamp(DVec3::splat(-1e18), DVec3::splat(1e18));
+        QuickLine {
+            above: origin + margin,
+            below: origin - margin,
+            inverse: inverse.as_vec3a(),
+            scale,
+        }
+    }
+}
+
+impl QuickLine {
+    /// Returns `true` if [`Line::meets`] may return `Some` for a box inside the space, with the margin of
+    /// [`Line::margin`].
+    #[inline]
+    pub(crate) fn may_meet(&self, bounds: &Aabb, limit: f64) -> bool {
+        let low = (Vec3A::from(bounds.min) - self.above) * self.inverse;
+        let high = (Vec3A::from(bounds.max) - self.below) * self.inverse;
+        let enter = low.min(high).max_element().max(0.0);
+        let leave = low.max(high).min_element().min((limit * self.scale) as f32);
+        // Not `>`: a comparison with NaN must not miss a box.
+        !(enter > leave * (1.0 + 1e-6))
     }
 }
 

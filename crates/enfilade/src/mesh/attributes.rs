@@ -1,6 +1,7 @@
 //! Vertex attributes besides positions, for renderers. They do not affect visibility.
 
-use super::{MeshError, Part};
+use super::build::{check_stride, first_used};
+use super::{MeshError, Part, Vertices};
 
 /// Vertex attributes of a part, for renderers. Each list is empty or has one element per position.
 ///
@@ -10,13 +11,13 @@ use super::{MeshError, Part};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Attributes<'a> {
     /// Shading normals in object space, of any length. Zero, or an empty list, means the face normal.
-    pub normals: &'a [[f32; 3]],
+    pub normals: Vertices<'a, 3>,
     /// Texture coordinates: (0, 0) is the upper left corner of the first texel, (1, 1) the lower right corner of the
     /// last.
     #[doc(alias = "uv")]
-    pub texture: &'a [[f32; 2]],
+    pub texture: Vertices<'a, 2>,
     /// Vertex colors, multiplied by the material's color: red, green, blue and coverage, linear.
-    pub colors: &'a [[f32; 4]],
+    pub colors: Vertices<'a, 4>,
 }
 
 /// The attributes of a whole mesh; each list is empty or as long as the positions.
@@ -28,34 +29,39 @@ pub(super) struct MeshAttributes {
 }
 
 impl Attributes<'_> {
-    /// Checks that each list is empty or as long as the positions, and that all numbers are finite.
-    pub(super) fn check(&self, part: usize, positions: usize) -> Result<(), MeshError> {
-        let finite = [
-            all_finite(self.normals),
-            all_finite(self.texture),
-            all_finite(self.colors),
-        ];
-        let counts = [self.normals.len(), self.texture.len(), self.colors.len()];
-        let what = ["normals", "texture coordinates", "colors"];
-        for ((count, finite), what) in counts.into_iter().zip(finite).zip(what) {
-            if count != 0 && count != positions {
-                return Err(MeshError::AttributeCount {
-                    part,
-                    what,
-                    count,
-                    positions,
-                });
-            }
-            if !finite {
-                return Err(MeshError::AttributeNotFinite { part, what });
-            }
-        }
-        Ok(())
+    /// Checks that each list is empty or as long as the positions, and that all numbers of vertices in use are finite.
+    pub(super) fn check(&self, number: usize, part: &Part) -> Result<(), MeshError> {
+        check(number, part, &self.normals, "normals")?;
+        check(number, part, &self.texture, "texture coordinates")?;
+        check(number, part, &self.colors, "colors")
     }
 }
 
-fn all_finite<const N: usize>(list: &[[f32; N]]) -> bool {
-    list.iter().flatten().all(|value| value.is_finite())
+fn check<const N: usize>(
+    number: usize,
+    part: &Part,
+    list: &Vertices<N>,
+    what: &'static str,
+) -> Result<(), MeshError> {
+    check_stride(number, list, what)?;
+    let [count, positions] = [list.len(), part.positions.len()];
+    if count != 0 && count != positions {
+        return Err(MeshError::AttributeCount {
+            part: number,
+            what,
+            count,
+            positions,
+        });
+    }
+    let is_bad = |position: usize| !list.at(position).iter().all(|value| value.is_finite());
+    match first_used(part, (0..count).filter(|&position| is_bad(position))) {
+        Some(position) => Err(MeshError::AttributeNotFinite {
+            part: number,
+            what,
+            position,
+        }),
+        None => Ok(()),
+    }
 }
 
 impl MeshAttributes {
@@ -77,31 +83,35 @@ impl MeshAttributes {
 fn gather<'a, const N: usize>(
     parts: &[Part<'a>],
     sources: &[(u32, u32)],
-    list: impl Fn(&Attributes<'a>) -> &'a [[f32; N]],
+    list: impl Fn(&Attributes<'a>) -> Vertices<'a, N>,
     none: [f32; N],
 ) -> Vec<[f32; N]> {
     if parts.iter().all(|part| list(&part.attributes).is_empty()) {
         return Vec::new();
     }
-    let of = |&(part, position): &(u32, u32)| list(&parts[part as usize].attributes).get(position as usize);
-    sources
-        .iter()
-        .map(|source| of(source).copied().unwrap_or(none))
-        .collect()
+    let value = |&(part, position): &(u32, u32)| {
+        let list = list(&parts[part as usize].attributes);
+        if list.is_empty() {
+            none
+        } else {
+            list.at(position as usize)
+        }
+    };
+    sources.iter().map(value).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::ids::MaterialId;
-    use crate::mesh::Mesh;
+    use crate::mesh::{Indices, Mesh};
 
     const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 
     fn part(attributes: Attributes) -> Part {
         Part {
-            positions: &CORNERS,
-            corners: &[0, 1, 2, 0, 2, 3],
+            positions: Vertices::Packed(&CORNERS),
+            corners: Indices::U32(&[0, 1, 2, 0, 2, 3]),
             sides: None,
             material: MaterialId(0),
             attributes,
@@ -117,10 +127,10 @@ mod tests {
         let cell = |i: u32| [i, i + 1, i + 41, i, i + 41, i + 40];
         let corners: Vec<u32> = (0..39 * 40).filter(|i| i % 40 < 39).flat_map(cell).collect();
         let sheet = Part {
-            positions: &positions,
-            corners: &corners,
+            positions: Vertices::Packed(&positions),
+            corners: Indices::U32(&corners),
             attributes: Attributes {
-                texture: &texture,
+                texture: Vertices::Packed(&texture),
                 ..Attributes::default()
             },
             ..part(Attributes::default())
@@ -140,7 +150,7 @@ mod tests {
     fn lists_of_another_length_or_with_nan_are_refused() {
         let of = |attributes| Mesh::new(&[part(attributes)]).expect_err("invalid attributes");
         let few = of(Attributes {
-            normals: &[[0.0, 0.0, 1.0]],
+            normals: Vertices::Packed(&[[0.0, 0.0, 1.0]]),
             ..Attributes::default()
         });
         assert!(matches!(
@@ -153,13 +163,14 @@ mod tests {
             }
         ));
         let nan = of(Attributes {
-            texture: &[[f32::NAN, 0.0]; 4],
+            texture: Vertices::Packed(&[[0.0; 2], [0.0; 2], [f32::NAN, 0.0], [0.0; 2]]),
             ..Attributes::default()
         });
         assert!(matches!(
             nan,
             MeshError::AttributeNotFinite {
                 what: "texture coordinates",
+                position: 2,
                 ..
             }
         ));

@@ -2,9 +2,10 @@
 
 use super::attributes::MeshAttributes;
 use super::below::Below;
-use super::neighbours::{NONE, SmallMap, neighbours, neighbours_together};
-use super::{Cluster, Mesh, Part};
+use super::neighbours::Adjacency;
+use super::{Cluster, Mesh, Part, Vertices};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, PolygonError, is_in_range};
+use std::sync::OnceLock;
 use thiserror::Error;
 
 /// Why a mesh is invalid; returned by [`Mesh::new`].
@@ -16,7 +17,7 @@ pub enum MeshError {
         "the cuboid from {0:?} to {1:?} has no volume; each coordinate must be larger in the second point"
     )]
     EmptyCuboid([f32; 3], [f32; 3]),
-    /// A position is NaN or infinite.
+    /// A position that a face uses is NaN or infinite.
     #[error("position {position} of part {part} is not finite")]
     NotFinite {
         /// Index of the part.
@@ -24,7 +25,7 @@ pub enum MeshError {
         /// Index of the position in the part.
         position: usize,
     },
-    /// A position is beyond [`MAX_COORDINATE`].
+    /// A position that a face uses is beyond [`MAX_COORDINATE`].
     #[error(
         "position {position} of part {part} is farther out than {MAX_COORDINATE:e} units; scale the mesh down or move it to its origin"
     )]
@@ -46,6 +47,18 @@ pub enum MeshError {
         /// Number of positions.
         positions: usize,
     },
+    /// The stride of strided vertex data is shorter than a vertex.
+    #[error("the {what} of part {part} have a stride of {stride} bytes, but take {least}")]
+    ShortStride {
+        /// Index of the part.
+        part: usize,
+        /// Name of the vertex data.
+        what: &'static str,
+        /// The stride, in bytes.
+        stride: usize,
+        /// Size of a vertex, in bytes.
+        least: usize,
+    },
     /// The number of normals, texture coordinates or colors differs from the number of positions.
     #[error("part {part} has {count} {what}, but {positions} positions; give one for each, or none")]
     AttributeCount {
@@ -58,13 +71,15 @@ pub enum MeshError {
         /// Number of positions.
         positions: usize,
     },
-    /// A normal, a texture coordinate or a color is NaN or infinite.
-    #[error("{what} of part {part} are not all finite")]
+    /// A normal, a texture coordinate or a color of a position that a face uses is NaN or infinite.
+    #[error("the {what} of part {part} are not finite at position {position}")]
     AttributeNotFinite {
         /// Index of the part.
         part: usize,
         /// Name of the attribute.
         what: &'static str,
+        /// Index of the position in the part.
+        position: usize,
     },
     /// The corners do not form whole faces.
     #[error("the faces of part {part} do not use all of its {corners} corners")]
@@ -90,48 +105,57 @@ pub enum MeshError {
 pub(super) const CLUSTER_FACES: usize = 128;
 
 /// A face of the input: its part, and its range of corners there.
+#[derive(Clone, Copy)]
 pub(super) struct Source {
     part: u32,
     start: u32,
     sides: u32,
 }
 
+impl Source {
+    /// Returns the indices of the corners' positions.
+    fn corners<'a>(self, parts: &'a [Part]) -> impl Iterator<Item = u32> + 'a {
+        let corners = parts[self.part as usize].corners;
+        (self.start..self.start + self.sides).map(move |corner| corners.at(corner as usize))
+    }
+}
+
+/// Checks a part and appends its faces.
 pub(super) fn check(number: usize, part: &Part, faces: &mut Vec<Source>) -> Result<(), MeshError> {
-    if let Some(position) = part
-        .positions
-        .iter()
-        .position(|p| p.iter().any(|value| !value.is_finite()))
-    {
-        return Err(MeshError::NotFinite {
-            part: number,
-            position,
-        });
-    }
-    let is_far = |p: &[f32; 3]| !p.iter().all(|&value| is_in_range(value));
-    if let Some(position) = part.positions.iter().position(is_far) {
-        return Err(MeshError::TooFar {
-            part: number,
-            position,
-        });
-    }
     let positions = part.positions.len();
-    part.attributes.check(number, positions)?;
-    if let Some(corner) = part.corners.iter().position(|&index| index as usize >= positions) {
-        let index = part.corners[corner];
+    check_stride(number, &part.positions, "positions")?;
+    let out_of_range = |&corner: &usize| part.corners.at(corner) as usize >= positions;
+    if let Some(corner) = (0..part.corners.len()).find(out_of_range) {
         return Err(MeshError::IndexOutOfRange {
             part: number,
             corner,
-            index,
+            index: part.corners.at(corner),
             positions,
         });
     }
-    let left = MeshError::CornersLeft {
+    let is_bad = |position: usize| !part.positions.at(position).into_iter().all(is_in_range);
+    if let Some(position) = first_used(part, (0..positions).filter(|&position| is_bad(position))) {
+        let is_finite = part.positions.at(position).iter().all(|value| value.is_finite());
+        return Err(if is_finite {
+            MeshError::TooFar {
+                part: number,
+                position,
+            }
+        } else {
+            MeshError::NotFinite {
+                part: number,
+                position,
+            }
+        });
+    }
+    part.attributes.check(number, part)?;
+    let left = || MeshError::CornersLeft {
         part: number,
         corners: part.corners.len(),
     };
     let Some(sides) = part.sides else {
         if !part.corners.len().is_multiple_of(3) {
-            return Err(left);
+            return Err(left());
         }
         let count = part.corners.len() as u32 / 3;
         faces.extend((0..count).map(|face| Source {
@@ -143,15 +167,13 @@ pub(super) fn check(number: usize, part: &Part, faces: &mut Vec<Source>) -> Resu
     };
     let mut start = 0;
     for (face, &sides) in sides.iter().enumerate() {
-        let corners = part
-            .corners
-            .get(start..start + sides as usize)
-            .ok_or_else(|| left.clone())?;
+        let end = start + sides as usize;
+        if end > part.corners.len() {
+            return Err(left());
+        }
         if sides != 3 {
-            let outline: Vec<[f32; 3]> = corners
-                .iter()
-                .map(|&index| part.positions[index as usize])
-                .collect();
+            let corners = (start..end).map(|corner| part.corners.at(corner));
+            let outline: Vec<[f32; 3]> = corners.map(|index| part.positions.at(index as usize)).collect();
             ConvexPolygon::new(&outline).map_err(|why| MeshError::BadFace {
                 part: number,
                 face,
@@ -163,134 +185,187 @@ pub(super) fn check(number: usize, part: &Part, faces: &mut Vec<Source>) -> Resu
             start: start as u32,
             sides,
         });
-        start += sides as usize;
+        start = end;
     }
     if start == part.corners.len() {
         Ok(())
     } else {
-        Err(left)
+        Err(left())
     }
 }
 
+pub(super) fn check_stride<const N: usize>(
+    part: usize,
+    list: &Vertices<N>,
+    what: &'static str,
+) -> Result<(), MeshError> {
+    match list.short_stride() {
+        Some(stride) => Err(MeshError::ShortStride {
+            part,
+            what,
+            stride,
+            least: 4 * N,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Returns the first of the given positions, in ascending order, that a face uses.
+///
+/// Only invalid positions are given: sound buffers, most of them, cost nothing here.
+pub(super) fn first_used(part: &Part, positions: impl Iterator<Item = usize>) -> Option<usize> {
+    let mut positions = positions.peekable();
+    positions.peek()?;
+    let mut used = vec![false; part.positions.len()];
+    for corner in 0..part.corners.len() {
+        used[part.corners.at(corner) as usize] = true;
+    }
+    positions.find(|&position| used[position])
+}
+
+/// Builds the mesh of valid faces.
 pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
-    let corners_of = |face: &Source| {
-        &parts[face.part as usize].corners[face.start as usize..(face.start + face.sides) as usize]
-    };
-    let bounds: Vec<Aabb> = faces
-        .iter()
+    let bounds: Vec<Aabb> = (faces.iter())
         .map(|face| {
             let positions = parts[face.part as usize].positions;
-            Aabb::of(corners_of(face).iter().map(|&index| positions[index as usize]))
+            Aabb::of(face.corners(parts).map(|index| positions.at(index as usize)))
         })
         .collect();
-    let polygons = faces.iter().any(|face| face.sides != 3);
-    let mut mesh = Mesh {
-        positions: Vec::new(),
-        attributes: MeshAttributes::default(),
-        corners: Vec::new(),
-        starts: Vec::new(),
-        neighbours: Vec::new(),
-        clusters: Vec::new(),
-        tree: Octree::build(&bounds, CLUSTER_FACES),
-        below: Below::default(),
-        bounds: bounds.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b)),
-    };
-    // By position of the input: (cluster + 1, new index) of the last cluster that uses it.
-    let mut placed: Vec<Vec<(u32, u32)>> = parts
-        .iter()
-        .map(|part| vec![(0, 0); part.positions.len()])
-        .collect();
-    // Part and index of each position of the mesh.
-    let mut sources: Vec<(u32, u32)> = Vec::new();
-    let mut tree = std::mem::take(&mut mesh.tree);
-    tree.renumber(|members, things| {
-        let mut members = members.to_vec();
-        members.sort_by_key(|&face| (parts[faces[face as usize].part as usize].material, face));
-        let material = |face: u32| parts[faces[face as usize].part as usize].material;
+    let mut tree = Octree::build(&bounds, CLUSTER_FACES);
+    let mut clusters = Clusters::new(parts, &faces, &bounds);
+    let material = |face: u32| parts[faces[face as usize].part as usize].material;
+    let mut members: Vec<u32> = Vec::new();
+    tree.renumber(|in_node, numbers| {
+        members.clear();
+        members.extend_from_slice(in_node);
+        // A new octree lists faces in order.
+        if parts.len() > 1 {
+            members.sort_by_key(|&face| material(face));
+        }
         for run in members.chunk_by(|&a, &b| material(a) == material(b)) {
             for run in run.chunks(CLUSTER_FACES) {
-                things.push(mesh.clusters.len() as u32);
-                let stamp = mesh.clusters.len() as u32 + 1;
-                let first_position = mesh.positions.len() as u32;
-                let first_face = mesh.clusters.last().map_or(0, |cluster| cluster.faces.end);
-                let mut held = Aabb::EMPTY;
-                let (order, across) = in_order(run, |face| {
-                    let positions = parts[faces[face as usize].part as usize].positions;
-                    corners_of(&faces[face as usize])
-                        .iter()
-                        .map(|&index| positions[index as usize])
-                });
-                mesh.neighbours.extend(across);
-                for face in order {
-                    let source = &faces[face as usize];
-                    held = held.union(&bounds[face as usize]);
-                    if polygons {
-                        mesh.starts.push(mesh.corners.len() as u32);
-                    }
-                    for &index in corners_of(source) {
-                        let place = &mut placed[source.part as usize][index as usize];
-                        if place.0 != stamp {
-                            *place = (stamp, mesh.positions.len() as u32);
-                            mesh.positions
-                                .push(parts[source.part as usize].positions[index as usize]);
-                            sources.push((source.part, index));
-                        }
-                        mesh.corners.push(place.1);
-                    }
-                }
-                mesh.clusters.push(Cluster {
-                    faces: first_face..first_face + run.len() as u32,
-                    positions: first_position..mesh.positions.len() as u32,
-                    material: material(run[0]),
-                    bounds: held,
-                });
+                numbers.push(clusters.mesh.clusters.len() as u32);
+                clusters.add(run);
             }
         }
     });
+    let Clusters {
+        mut mesh, sources, ..
+    } = clusters;
     mesh.attributes = MeshAttributes::gather(parts, &sources);
-    if polygons {
+    if faces.iter().any(|face| face.sides != 3) {
         mesh.starts.push(mesh.corners.len() as u32);
+    } else {
+        mesh.starts = Vec::new();
     }
     mesh.below = Below::new(&tree, |cluster| mesh.triangles_in(cluster));
     mesh.tree = tree;
-    mesh.neighbours.shrink_to_fit();
+    mesh.face_boxes.resize_with(mesh.clusters.len(), OnceLock::new);
+    mesh.bounds = bounds.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b));
     mesh.positions.shrink_to_fit();
-    mesh.corners.shrink_to_fit();
     mesh.clusters.shrink_to_fit();
     mesh
 }
 
-/// Orders the faces of a cluster so that neighbours are adjacent; also returns, for each corner, the face across its
-/// edge.
-fn in_order<I: Iterator<Item = [f32; 3]>>(run: &[u32], corners: impl Fn(u32) -> I) -> (Vec<u32>, Vec<u8>) {
-    // Corners at the same position share a number, even if the input has the position twice.
-    let mut places: SmallMap<(u32, u32, u32), u32> = SmallMap::default();
-    places.reserve(2 * run.len());
-    let mut number = |corner: [f32; 3]| {
-        let next = places.len() as u32;
-        let [x, y, z] = corner.map(|value| (value + 0.0).to_bits());
-        *places.entry((x, y, z)).or_insert(next)
-    };
-    let numbered = run
-        .iter()
-        .map(|&face| corners(face).map(&mut number).collect())
-        .collect::<Vec<Vec<u32>>>();
-    let across = neighbours(&numbered);
-    let order = neighbours_together(&across);
-    let mut place = vec![0; order.len()];
-    for (new, &old) in order.iter().enumerate() {
-        place[old] = new as u8;
-    }
-    let renumbered = |&old: &u8| {
-        if old == NONE {
-            NONE
-        } else {
-            place[usize::from(old)]
+/// Builds the clusters of a mesh one by one.
+struct Clusters<'a> {
+    parts: &'a [Part<'a>],
+    faces: &'a [Source],
+    bounds: &'a [Aabb],
+    mesh: Mesh,
+    /// Part and index of each position of the mesh.
+    sources: Vec<(u32, u32)>,
+    /// By position of the input: 1 + the last cluster that uses it, and its number there.
+    seen: Vec<Vec<(u32, u32)>>,
+    /// The cluster being built: its vertices in the order in which its faces come, their positions, and their indices in
+    /// the mesh; the corners of its faces, as numbers of vertices; the start of each face there.
+    vertices: Vec<(u32, u32)>,
+    positions: Vec<[f32; 3]>,
+    placed: Vec<u32>,
+    corners: Vec<u32>,
+    starts: Vec<u32>,
+    adjacency: Adjacency,
+}
+
+impl<'a> Clusters<'a> {
+    fn new(parts: &'a [Part], faces: &'a [Source], bounds: &'a [Aabb]) -> Clusters<'a> {
+        let mut mesh = Mesh::nothing();
+        let corners: usize = parts.iter().map(|part| part.corners.len()).sum();
+        mesh.corners.reserve_exact(corners);
+        mesh.neighbours.reserve_exact(corners);
+        let vertices = parts.iter().map(|part| vec![(0, 0); part.positions.len()]);
+        Clusters {
+            parts,
+            faces,
+            bounds,
+            mesh,
+            sources: Vec::new(),
+            seen: vertices.collect(),
+            vertices: Vec::new(),
+            positions: Vec::new(),
+            placed: Vec::new(),
+            corners: Vec::new(),
+            starts: Vec::new(),
+            adjacency: Adjacency::default(),
         }
-    };
-    let across = order
-        .iter()
-        .flat_map(|&old| across[old].iter().map(renumbered))
-        .collect();
-    (order.into_iter().map(|old| run[old]).collect(), across)
+    }
+
+    /// Adds a cluster of the given faces, neighbours together.
+    fn add(&mut self, members: &[u32]) {
+        self.collect(members);
+        self.adjacency.find(&self.positions, &self.corners, &self.starts);
+        const UNPLACED: u32 = u32::MAX;
+        self.placed.clear();
+        self.placed.resize(self.vertices.len(), UNPLACED);
+        let mesh = &mut self.mesh;
+        let first_position = mesh.positions.len() as u32;
+        let mut bounds = Aabb::EMPTY;
+        for &face in self.adjacency.order() {
+            let face = usize::from(face);
+            bounds = bounds.union(&self.bounds[members[face] as usize]);
+            mesh.starts.push(mesh.corners.len() as u32);
+            for corner in self.starts[face]..self.starts[face + 1] {
+                let vertex = self.corners[corner as usize] as usize;
+                if self.placed[vertex] == UNPLACED {
+                    self.placed[vertex] = mesh.positions.len() as u32;
+                    mesh.positions.push(self.positions[vertex]);
+                    self.sources.push(self.vertices[vertex]);
+                }
+                mesh.corners.push(self.placed[vertex]);
+                mesh.neighbours.push(self.adjacency.across(corner));
+            }
+        }
+        let first_face = mesh.clusters.last().map_or(0, |cluster| cluster.faces.end);
+        mesh.clusters.push(Cluster {
+            faces: first_face..first_face + members.len() as u32,
+            positions: first_position..mesh.positions.len() as u32,
+            material: self.parts[self.faces[members[0] as usize].part as usize].material,
+            bounds,
+        });
+    }
+
+    /// Collects the corners of a cluster's faces, and numbers its vertices.
+    fn collect(&mut self, members: &[u32]) {
+        let stamp = self.mesh.clusters.len() as u32 + 1;
+        self.vertices.clear();
+        self.positions.clear();
+        self.corners.clear();
+        self.starts.clear();
+        self.starts.push(0);
+        for &member in members {
+            let face = self.faces[member as usize];
+            let seen = &mut self.seen[face.part as usize];
+            for index in face.corners(self.parts) {
+                let seen = &mut seen[index as usize];
+                if seen.0 != stamp {
+                    *seen = (stamp, self.vertices.len() as u32);
+                    self.vertices.push((face.part, index));
+                    let positions = &self.parts[face.part as usize].positions;
+                    self.positions.push(positions.at(index as usize));
+                }
+                self.corners.push(seen.1);
+            }
+            self.starts.push(self.corners.len() as u32);
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! Axis-aligned boxes as meshes: for tests, examples and proxies.
 
-use super::{Attributes, Mesh, MeshError, Part};
+use super::{Attributes, Indices, Mesh, MeshError, Part, Vertices};
 use crate::ids::MaterialId;
 
 impl Mesh {
@@ -34,8 +34,8 @@ impl Mesh {
             [4, 5, 7, 6],
         ];
         Mesh::new(&[Part {
-            positions: &positions,
-            corners: corners.as_flattened(),
+            positions: Vertices::Packed(&positions),
+            corners: Indices::U32(corners.as_flattened()),
             sides: Some(&[4; 6]),
             material,
             attributes: Attributes::default(),

@@ -4,22 +4,54 @@ mod attributes;
 mod below;
 mod build;
 mod cuboid;
+mod face_boxes;
 mod neighbours;
+mod triangles;
+mod vertices;
 
 pub use attributes::Attributes;
 pub use build::MeshError;
+#[cfg(test)]
+pub(crate) use face_boxes::tests::soup;
 pub(crate) use neighbours::NONE;
+pub use vertices::{Indices, Vertices};
 
 use crate::geom::{Aabb, Octree, Step};
 use crate::ids::MaterialId;
 use attributes::MeshAttributes;
 use below::Below;
 use build::{build, check};
+use face_boxes::FaceBoxes;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// An indexed mesh of triangles or convex polygons, grouped into clusters that are culled separately.
 ///
-/// Immutable. Building sorts the faces by position, so face numbers differ from those of the input.
+/// Immutable. Building sorts the faces by position, so face numbers differ from those of the input. A mesh can be built
+/// on any thread, and so can a scene with it, while others look at the scene before:
+///
+/// ```
+/// # use enfilade::*;
+/// # let mut room = GeometryBuilder::new([Material::opaque([0.8; 3])]);
+/// # let wall = room.mesh(Mesh::cuboid([-9.0, -9.0, -5.0], [9.0, 9.0, -4.0], MaterialId(0))?);
+/// # room.item("wall", wall, Transform::IDENTITY);
+/// # let mut scene = Scene::single(room.build()?, Method::Masked)?;
+/// # let ray = Ray { origin: [0.0; 3], direction: [0.0, 0.0, -1.0] };
+/// // A clone shares the geometry until it is edited.
+/// let mut next = scene.clone();
+/// let prepared = std::thread::spawn(move || -> Result<Scene, Box<dyn std::error::Error + Send + Sync>> {
+///     let statue = Mesh::cuboid([-0.5; 3], [0.5; 3], MaterialId(0))?;
+///     let mut edit = next.edit();
+///     edit.add(SectorId(0), "statue", statue, Transform::translation([0.0, 0.0, -2.0]))?;
+///     edit.finish()?;
+///     Ok(next)
+/// });
+/// // Until it is ready, frames show the scene without the statue.
+/// assert_eq!(scene.cast(SectorId(0), &ray).distance, 4.0);
+/// scene = prepared.join().expect("no panic").expect("a sound mesh");
+/// assert_eq!(scene.cast(SectorId(0), &ray).distance, 1.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[doc(alias = "vertex buffer")]
 #[doc(alias = "index buffer")]
 #[derive(Clone, Debug)]
@@ -35,6 +67,8 @@ pub struct Mesh {
     tree: Octree,
     below: Below,
     bounds: Aabb,
+    /// For each cluster the boxes of its faces, made by the first query that needs them.
+    face_boxes: Vec<OnceLock<FaceBoxes>>,
 }
 
 /// A meshlet: up to 128 nearby faces with one material, the unit of culling and drawing.
@@ -55,12 +89,12 @@ pub struct Cluster {
 #[doc(alias = "submesh")]
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
-    /// Positions in object space, in scene units.
+    /// Positions in object space, in scene units. Those that no face uses are ignored and may be NaN.
     #[doc(alias = "vertices")]
-    pub positions: &'a [[f32; 3]],
+    pub positions: Vertices<'a, 3>,
     /// Indices into `positions`, face by face, each face counter-clockwise when seen from its front.
     #[doc(alias = "indices")]
-    pub corners: &'a [u32],
+    pub corners: Indices<'a>,
     /// Number of corners of each face, in order; `None` if all faces are triangles.
     pub sides: Option<&'a [u32]>,
     /// Material of all faces.
@@ -86,7 +120,18 @@ impl Mesh {
 
     /// Returns a mesh without faces.
     pub(crate) fn nothing() -> Mesh {
-        build(&[], Vec::new())
+        Mesh {
+            positions: Vec::new(),
+            attributes: MeshAttributes::default(),
+            corners: Vec::new(),
+            starts: Vec::new(),
+            neighbours: Vec::new(),
+            clusters: Vec::new(),
+            tree: Octree::default(),
+            below: Below::default(),
+            bounds: Aabb::EMPTY,
+            face_boxes: Vec::new(),
+        }
     }
 
     /// Creates a mesh of triangles with one material.
@@ -101,8 +146,8 @@ impl Mesh {
         material: MaterialId,
     ) -> Result<Mesh, MeshError> {
         Mesh::new(&[Part {
-            positions,
-            corners,
+            positions: Vertices::Packed(positions),
+            corners: Indices::U32(corners),
             sides: None,
             material,
             attributes: Attributes::default(),
@@ -184,6 +229,13 @@ impl Mesh {
             + size_of_val(&*self.neighbours)
             + size_of_val(&*self.clusters)
             + self.below.bytes()
+            + size_of_val(&*self.face_boxes)
+            + self
+                .face_boxes
+                .iter()
+                .filter_map(OnceLock::get)
+                .map(FaceBoxes::bytes)
+                .sum::<usize>()
             + self.attributes.bytes()) as u64
             + self.tree.bytes()
     }
@@ -290,8 +342,8 @@ mod tests {
     fn faces_of_two_materials_are_not_in_one_cluster() {
         let (positions, corners) = sheet(2);
         let part = |material| Part {
-            positions: &positions,
-            corners: &corners,
+            positions: Vertices::Packed(&positions),
+            corners: Indices::U32(&corners),
             sides: None,
             material,
             attributes: Attributes::default(),
@@ -316,13 +368,34 @@ mod tests {
             Mesh::triangles(&corner, &[0, 1], STONE),
             Err(MeshError::CornersLeft { .. })
         ));
+        let with_nan = [corner[0], [f32::NAN; 3], corner[1], [f32::INFINITY; 3], corner[2]];
         assert!(matches!(
-            Mesh::triangles(&[[f32::NAN; 3]], &[], STONE),
-            Err(MeshError::NotFinite { part: 0, position: 0 })
+            Mesh::triangles(&with_nan, &[0, 2, 4, 2, 4, 3], STONE),
+            Err(MeshError::NotFinite { part: 0, position: 3 })
+        ));
+        let unused = Mesh::triangles(&with_nan, &[0, 2, 4], STONE).expect("no face uses NaN");
+        assert_eq!(unused.positions(), &corner[..3]);
+        let crowded = Part {
+            positions: Vertices::Strided {
+                bytes: &[0; 64],
+                stride: 8,
+            },
+            corners: Indices::U16(&[0, 1, 2]),
+            sides: None,
+            material: STONE,
+            attributes: Attributes::default(),
+        };
+        assert!(matches!(
+            Mesh::new(&[crowded]),
+            Err(MeshError::ShortStride {
+                stride: 8,
+                least: 12,
+                ..
+            })
         ));
         let bent = Part {
-            positions: &corner,
-            corners: &[0, 1, 3, 2],
+            positions: Vertices::Packed(&corner),
+            corners: Indices::U32(&[0, 1, 3, 2]),
             sides: Some(&[4]),
             material: STONE,
             attributes: Attributes::default(),

@@ -1,107 +1,184 @@
-//! Edge adjacency of the faces of a cluster.
-
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
-
-/// A hash map for a few hundred keys that no attacker chooses.
-pub(super) type SmallMap<K, V> = HashMap<K, V, BuildHasherDefault<Mix>>;
-
-/// A fast hasher. Not resistant to chosen keys, which could at worst slow down a cluster of 128 faces.
-#[derive(Default)]
-pub(super) struct Mix(u64);
-
-impl Hasher for Mix {
-    fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.write_u32(u32::from(byte));
-        }
-    }
-
-    fn write_u32(&mut self, value: u32) {
-        self.0 = (self.0.rotate_left(26) ^ u64::from(value)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    }
-
-    fn finish(&self) -> u64 {
-        self.0 ^ self.0 >> 32
-    }
-}
+//! Edge adjacency of the faces of a cluster, and an order of the faces in which neighbours follow each other.
+//!
+//! Corners at the same position share a number, even if the input has the position twice; faces that share an edge share
+//! two numbers. Two hash tables, kept from cluster to cluster, find equal positions and equal edges.
+//! Cost: O(corners), unless someone chooses positions with equal hashes; a cluster has at most 128 faces.
 
 /// No face of the cluster is across the edge.
 pub(crate) const NONE: u8 = u8::MAX;
 
-/// Returns, for each corner of each face, the face across the edge that starts there, as a number in the cluster.
-///
-/// `faces` has each face's corners, as numbers that are equal for corners at the same position. Of an edge with three
-/// or more faces the first two are neighbours.
-pub(super) fn neighbours(faces: &[Vec<u32>]) -> Vec<Vec<u8>> {
-    let mut across: Vec<Vec<u8>> = faces.iter().map(|corners| vec![NONE; corners.len()]).collect();
-    let mut open: SmallMap<(u32, u32), (usize, usize)> = SmallMap::default();
-    open.reserve(2 * faces.len());
-    for (face, corners) in faces.iter().enumerate() {
-        for (edge, &from) in corners.iter().enumerate() {
-            let to = corners[(edge + 1) % corners.len()];
-            let key = (from.min(to), from.max(to));
-            match open.get(&key) {
-                Some(&(other, edge_there)) if other != face && across[other][edge_there] == NONE => {
-                    across[other][edge_there] = face as u8;
-                    across[face][edge] = other as u8;
-                }
-                Some(_) => {}
-                None => {
-                    open.insert(key, (face, edge));
-                }
-            }
-        }
-    }
-    across
+/// The adjacency of the faces of a cluster.
+#[derive(Default)]
+pub(super) struct Adjacency {
+    /// The distinct positions, as bits.
+    positions: Vec<[u32; 3]>,
+    /// For each vertex the number of its position.
+    numbers: Vec<u32>,
+    /// For each corner its face, the edge that starts there, and the face across it, or [`NONE`].
+    faces: Vec<u8>,
+    edges: Vec<[u32; 2]>,
+    across: Vec<u8>,
+    /// The faces, neighbours together, and the rank of each face in that order.
+    order: Vec<u8>,
+    ranks: Vec<u8>,
+    waiting: Vec<u8>,
+    table: Table,
 }
 
-/// Returns an order of the faces in which neighbours follow each other where possible.
-pub(super) fn neighbours_together(across: &[Vec<u8>]) -> Vec<usize> {
-    let mut order = Vec::with_capacity(across.len());
-    let mut met = vec![false; across.len()];
-    let mut waiting = Vec::new();
-    for start in 0..across.len() {
-        waiting.push(start);
-        while let Some(face) = waiting.pop() {
-            if std::mem::replace(&mut met[face], true) {
+impl Adjacency {
+    /// Replaces the faces, at most 128. `starts` has the start of each face in `corners`, which are numbers of vertices,
+    /// and the end of the last.
+    pub(super) fn find(&mut self, vertices: &[[f32; 3]], corners: &[u32], starts: &[u32]) {
+        self.positions.clear();
+        self.numbers.clear();
+        self.table.clear(vertices.len());
+        for vertex in vertices {
+            // -0 is equal to 0.
+            let bits = vertex.map(|value| (value + 0.0).to_bits());
+            let known = self
+                .table
+                .slot(bits, |number| self.positions[number as usize] == bits);
+            if *known == VACANT {
+                *known = self.positions.len() as u32;
+                self.positions.push(bits);
+            }
+            self.numbers.push(*known);
+        }
+        self.faces.clear();
+        self.edges.clear();
+        for (face, ends) in starts.windows(2).enumerate() {
+            let corners = &corners[ends[0] as usize..ends[1] as usize];
+            let next = corners.iter().skip(1).chain(corners.first());
+            for (from, to) in corners.iter().zip(next) {
+                let [from, to] = [from, to].map(|&corner| self.numbers[corner as usize]);
+                self.edges.push([from.min(to), from.max(to)]);
+                self.faces.push(face as u8);
+            }
+        }
+        self.find_across();
+        self.put_together(starts);
+    }
+
+    /// Of an edge with three or more faces the first two are neighbours.
+    fn find_across(&mut self) {
+        self.across.clear();
+        self.across.resize(self.edges.len(), NONE);
+        self.table.clear(self.edges.len());
+        for (edge, &ends) in self.edges.iter().enumerate() {
+            let known = self
+                .table
+                .slot([ends[0], ends[1], 0], |other| self.edges[other as usize] == ends);
+            if *known == VACANT {
+                *known = edge as u32;
                 continue;
             }
-            order.push(face);
-            let beside = across[face].iter().rev().filter(|&&other| other != NONE);
-            waiting.extend(
-                beside
-                    .map(|&other| usize::from(other))
-                    .filter(|&other| !met[other]),
-            );
+            let other = *known as usize;
+            if self.faces[other] != self.faces[edge] && self.across[other] == NONE {
+                self.across[other] = self.faces[edge];
+                self.across[edge] = self.faces[other];
+            }
         }
     }
-    order
+
+    /// Orders the faces by a depth-first search over their edges.
+    fn put_together(&mut self, starts: &[u32]) {
+        const UNRANKED: u8 = u8::MAX;
+        let count = starts.len() - 1;
+        self.order.clear();
+        self.ranks.clear();
+        self.ranks.resize(count, UNRANKED);
+        for start in 0..count as u8 {
+            self.waiting.push(start);
+            while let Some(face) = self.waiting.pop() {
+                let rank = &mut self.ranks[usize::from(face)];
+                if *rank != UNRANKED {
+                    continue;
+                }
+                *rank = self.order.len() as u8;
+                self.order.push(face);
+                let [start, end] = [0, 1].map(|end| starts[usize::from(face) + end] as usize);
+                let beside = self.across[start..end].iter().rev();
+                let waits = |&&other: &&u8| other != NONE && self.ranks[usize::from(other)] == UNRANKED;
+                self.waiting.extend(beside.filter(waits));
+            }
+        }
+    }
+
+    /// Returns the faces, neighbours together where possible.
+    pub(super) fn order(&self) -> &[u8] {
+        &self.order
+    }
+
+    /// Returns the face across the edge that starts at a corner, by its rank in [`Adjacency::order`], or [`NONE`].
+    pub(super) fn across(&self, corner: u32) -> u8 {
+        let other = usize::from(self.across[corner as usize]);
+        self.ranks.get(other).copied().unwrap_or(NONE)
+    }
+}
+
+const VACANT: u32 = u32::MAX;
+
+/// A hash table of numbers with linear probing, at most half full. The keys are stored elsewhere.
+#[derive(Default)]
+struct Table {
+    slots: Vec<u32>,
+}
+
+impl Table {
+    /// Removes everything and makes room for a number of keys.
+    fn clear(&mut self, keys: usize) {
+        self.slots.clear();
+        self.slots.resize((2 * keys).next_power_of_two(), VACANT);
+    }
+
+    /// Returns the slot of a key: the number for which `is_key` returns `true`, or [`VACANT`].
+    fn slot(&mut self, key: [u32; 3], is_key: impl Fn(u32) -> bool) -> &mut u32 {
+        let mut hash = 0_u64;
+        for part in key {
+            hash = (hash.rotate_left(26) ^ u64::from(part)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        }
+        let mask = self.slots.len() - 1;
+        let mut slot = (hash >> 32) as usize & mask;
+        while self.slots[slot] != VACANT && !is_key(self.slots[slot]) {
+            slot = (slot + 1) & mask;
+        }
+        &mut self.slots[slot]
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Finds the adjacency of triangles. Vertices 10 to 19 are at the positions of vertices 0 to 9.
+    fn adjacency(faces: &[[u32; 3]]) -> Adjacency {
+        let mut found = Adjacency::default();
+        let vertices: Vec<[f32; 3]> = (0..20).map(|vertex| [(vertex % 10) as f32, 0.0, 1.0]).collect();
+        let starts: Vec<u32> = (0..=faces.len() as u32).map(|face| 3 * face).collect();
+        found.find(&vertices, faces.as_flattened(), &starts);
+        found
+    }
+
     #[test]
     fn a_strip_is_walked_from_one_end_to_the_other_however_its_faces_come() {
-        // Triangles i, i + 1, i + 2, shuffled.
-        let faces: Vec<Vec<u32>> = [3, 0, 4, 1, 2].map(|i| vec![i, i + 1, i + 2]).into();
-        let across = neighbours(&faces);
-        let order = neighbours_together(&across);
-        let mut apart = 0;
-        for pair in order.windows(2) {
-            apart += usize::from(!across[pair[0]].contains(&(pair[1] as u8)));
-        }
-        assert!(apart <= 1, "{order:?}");
-        let mut all = order.clone();
+        // Triangles i, i + 1, i + 2, shuffled; one of them with vertices of its own.
+        let found = adjacency(&[[3, 4, 5], [0, 1, 2], [14, 15, 16], [1, 2, 3], [2, 3, 4]]);
+        let is_next = |&pair: &usize| {
+            let [before, after] = [0, 1].map(|end| u32::from(found.order()[pair + end]));
+            (3 * before..3 * before + 3).any(|corner| found.across[corner as usize] == after as u8)
+        };
+        assert!((0..4).filter(is_next).count() >= 3, "{:?}", found.order());
+        let mut all = found.order().to_vec();
         all.sort_unstable();
         assert_eq!(all, [0, 1, 2, 3, 4]);
     }
 
     #[test]
     fn an_edge_joins_two_faces_and_no_third() {
-        let across = neighbours(&[vec![0, 1, 2], vec![1, 0, 3], vec![0, 1, 4], vec![5, 6, 7]]);
-        assert_eq!(across, [[1, NONE, NONE], [0, NONE, NONE], [NONE; 3], [NONE; 3]]);
+        let found = adjacency(&[[0, 1, 2], [11, 10, 3], [0, 1, 4], [5, 6, 7]]);
+        assert_eq!(found.order(), [0, 1, 2, 3]);
+        let across: Vec<u8> = (0..12).map(|corner| found.across(corner)).collect();
+        assert_eq!(across[..6], [1, NONE, NONE, 0, NONE, NONE]);
+        assert_eq!(across[6..], [NONE; 6]);
     }
 }

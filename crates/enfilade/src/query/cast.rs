@@ -1,12 +1,14 @@
 //! Ray casts within a geometry: the first hit or all hits, and the surface at a hit.
 //!
-//! Idea: traverses the tree over the items near to far, then the trees of the meshes; nodes beyond the first hit are
-//!     skipped.
+//! Idea: traverses the tree over the items near to far, then the trees of the meshes, then the boxes of the faces of a
+//!     cluster, eight at a time; what is beyond the first hit is skipped.
 //! Source: the traversal is that of [`Octree`](crate::geom::Octree); Möller, Trumbore, Fast, Minimum Storage
 //!     Ray/Triangle Intersection, 1997.
-//! Cost: O(log items + log clusters) box tests where little overlaps, then the faces of the clusters met.
-//! Each hit distance is clamped to the interval of the ray in the box of the face's cluster. So rounding never makes
-//! skipping boxes change a result, and the first of all hits is the first hit.
+//! Cost: O(log items + log clusters) box tests where little overlaps, then the faces whose boxes the ray meets. The
+//!     first ray that reaches a cluster computes its faces' boxes.
+//! Each hit distance is clamped to the interval of the ray in the box of the face's cluster, and boxes of faces are tested
+//! with a margin above the rounding error of a hit. So skipping boxes does not change a result, and the first of all hits
+//! is the first hit.
 
 use crate::geom::{Line, Step};
 use crate::geometry::{Geometry, Material};
@@ -26,7 +28,8 @@ impl Geometry {
     }
 
     /// Finds all faces along a ray up to `limit`, in multiples of the length of its direction. Replaces the contents of
-    /// `hits`, sorted by distance, then by item and face. Does not allocate if `hits` has enough capacity.
+    /// `hits`, sorted by distance, then by item and face. Does not allocate if `hits` has enough capacity, except for the
+    /// boxes of faces in clusters that no ray has reached before.
     ///
     /// Each face is listed once. A ray through an edge that two faces share hits one of them, or both.
     pub fn cast_all(&self, ray: &Ray, limit: f64, hits: &mut Vec<Hit>) {
@@ -72,10 +75,13 @@ impl Geometry {
         counts: impl Fn(&Material) -> bool,
         mut found: impl FnMut(Hit) -> f64,
     ) {
+        let quick = line.quick(&self.bounds());
         self.item_tree().walk(line.origin.into(), |step| match step {
-            Step::Node(bounds) => line.meets(bounds, line.margin(bounds), limit).is_some(),
+            Step::Node(bounds) => quick.may_meet(bounds, limit),
             Step::Thing(item) => {
-                self.along_item(ItemIndex(item), line, &mut limit, &counts, &mut found);
+                if quick.may_meet(&self.item(ItemIndex(item)).bounds, limit) {
+                    self.along_item(ItemIndex(item), line, &mut limit, &counts, &mut found);
+                }
                 true
             }
         });
@@ -102,17 +108,21 @@ impl Geometry {
         };
         let line = line.moved(&item_from_sector.0);
         let mesh = self.mesh_of(item);
+        let quick = line.quick(&mesh.bounds());
         mesh.walk(line.origin.into(), |step| match step {
-            Step::Node(bounds) => line.meets(bounds, 0.0, *limit).is_some(),
-            Step::Thing(cluster) => {
-                let cluster = &mesh.clusters()[cluster as usize];
+            Step::Node(bounds) => quick.may_meet(bounds, *limit),
+            Step::Thing(number) => {
+                let cluster = &mesh.clusters()[number as usize];
+                if !quick.may_meet(&cluster.bounds, *limit) {
+                    return true;
+                }
                 let inside = line.meets(&cluster.bounds, 0.0, *limit);
                 let Some([enter, leave]) = inside.filter(|_| counts(&self.material_of(item, cluster))) else {
                     return true;
                 };
-                for face in cluster.faces.clone() {
+                mesh.faces_along(number as usize, &line, [enter, leave], *limit, |face| {
                     let Some((distance, from_behind)) = meet_face(mesh, face, &line) else {
-                        continue;
+                        return;
                     };
                     let distance = distance.max(enter).min(leave.max(f64::MIN_POSITIVE));
                     if distance <= *limit {
@@ -124,7 +134,7 @@ impl Geometry {
                             from_behind,
                         });
                     }
-                }
+                });
                 true
             }
         });
@@ -197,3 +207,6 @@ pub(super) fn meet([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Op
     let distance = ac.dot(q) / determinant;
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0).then_some((distance, determinant < 0.0))
 }
+
+#[cfg(test)]
+mod tests;

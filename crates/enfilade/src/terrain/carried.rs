@@ -1,7 +1,7 @@
 //! User-defined vertex attributes of a height field: normals, texture coordinates and colors.
 
 use super::{HeightField, HeightFieldError};
-use crate::mesh::Attributes;
+use crate::mesh::{Attributes, Vertices};
 
 /// Each list is empty or has one entry per sample, row after row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,39 +16,38 @@ impl HeightField {
     /// order of the heights. Replaces the computed normals: without normals in `attributes`, faces are flat-shaded.
     ///
     /// # Errors
-    /// [`HeightFieldError::AttributeCount`] and [`HeightFieldError::AttributeNotFinite`].
+    /// [`HeightFieldError::AttributeStride`], [`HeightFieldError::AttributeCount`] and
+    /// [`HeightFieldError::AttributeNotFinite`].
     pub fn carrying(mut self, attributes: Attributes) -> Result<HeightField, HeightFieldError> {
-        let needs = self.heights.len();
-        let Attributes {
-            normals,
-            texture,
-            colors,
-        } = attributes;
-        let lists = [
-            ("normals", normals.len(), all_finite(normals)),
-            ("texture coordinates", texture.len(), all_finite(texture)),
-            ("colors", colors.len(), all_finite(colors)),
-        ];
-        for (what, has, is_finite) in lists {
-            if has != 0 && has != needs {
-                let [needs, has] = [needs, has].map(|count| count as u64);
-                return Err(HeightFieldError::AttributeCount { what, needs, has });
-            }
-            if !is_finite {
-                return Err(HeightFieldError::AttributeNotFinite { what });
-            }
-        }
         self.vertex_attributes = Some(FieldAttributes {
-            normals: normals.to_vec(),
-            texture: texture.to_vec(),
-            colors: colors.to_vec(),
+            normals: self.checked(attributes.normals, "normals")?,
+            texture: self.checked(attributes.texture, "texture coordinates")?,
+            colors: self.checked(attributes.colors, "colors")?,
         });
         Ok(self)
     }
-}
 
-fn all_finite<const N: usize>(list: &[[f32; N]]) -> bool {
-    list.iter().flatten().all(|value| value.is_finite())
+    /// Copies a list that is empty or has one entry per sample.
+    fn checked<const N: usize>(
+        &self,
+        list: Vertices<N>,
+        what: &'static str,
+    ) -> Result<Vec<[f32; N]>, HeightFieldError> {
+        if let Some(stride) = list.short_stride() {
+            let least = 4 * N;
+            return Err(HeightFieldError::AttributeStride { what, stride, least });
+        }
+        let [needs, has] = [self.heights.len(), list.len()].map(|count| count as u64);
+        if has != 0 && has != needs {
+            return Err(HeightFieldError::AttributeCount { what, needs, has });
+        }
+        let copy: Vec<[f32; N]> = (0..list.len()).map(|sample| list.at(sample)).collect();
+        if copy.as_flattened().iter().all(|value| value.is_finite()) {
+            Ok(copy)
+        } else {
+            Err(HeightFieldError::AttributeNotFinite { what })
+        }
+    }
 }
 
 impl FieldAttributes {
@@ -63,9 +62,9 @@ impl FieldAttributes {
 
     pub(super) fn attributes(&self) -> Attributes<'_> {
         Attributes {
-            normals: &self.normals,
-            texture: &self.texture,
-            colors: &self.colors,
+            normals: Vertices::Packed(&self.normals),
+            texture: Vertices::Packed(&self.texture),
+            colors: Vertices::Packed(&self.colors),
         }
     }
 }

@@ -14,7 +14,7 @@ pub use diagonal::Diagonal;
 
 use crate::geom::{MAX_COORDINATE, is_in_range};
 use crate::ids::MaterialId;
-use crate::mesh::{Mesh, Part};
+use crate::mesh::{Indices, Mesh, Part, Vertices};
 use carried::FieldAttributes;
 use glam::DVec3;
 use std::ops::Range;
@@ -105,6 +105,16 @@ pub enum HeightFieldError {
         row: u32,
         /// The value.
         height: f32,
+    },
+    /// The stride of an attribute is shorter than an entry.
+    #[error("the {what} have a stride of {stride} bytes, but take {least}")]
+    AttributeStride {
+        /// Name of the attribute.
+        what: &'static str,
+        /// The stride, in bytes.
+        stride: usize,
+        /// Size of an entry, in bytes.
+        least: usize,
     },
     /// An attribute list has not one entry per sample.
     #[error("{needs} {what} are needed, or none, but there are {has}")]
@@ -260,8 +270,8 @@ impl HeightField {
             }
         }
         let part = Part {
-            positions: &positions,
-            corners: &corners,
+            positions: Vertices::Packed(&positions),
+            corners: Indices::U32(&corners),
             sides: None,
             material,
             attributes: vertex_attributes.attributes(),

@@ -4,7 +4,7 @@ use super::*;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, Material};
 use crate::ids::ItemIndex;
-use crate::mesh::Attributes;
+use crate::mesh::{Attributes, Vertices};
 use crate::sector::Ray;
 
 fn field(size: [u32; 2], height: impl Fn(u32, u32) -> f32) -> HeightField {
@@ -177,7 +177,7 @@ fn what_places_carry_comes_to_the_corners_of_their_blocks() {
         .collect();
     let carrying = |texture: &[[f32; 2]]| {
         field.clone().carrying(Attributes {
-            texture,
+            texture: Vertices::Packed(texture),
             ..Attributes::default()
         })
     };
@@ -195,6 +195,18 @@ fn what_places_carry_comes_to_the_corners_of_their_blocks() {
     assert_eq!(
         few,
         "1400 texture coordinates are needed, or none, but there are 1399"
+    );
+    let crowded = field.clone().carrying(Attributes {
+        texture: Vertices::Strided {
+            bytes: &[0; 64],
+            stride: 4,
+        },
+        ..Attributes::default()
+    });
+    let crowded = crowded.expect_err("overlapping entries").to_string();
+    assert_eq!(
+        crowded,
+        "the texture coordinates have a stride of 4 bytes, but take 8"
     );
     let mut odd = places.clone();
     odd[7] = [f32::NAN, 0.0];

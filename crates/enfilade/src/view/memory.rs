@@ -7,6 +7,7 @@ use crate::view::collector::{GlassSample, ReportBuffers};
 use crate::view::passage::Passage;
 use glam::DVec3;
 use std::any::{Any, TypeId};
+use std::sync::{Mutex, PoisonError};
 
 /// The working memory of a [`Viewer`](crate::Viewer): buffers reused from passage to passage, and what the last look
 /// saw.
@@ -14,8 +15,9 @@ use std::any::{Any, TypeId};
 /// A custom sector can keep its buffers here too: see [`Memory::take`].
 #[derive(Default)]
 pub struct Memory {
-    /// One buffer per type. There are only a handful, so search is linear.
-    scratch: Vec<(TypeId, Box<dyn Any + Send>)>,
+    /// One buffer per type. There are only a handful, so search is linear. The mutex is never locked: it makes the memory
+    /// `Sync`, because buffers, which need not be, are only reachable through `&mut`.
+    scratch: Mutex<Vec<(TypeId, Box<dyn Any + Send>)>>,
     pub(crate) marks: Marks,
     pub(crate) recall: Recall,
     /// Empty rows for reuse.
@@ -34,17 +36,19 @@ impl Memory {
     ///
     /// Taking it out allows a sector to use several buffers at a time.
     pub fn take<T: Default + Send + 'static>(&mut self) -> Box<T> {
-        let place = self
-            .scratch
-            .iter()
-            .position(|(kind, _)| *kind == TypeId::of::<T>());
-        let kept = place.map(|place| self.scratch.swap_remove(place).1);
+        let scratch = self.scratch();
+        let place = scratch.iter().position(|(kind, _)| *kind == TypeId::of::<T>());
+        let kept = place.map(|place| scratch.swap_remove(place).1);
         kept.and_then(|any| any.downcast().ok()).unwrap_or_default()
     }
 
     /// Stores a buffer for the next [`Memory::take`] of its type.
     pub fn put_back<T: Send + 'static>(&mut self, scratch: Box<T>) {
-        self.scratch.push((TypeId::of::<T>(), scratch));
+        self.scratch().push((TypeId::of::<T>(), scratch));
+    }
+
+    fn scratch(&mut self) -> &mut Vec<(TypeId, Box<dyn Any + Send>)> {
+        self.scratch.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

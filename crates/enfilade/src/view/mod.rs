@@ -5,6 +5,7 @@ pub(crate) mod aperture;
 mod camera;
 pub(crate) mod canvas;
 pub(crate) mod collector;
+pub(crate) mod draw_runs;
 mod entrance;
 mod error;
 mod matrices;

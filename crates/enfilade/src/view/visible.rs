@@ -77,7 +77,10 @@ impl VisibleSet {
     /// For keys that are small numbers, such as slots of an array of objects. Clear the words first.
     pub fn mark(&self, words: &mut [u64]) {
         for item in &self.items {
-            if let Some(word) = usize::try_from(item.key / 64).ok().and_then(|at| words.get_mut(at)) {
+            if let Some(word) = usize::try_from(item.key / 64)
+                .ok()
+                .and_then(|at| words.get_mut(at))
+            {
                 *word |= 1 << (item.key % 64);
             }
         }

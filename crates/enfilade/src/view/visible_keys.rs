@@ -85,7 +85,9 @@ mod tests {
         for _ in 0..500 {
             let [known, these] = [(); 2].map(|()| {
                 let count = dice.below(12);
-                (0..count).map(|_| dice.below(16) as u64).collect::<BTreeSet<u64>>()
+                (0..count)
+                    .map(|_| dice.below(16) as u64)
+                    .collect::<BTreeSet<u64>>()
             });
             let mut missing = vec![7];
             let list = |set: &BTreeSet<u64>| set.iter().copied().collect::<Vec<_>>();

@@ -4,8 +4,8 @@ use crate::subject::{LIMIT, limits, subject};
 use crate::the_laws_hold;
 use enfilade::laws::Contestants;
 use enfilade::{
-    Aabb, Attributes, Camera, ConvexPolygon, GeometryBuilder, ItemIndex, MAX_COORDINATE, Mesh, Part,
-    SceneBuilder, SectorId, Transform, View,
+    Aabb, Attributes, Camera, ConvexPolygon, GeometryBuilder, Indices, ItemIndex, MAX_COORDINATE, Mesh, Part,
+    SceneBuilder, SectorId, Transform, Vertices, View,
 };
 use enfilade_scenes::BuiltIn;
 
@@ -38,8 +38,8 @@ fn scaled(mesh: &Mesh, scale: f32) -> Mesh {
     }
     let parts: Vec<Part> = (mesh.clusters().iter().zip(corners.iter().zip(&sides)))
         .map(|(cluster, (corners, sides))| Part {
-            positions: &positions,
-            corners,
+            positions: Vertices::Packed(&positions),
+            corners: Indices::U32(corners),
             sides: Some(sides),
             material: cluster.material,
             attributes: Attributes::default(),

@@ -2,8 +2,8 @@
 
 use crate::stage::{SIZE, direction, view};
 use enfilade::{
-    Attributes, GeometryBuilder, Light, LightShape, Material, MaterialId, Mesh, Method, Part, Scene,
-    SceneBuilder, Transform, View, Viewer,
+    Attributes, GeometryBuilder, Indices, Light, LightShape, Material, MaterialId, Mesh, Method, Part, Scene,
+    SceneBuilder, Transform, Vertices, View, Viewer,
 };
 use enfilade_draw::{Exposure, Settings, Stage};
 use glam::DVec3;
@@ -12,17 +12,17 @@ use glam::DVec3;
 fn wall(normals: &[[f32; 3]], material: Material, lights: &[Light]) -> Scene {
     let mut geometry = GeometryBuilder::new([material]);
     let mesh = Mesh::new(&[Part {
-        positions: &[
+        positions: Vertices::Packed(&[
             [-6.0, -4.0, -3.0],
             [6.0, -4.0, -3.0],
             [6.0, 4.0, -3.0],
             [-6.0, 4.0, -3.0],
-        ],
-        corners: &[0, 1, 2, 3],
+        ]),
+        corners: Indices::U32(&[0, 1, 2, 3]),
         sides: Some(&[4]),
         material: MaterialId(0),
         attributes: Attributes {
-            normals,
+            normals: Vertices::Packed(normals),
             ..Attributes::default()
         },
     }]);

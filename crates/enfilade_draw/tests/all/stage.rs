@@ -1,8 +1,8 @@
 //! Small textured scenes, and ray casts into them.
 
 use enfilade::{
-    Attributes, GeometryBuilder, Material, MaterialId, Mesh, Method, Part, Ray, Scene, SceneBuilder,
-    SectorId, Texture, TextureId, Transform, View, Viewer, Wrap,
+    Attributes, GeometryBuilder, Indices, Material, MaterialId, Mesh, Method, Part, Ray, Scene, SceneBuilder,
+    SectorId, Texture, TextureId, Transform, Vertices, View, Viewer, Wrap,
 };
 use enfilade_draw::{Picture, Settings, Stage};
 use glam::{DMat3, DVec3};
@@ -33,12 +33,12 @@ pub(crate) fn mosaic(size: [u32; 2]) -> Texture {
 /// Creates a sheet of two triangles from (0, 0, 0) to (2, 1, 0), with non-rectangular texture coordinates.
 pub(crate) fn sheet(material: MaterialId) -> Mesh {
     Mesh::new(&[Part {
-        positions: &[[0.0; 3], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
-        corners: &[0, 1, 2, 0, 2, 3],
+        positions: Vertices::Packed(&[[0.0; 3], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]]),
+        corners: Indices::U32(&[0, 1, 2, 0, 2, 3]),
         sides: None,
         material,
         attributes: Attributes {
-            texture: &[[-0.4, 1.2], [2.3, 0.9], [2.1, -0.7], [-0.2, -1.1]],
+            texture: Vertices::Packed(&[[-0.4, 1.2], [2.3, 0.9], [2.1, -0.7], [-0.2, -1.1]]),
             ..Attributes::default()
         },
     }])

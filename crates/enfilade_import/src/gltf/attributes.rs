@@ -9,7 +9,7 @@ use super::buffers::Buffers;
 use super::document::{Document, Primitive, TextureInfo, TextureTransform};
 use crate::BrokenRule;
 use crate::warning::{WarningKind, Warnings};
-use enfilade::Attributes;
+use enfilade::{Attributes, Vertices};
 
 /// The texture coordinate set and transform of a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,9 +181,9 @@ pub(super) struct VertexAttributes {
 impl VertexAttributes {
     pub(super) fn attributes(&self) -> Attributes<'_> {
         Attributes {
-            normals: &self.normals,
-            texture: &self.texture,
-            colors: &self.colors,
+            normals: Vertices::Packed(&self.normals),
+            texture: Vertices::Packed(&self.texture),
+            colors: Vertices::Packed(&self.colors),
         }
     }
 

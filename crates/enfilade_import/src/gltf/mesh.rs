@@ -13,7 +13,7 @@ use super::topology::Topology;
 use crate::BrokenRule;
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
-use enfilade::{MaterialId, Mesh, Part};
+use enfilade::{Indices, MaterialId, Mesh, Part, Vertices};
 
 /// A mesh of the document, checked as far as possible without its bytes.
 #[derive(Debug)]
@@ -152,8 +152,8 @@ impl MeshPlan {
             .iter()
             .zip(&self.parts)
             .map(|(triangles, plan)| Part {
-                positions: &triangles.positions,
-                corners: &triangles.corners,
+                positions: Vertices::Packed(&triangles.positions),
+                corners: Indices::U32(&triangles.corners),
                 sides: None,
                 material: plan.material,
                 attributes: triangles.carried.attributes(),

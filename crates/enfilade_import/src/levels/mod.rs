@@ -13,7 +13,7 @@
 mod measure;
 mod welded;
 
-use enfilade::{Aabb, MaterialId, Mesh, Part, Scene};
+use enfilade::{Aabb, Indices, MaterialId, Mesh, Part, Scene, Vertices};
 use enfilade_detail::{DetailError, DetailOptions, DetailSource, Details};
 use glam::DVec3;
 use measure::within;
@@ -68,8 +68,8 @@ impl Levels {
         let parts: Vec<Part> = left
             .iter()
             .map(|(material, corners)| Part {
-                positions: &welded.positions,
-                corners,
+                positions: Vertices::Packed(&welded.positions),
+                corners: Indices::U32(corners),
                 sides: None,
                 material: *material,
                 attributes: welded.attributes(),

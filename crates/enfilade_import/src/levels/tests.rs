@@ -23,8 +23,8 @@ fn hills(n: u32) -> Arc<Mesh> {
         }
     }
     let part = |material: u32| Part {
-        positions: &positions,
-        corners: &halves[material as usize],
+        positions: Vertices::Packed(&positions),
+        corners: Indices::U32(&halves[material as usize]),
         sides: None,
         material: MaterialId(material),
         attributes: Attributes::default(),
@@ -94,12 +94,12 @@ fn levels_keep_what_corners_carry_and_the_seams_of_textures() {
         mesh.positions().iter().map(place).collect::<Vec<[f32; 2]>>()
     });
     let part = |number: usize| Part {
-        positions: mesh.positions(),
-        corners: &halves[number],
+        positions: Vertices::Packed(mesh.positions()),
+        corners: Indices::U32(&halves[number]),
         sides: None,
         material: MaterialId(0),
         attributes: Attributes {
-            texture: &places[number],
+            texture: Vertices::Packed(&places[number]),
             ..Attributes::default()
         },
     };

@@ -1,6 +1,6 @@
 //! Welds vertices: the clusters of a mesh store separate positions, which simplification would pull apart.
 
-use enfilade::{Attributes, MaterialId, Mesh};
+use enfilade::{Attributes, MaterialId, Mesh, Vertices};
 use std::collections::{BTreeMap, HashMap};
 
 /// A mesh whose identical vertices are merged. Vertices with the same position but different attributes stay separate,
@@ -55,9 +55,9 @@ impl Welded {
 
     pub(super) fn attributes(&self) -> Attributes<'_> {
         Attributes {
-            normals: &self.normals,
-            texture: &self.texture,
-            colors: &self.colors,
+            normals: Vertices::Packed(&self.normals),
+            texture: Vertices::Packed(&self.texture),
+            colors: Vertices::Packed(&self.colors),
         }
     }
 }

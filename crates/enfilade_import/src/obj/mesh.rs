@@ -10,7 +10,7 @@ use super::smooth::SmoothNormals;
 use super::survey::Piece;
 use super::text::Lines;
 use crate::BrokenRule;
-use enfilade::{Attributes, MaterialId, Mesh, Part};
+use enfilade::{Attributes, Indices, MaterialId, Mesh, Part, Vertices};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
@@ -229,14 +229,14 @@ fn push(keys: &mut Keys, more: impl Iterator<Item = Key>) {
 impl Triangles {
     fn part(&self) -> Part<'_> {
         Part {
-            positions: &self.positions,
-            corners: &self.corners,
+            positions: Vertices::Packed(&self.positions),
+            corners: Indices::U32(&self.corners),
             sides: None,
             material: MaterialId(self.material as u32),
             attributes: Attributes {
-                normals: &self.normals,
-                texture: &self.texture,
-                colors: &self.colors,
+                normals: Vertices::Packed(&self.normals),
+                texture: Vertices::Packed(&self.texture),
+                colors: Vertices::Packed(&self.colors),
             },
         }
     }

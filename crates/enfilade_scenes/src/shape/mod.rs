@@ -8,7 +8,7 @@ pub(crate) use fill::fill;
 pub(crate) use loft::{around, ball, knot, lathe};
 pub(crate) use solid::{block, cuboid, prism, taper};
 
-use enfilade::{Attributes, ConvexPolygon, MaterialId, Mesh, Part};
+use enfilade::{Attributes, ConvexPolygon, Indices, MaterialId, Mesh, Part, Vertices};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -94,8 +94,8 @@ impl Shape {
             self.sheets.iter().map(|sheet| weld(&sheet.corners)).collect();
         let parts: Vec<Part> = (self.sheets.iter().zip(&welded))
             .map(|(sheet, (positions, corners))| Part {
-                positions,
-                corners,
+                positions: Vertices::Packed(positions),
+                corners: Indices::U32(corners),
                 sides: (sheet.sides.iter().any(|&sides| sides != 3)).then_some(&*sheet.sides),
                 material: sheet.material,
                 attributes: Attributes::default(),

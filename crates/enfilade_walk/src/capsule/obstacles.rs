@@ -8,7 +8,7 @@
 //! Faces beyond an opening are clipped at its plane; the part in front of it is ignored.
 
 use super::body::Body;
-use enfilade::geom::{Step, nearest_points};
+use enfilade::geom::nearest_points;
 use enfilade::{
     Aabb, ConvexPolygon, Geometry, ItemIndex, Location, OpeningId, PortalId, Scene, SectorId, Transform,
 };
@@ -109,22 +109,19 @@ impl Obstacles {
         geometry.items_in_box(&there, |item: ItemIndex| {
             let here_from_item = *here_from_there * DAffine3::from(geometry.item(item).transform());
             let mesh = geometry.mesh_of(item);
-            mesh.walk([0.0; 3], |step| match step {
-                Step::Node(bounds) => bounds.placed(&here_from_item).meets(&here),
-                Step::Thing(cluster) => {
-                    let cluster = &mesh.clusters()[cluster as usize];
-                    if cluster.bounds.placed(&here_from_item).meets(&here) {
-                        for face in cluster.faces.clone() {
-                            let corner = |&index: &u32| {
-                                let position = mesh.positions()[index as usize].map(f64::from);
-                                here_from_item.transform_point3(DVec3::from(position))
-                            };
-                            self.add(mesh.face(face).iter().map(corner), near);
-                        }
-                    }
-                    true
-                }
-            });
+            let mut add = |face| {
+                let corner = |&index: &u32| {
+                    let position = mesh.positions()[index as usize].map(f64::from);
+                    here_from_item.transform_point3(DVec3::from(position))
+                };
+                self.add(mesh.face(face).iter().map(corner), near);
+            };
+            let item_from_here = here_from_item.inverse();
+            if item_from_here.is_finite() {
+                mesh.faces_in_box(&here.placed(&item_from_here), add);
+            } else {
+                (0..mesh.face_count()).for_each(&mut add);
+            }
         });
     }
 

@@ -5,7 +5,7 @@ use super::sculpt::{Carved, carve, egg, joined, slope};
 use super::statue::bezier;
 use super::workshop::Workshop;
 use crate::shape::{Shape, tube};
-use enfilade::{Attributes, MaterialId, Mesh, Part};
+use enfilade::{Attributes, Indices, MaterialId, Mesh, Part, Vertices};
 use enfilade_scenes::Random;
 use glam::{Vec3, vec3};
 use std::sync::Arc;
@@ -208,38 +208,39 @@ fn places(habit: &Habit, crown: &Carved) -> Vec<[f32; 2]> {
 fn mesh(habit: &Habit, crown: &Carved, boughs: &Boughs, wood: &Shape) -> Arc<Mesh> {
     let sides = vec![4; boughs.corners.len() / 4];
     let cards = Part {
-        positions: &boughs.positions,
-        corners: &boughs.corners,
+        positions: Vertices::Packed(&boughs.positions),
+        corners: Indices::U32(&boughs.corners),
         sides: Some(&sides),
         material: habit.boughs,
         attributes: Attributes {
-            normals: &boughs.normals,
-            texture: &boughs.texture,
+            normals: Vertices::Packed(&boughs.normals),
+            texture: Vertices::Packed(&boughs.texture),
             ..Attributes::default()
         },
     };
     let texture = places(habit, crown);
     let mass = Part {
-        positions: &crown.positions,
-        corners: &crown.corners,
+        positions: Vertices::Packed(&crown.positions),
+        corners: Indices::U32(&crown.corners),
         sides: None,
         material: habit.leaves,
         attributes: Attributes {
-            normals: &crown.normals,
-            texture: &texture,
+            normals: Vertices::Packed(&crown.normals),
+            texture: Vertices::Packed(&texture),
             ..Attributes::default()
         },
     };
     let wood = wood.dressed(dress);
     let faces = (0..wood.face_count()).flat_map(|face| wood.face(face));
+    let corners: Vec<u32> = faces.copied().collect();
     let trunk = Part {
-        positions: wood.positions(),
-        corners: &faces.copied().collect::<Vec<u32>>(),
+        positions: Vertices::Packed(wood.positions()),
+        corners: Indices::U32(&corners),
         sides: None,
         material: BARK,
         attributes: Attributes {
-            texture: wood.texture(),
-            normals: wood.normals(),
+            texture: Vertices::Packed(wood.texture()),
+            normals: Vertices::Packed(wood.normals()),
             ..Attributes::default()
         },
     };

@@ -7,7 +7,7 @@
 
 use super::palette::dress;
 use crate::shape::{Dress, Shape};
-use enfilade::{Attributes, MaterialId, Mesh, Part};
+use enfilade::{Attributes, Indices, MaterialId, Mesh, Part, Vertices};
 use glam::{Vec3, vec3};
 use meshopt::SimplifyOptions;
 use rayon::prelude::*;
@@ -155,13 +155,13 @@ impl Carved {
         };
         let texture = self.wrapped(0.2, per_metre);
         let sculpture = Part {
-            positions: &positions,
-            corners: &self.corners,
+            positions: Vertices::Packed(&positions),
+            corners: Indices::U32(&self.corners),
             sides: None,
             material,
             attributes: Attributes {
-                normals: &self.normals,
-                texture: &texture,
+                normals: Vertices::Packed(&self.normals),
+                texture: Vertices::Packed(&texture),
                 ..Attributes::default()
             },
         };
@@ -179,13 +179,13 @@ impl Carved {
             })
             .collect();
         let others = sheets.iter().map(|(material, corners, sides)| Part {
-            positions: &lifted,
-            corners,
+            positions: Vertices::Packed(&lifted),
+            corners: Indices::U32(corners),
             sides: Some(sides),
             material: *material,
             attributes: Attributes {
-                normals: with.normals(),
-                texture: with.texture(),
+                normals: Vertices::Packed(with.normals()),
+                texture: Vertices::Packed(with.texture()),
                 ..Attributes::default()
             },
         });

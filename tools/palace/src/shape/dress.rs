@@ -4,7 +4,7 @@
 //! the same bits, by which adjacent faces are found, so the attributes do not affect the occluders.
 
 use super::Sheet;
-use enfilade::{Attributes, MaterialId, Mesh, Part};
+use enfilade::{Attributes, Indices, MaterialId, Mesh, Part, Vertices};
 use glam::{Vec2, Vec3, vec2};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -98,8 +98,8 @@ pub(super) fn mesh(sheets: &[Sheet], dress: impl Fn(MaterialId) -> Dress) -> Arc
         .collect();
     let parts: Vec<Part> = (sheets.iter().zip(&welded))
         .map(|(sheet, welded)| Part {
-            positions: &welded.positions,
-            corners: &welded.corners,
+            positions: Vertices::Packed(&welded.positions),
+            corners: Indices::U32(&welded.corners),
             sides: sheet
                 .sides
                 .iter()
@@ -107,9 +107,9 @@ pub(super) fn mesh(sheets: &[Sheet], dress: impl Fn(MaterialId) -> Dress) -> Arc
                 .then_some(&*sheet.sides),
             material: sheet.material,
             attributes: Attributes {
-                normals: &welded.normals,
-                texture: &welded.texture,
-                colors: &[],
+                normals: Vertices::Packed(&welded.normals),
+                texture: Vertices::Packed(&welded.texture),
+                ..Attributes::default()
             },
         })
         .collect();

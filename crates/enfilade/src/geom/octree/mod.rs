@@ -15,6 +15,7 @@ mod tests;
 
 use crate::geom::Aabb;
 use crate::geom::runs::{FreeList, Run, Runs};
+use smallvec::SmallVec;
 
 /// Octree over indexed AABBs, stored in two flat arrays.
 ///
@@ -80,6 +81,10 @@ pub(crate) enum Enter {
     All,
 }
 
+/// Nodes that a traversal has still to visit, and whether all of their subtrees was accepted: at most seven siblings on
+/// each level, so that it never allocates. Not an array, because to fill it takes longer than many a traversal.
+type Pending = SmallVec<[(u32, bool); 256]>;
+
 /// Maximum depth: 2⁻²⁰ of the scene's size is finer than f32 positions.
 const MAX_DEPTH: u32 = 20;
 
@@ -123,28 +128,57 @@ impl Octree {
     /// Splits a childless node recursively and distributes the primitives; appends the new nodes to `made`, parents
     /// first.
     fn split(&mut self, cell: Cell, boxes: &impl Fn(u32) -> Aabb, made: &mut Vec<u32>) {
+        const STAY: usize = 0;
+        let Cell { node_cell, members } = cell;
+        // Sorted together with what decides where they go: looking up boxes in another order costs more.
+        let placed = |&thing: &u32| {
+            let bounds = boxes(thing);
+            (thing, bounds.center(), bounds.longest_side())
+        };
+        let mut all: Vec<(u32, [f32; 3], f32)> = members.iter().map(placed).collect();
+        let (mut sorted, mut things) = (Vec::new(), Vec::new());
+        // Octant of each primitive of a cell, or `STAY`.
+        let mut octants: Vec<u8> = Vec::new();
         // A stack instead of recursion; the children of a node are made together, so they are adjacent.
-        let mut pending = vec![cell];
-        while let Some(Cell { node_cell, members }) = pending.pop() {
+        let mut pending = vec![(node_cell, 0..all.len())];
+        while let Some((node_cell, range)) = pending.pop() {
+            let members = &mut all[range.clone()];
             let few = members.len() <= self.few;
-            let mut stay = Vec::new();
-            let mut go: [Vec<u32>; 8] = Default::default();
-            for thing in members {
-                match self.belongs(&node_cell, &boxes(thing)) {
-                    Some(octant) if !few => go[octant].push(thing),
-                    _ => stay.push(thing),
+            let mut counts = [0; 9];
+            octants.clear();
+            octants.extend(members.iter().map(|&(_, middle, side)| {
+                let octant = if few {
+                    None
+                } else {
+                    self.octant(&node_cell, middle, side)
+                };
+                let octant = octant.map_or(STAY, |octant| octant + 1);
+                counts[octant] += 1;
+                octant as u8
+            }));
+            // A stable counting sort: first those that stay, then octant by octant.
+            let mut next = [0; 9];
+            for octant in 1..9 {
+                next[octant] = next[octant - 1] + counts[octant - 1];
+            }
+            if counts[STAY] < members.len() {
+                sorted.clear();
+                sorted.extend_from_slice(members);
+                for (&octant, &placed) in octants.iter().zip(&sorted) {
+                    members[next[usize::from(octant)]] = placed;
+                    next[usize::from(octant)] += 1;
                 }
             }
-            self.nodes[node_cell.node as usize].things = self.things.put(&stay);
-            let count = go.iter().filter(|members| !members.is_empty()).count();
+            things.clear();
+            things.extend(members[..counts[STAY]].iter().map(|placed| placed.0));
+            self.nodes[node_cell.node as usize].things = self.things.put(&things);
+            let count = counts[1..].iter().filter(|&&count| count > 0).count();
             if count == 0 {
                 continue;
             }
             let (first, room) = self.block(count as u32);
-            for (octant, members) in go.into_iter().enumerate() {
-                if members.is_empty() {
-                    continue;
-                }
+            let mut start = range.start + counts[STAY];
+            for (octant, &count) in counts[1..].iter().enumerate().filter(|&(_, &count)| count > 0) {
                 let node = &mut self.nodes[node_cell.node as usize];
                 let child = first + node.children.count_ones();
                 node.first_child = first;
@@ -157,7 +191,8 @@ impl Octree {
                 };
                 self.nodes[child as usize] = Node::new(&node_cell.space);
                 made.push(child);
-                pending.push(Cell { node_cell, members });
+                pending.push((node_cell, start..start + count));
+                start += count;
             }
         }
     }
@@ -166,9 +201,14 @@ impl Octree {
     /// to the node itself: if the cell is not twice as large as the box, if the node is at the maximum depth, or if the
     /// box is far outside the root cell, where it would enlarge the AABBs of many nodes.
     fn belongs(&self, node_cell: &NodeCell, thing: &Aabb) -> Option<usize> {
-        let middle = thing.center();
+        self.octant(node_cell, thing.center(), thing.longest_side())
+    }
+
+    /// Like [`Octree::belongs`], for a box with this centre and longest side.
+    #[inline]
+    fn octant(&self, node_cell: &NodeCell, middle: [f32; 3], side: f32) -> Option<usize> {
         let outside = node_cell.depth == 0 && self.is_outside(middle);
-        let large = thing.longest_side() > 0.5 * node_cell.space.longest_side();
+        let large = side > 0.5 * node_cell.space.longest_side();
         let below = !outside && !large && node_cell.depth < MAX_DEPTH;
         below.then(|| octant_of(middle, self.nodes[node_cell.node as usize].center))
     }
@@ -231,12 +271,9 @@ impl Octree {
     /// Like [`Octree::walk`], but `visit` may also accept a subtree as a whole ([`Enter::All`]): none of its nodes is
     /// visited, and `visit` gets `true` with each of its primitives.
     pub(crate) fn walk_by(&self, eye: [f64; 3], mut visit: impl FnMut(Step, bool) -> Enter) {
-        // At most seven siblings are pending on each level.
-        let mut pending = [(0_u32, false); 7 * MAX_DEPTH as usize + 8];
-        let mut count = usize::from(self.root().is_some());
-        while count > 0 {
-            count -= 1;
-            let (node, mut all) = pending[count];
+        let mut pending = Pending::new();
+        pending.extend(self.root().map(|root| (root, false)));
+        while let Some((node, mut all)) = pending.pop() {
             let node = &self.nodes[node as usize];
             if !all {
                 match visit(Step::Node(&node.bounds), false) {
@@ -248,7 +285,9 @@ impl Octree {
             for &thing in self.things.get(node.things) {
                 visit(Step::Thing(thing), all);
             }
-            count = push_children(node, eye, all, &mut pending, count);
+            if node.children != 0 {
+                push_children(node, eye, all, &mut pending);
+            }
         }
     }
 
@@ -289,28 +328,27 @@ impl Octree {
     }
 }
 
-/// Pushes the children of a node, the nearest last; returns the new number of pending nodes. Apart from
-/// [`Octree::walk_by`], which is compiled for each visitor.
-fn push_children(
-    node: &Node,
-    eye: [f64; 3],
-    all: bool,
-    pending: &mut [(u32, bool)],
-    mut count: usize,
-) -> usize {
+/// Pushes the children of a node, the nearest last. Apart from [`Octree::walk_by`], which is compiled for each visitor.
+fn push_children(node: &Node, eye: [f64; 3], all: bool, pending: &mut Pending) {
     const FRONT_TO_BACK: [usize; 8] = [0, 1, 2, 4, 3, 5, 6, 7];
     let octant: usize = (0..3)
         .map(|axis| usize::from(eye[axis] > f64::from(node.center[axis])) << axis)
         .sum();
+    // Without branches, which would be hard to predict: an octant without a child is overwritten by the next.
+    let mut next = node.first_child;
+    let by_octant: [u32; 8] = std::array::from_fn(|child| {
+        let this = next;
+        next += u32::from(node.children >> child & 1);
+        this
+    });
+    let mut children = [(0, all); 8];
+    let mut count = 0;
     for step in FRONT_TO_BACK.into_iter().rev() {
         let child = octant ^ step;
-        if node.children >> child & 1 == 1 {
-            let before = (node.children & ((1_u16 << child) - 1) as u8).count_ones();
-            pending[count] = (node.first_child + before, all);
-            count += 1;
-        }
+        children[count].0 = by_octant[child];
+        count += usize::from(node.children >> child & 1);
     }
-    count
+    pending.extend_from_slice(&children[..count]);
 }
 
 impl Default for Octree {

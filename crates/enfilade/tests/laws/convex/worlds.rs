@@ -1,8 +1,8 @@
 //! Random convex worlds.
 
 use enfilade::{
-    Alpha, Attributes, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, OpeningId, Part,
-    Transform,
+    Alpha, Attributes, ConvexPolygon, Geometry, GeometryBuilder, Indices, Material, MaterialId, Mesh,
+    OpeningId, Part, Transform, Vertices,
 };
 use enfilade_scenes::Random;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -229,8 +229,8 @@ pub(super) fn polygons(outlines: &[Vec<[f32; 3]>], triangles: bool, material: Ma
         }
     }
     let part = Part {
-        positions: &positions,
-        corners: &corners,
+        positions: Vertices::Packed(&positions),
+        corners: Indices::U32(&corners),
         sides: Some(&sides),
         material,
         attributes: Attributes::default(),

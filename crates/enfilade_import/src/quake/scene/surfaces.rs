@@ -2,7 +2,7 @@
 
 use crate::BrokenRule;
 use crate::budget::Budget;
-use enfilade::{Attributes, MaterialId, Mesh, MeshError, Part};
+use enfilade::{Attributes, Indices, MaterialId, Mesh, MeshError, Part, Vertices};
 use std::ops::Range;
 
 /// All faces of a map: of the world and of brush models.
@@ -91,14 +91,14 @@ impl Surfaces {
         let parts: Vec<Part> = parts
             .into_iter()
             .map(|(material, taken, corners)| Part {
-                positions: &positions[taken.clone()],
-                corners: &own.corners[corners],
+                positions: Vertices::Packed(&positions[taken.clone()]),
+                corners: Indices::U32(&own.corners[corners]),
                 sides: None,
                 material,
                 attributes: Attributes {
-                    texture: texture.get(taken.clone()).unwrap_or_default(),
-                    normals: normals.get(taken.clone()).unwrap_or_default(),
-                    colors: colors.get(taken.clone()).unwrap_or_default(),
+                    texture: Vertices::Packed(texture.get(taken.clone()).unwrap_or_default()),
+                    normals: Vertices::Packed(normals.get(taken.clone()).unwrap_or_default()),
+                    colors: Vertices::Packed(colors.get(taken.clone()).unwrap_or_default()),
                 },
             })
             .collect();

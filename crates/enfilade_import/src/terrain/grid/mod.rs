@@ -14,7 +14,7 @@ mod lines;
 
 pub use error::{GridError, GridPlace};
 
-use enfilade::{Attributes, HeightField, Mesh};
+use enfilade::{Attributes, HeightField, Mesh, Vertices};
 use lines::{Lines, TOLERANCE};
 
 /// Maximum memory per triangle for recognising a grid, if no vertex is shared: x and z of its three corners, sorted;
@@ -47,10 +47,12 @@ pub(crate) fn field_of(mesh: &Mesh) -> Result<HeightField, GridError> {
             *normal = [0.0; 3];
         }
     }
+    let texture = picked(mesh.texture(), &corners);
+    let colors = picked(mesh.colors(), &corners);
     let attributes = Attributes {
-        normals: &normals,
-        texture: &picked(mesh.texture(), &corners),
-        colors: &picked(mesh.colors(), &corners),
+        normals: Vertices::Packed(&normals),
+        texture: Vertices::Packed(&texture),
+        colors: Vertices::Packed(&colors),
     };
     let Lines { columns, rows } = lines;
     HeightField::on_lines(columns, rows, heights)

@@ -6,7 +6,7 @@ use crate::faces::Faces;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, Material};
 use crate::ids::{ItemIndex, MaterialId};
-use crate::mesh::{Attributes, Mesh, Part};
+use crate::mesh::{Attributes, Indices, Mesh, Part, Vertices};
 use crate::raster::{Band, Raster, Sink, Triangle};
 use crate::view::collector::Collector;
 use std::collections::BTreeSet;
@@ -35,8 +35,8 @@ fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) 
     }]);
     let order: Vec<u32> = (0..corners.len() as u32).collect();
     let part = Part {
-        positions: corners,
-        corners: &order,
+        positions: Vertices::Packed(corners),
+        corners: Indices::U32(&order),
         sides: Some(&[corners.len() as u32]),
         material: MaterialId(0),
         attributes: Attributes::default(),

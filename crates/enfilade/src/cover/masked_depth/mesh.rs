@@ -11,6 +11,7 @@
 use super::LANES;
 use super::project::Block;
 use crate::geom::Aabb;
+use crate::occluders::{LargeFace, large_faces};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
 use glam::DVec3;
@@ -152,6 +153,51 @@ impl OccluderMesh {
             builder.add_quad(*quad);
         }
         builder.finish()
+    }
+
+    /// Returns a mesh of at most `max_triangles` triangles that hides nothing that this one does not hide, from any eye
+    /// position.
+    ///
+    /// It consists of the largest parts of the surface: faces that are connected and exactly coplanar are merged to
+    /// convex polygons, so a wall of a thousand triangles becomes two, and one with a window four rectangles. The
+    /// largest polygons are kept. So it suits buildings, rooms and furniture, with axis-aligned faces in their own
+    /// space. Of a curved surface, or of faces that are coplanar up to rounding only, it keeps single triangles, which
+    /// hide little; give a proxy of your own for those, inside of the surface.
+    ///
+    /// O(n log n) in the number of triangles; meant for import, not for every frame.
+    #[doc(alias = "occluder proxy")]
+    pub fn simplified(&self, max_triangles: usize) -> OccluderMesh {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for part in &self.parts {
+            let first = positions.len() as u32;
+            for [x, y, z] in &part.blocks {
+                positions.extend((0..LANES).map(|lane| [x[lane], y[lane], z[lane]]));
+            }
+            let quads = part.quads.faces.iter();
+            let halves = quads.flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+            let faces = halves.chain(part.triangles.faces.iter().copied());
+            triangles.extend(faces.map(|face| face.map(|corner| first + corner)));
+        }
+        let (mut kept, mut indices) = (Vec::new(), Vec::new());
+        for LargeFace { corners, .. } in large_faces(&positions, &triangles, self.double_sided) {
+            if indices.len() / 3 + corners.len() - 2 <= max_triangles {
+                let first = kept.len() as u32;
+                indices.extend((2..corners.len() as u32).flat_map(|last| [first, first + last - 1, first + last]));
+                kept.extend(corners);
+            }
+        }
+        OccluderMesh {
+            double_sided: self.double_sided,
+            ..OccluderMesh::unchecked(&kept, &indices)
+        }
+    }
+
+    /// Returns the number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        let parts = self.parts.iter();
+        parts
+            .map(|part| 2 * part.quads.faces.len() + part.triangles.faces.len())
+            .sum()
     }
 
     /// Returns the memory in bytes.

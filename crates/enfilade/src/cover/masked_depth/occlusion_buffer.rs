@@ -6,6 +6,7 @@ use super::tiles::Grid;
 use crate::geom::{Aabb, Transform};
 use crate::ids::SectorId;
 use crate::simd::{dispatch, level};
+use crate::stats::Stats;
 use crate::threads;
 use crate::view::View;
 use crate::view::aperture::Rect;
@@ -70,7 +71,7 @@ pub struct OcclusionBuffer {
     /// Whether draws and tests may use all threads of the current rayon pool. Default `true`; affects speed only.
     pub parallel: bool,
     level: Level,
-    grid: Grid,
+    pub(super) grid: Grid,
     workers: Workers,
     list: DrawList<'static>,
     /// The view, as the passage of the eye; `None` before the first view and for an invalid one.
@@ -138,13 +139,24 @@ impl OcclusionBuffer {
     #[doc(alias = "RenderTriangles")]
     #[doc(alias = "BinTriangles")]
     pub fn draw_all<'a>(&mut self, instances: impl IntoIterator<Item = (&'a OccluderMesh, Transform)>) {
-        let Some(passage) = &self.passage else { return };
+        self.rasterize(instances);
+    }
+
+    /// As [`OcclusionBuffer::draw_all`]; returns the work done.
+    pub(super) fn rasterize<'a>(
+        &mut self,
+        instances: impl IntoIterator<Item = (&'a OccluderMesh, Transform)>,
+    ) -> Stats {
+        let Some(passage) = &self.passage else {
+            return Stats::default();
+        };
         let mut list: DrawList = std::mem::take(&mut self.list).emptied();
         for (mesh, world_from_mesh) in instances {
             list.add(passage, mesh, &world_from_mesh);
         }
-        list.draw(&mut self.grid, passage, &mut self.workers, self.parallel);
+        let stats = list.draw(&mut self.grid, passage, &mut self.workers, self.parallel);
         self.list = list.emptied();
+        stats
     }
 
     /// Tests boxes: sets bit `i % 64` of `visible[i / 64]` if any part of `boxes[i]` may be visible, and clears it if

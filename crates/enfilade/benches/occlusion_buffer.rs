@@ -6,8 +6,8 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
-    Aabb, GeometryBuilder, Material, MaterialId, Mesh, Method, OccluderMesh, OcclusionBuffer, Scene, Transform,
-    View, Viewer,
+    Aabb, GeometryBuilder, Material, MaterialId, Mesh, Method, OccluderMesh, OcclusionBuffer, Scene,
+    Transform, View, Viewer,
 };
 use std::hint::black_box;
 use std::time::Instant;
@@ -21,7 +21,13 @@ const ROUNDS: usize = 200;
 const VISIBLE: [usize; 2] = [0, 0];
 
 /// The walls and the roof of a unit cube on the ground, counter-clockwise seen from outside.
-const QUADS: [[u32; 4]; 5] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 2, 3, 1], [4, 5, 7, 6], [2, 6, 7, 3]];
+const QUADS: [[u32; 4]; 5] = [
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+    [2, 6, 7, 3],
+];
 
 struct Town {
     scene: Scene,
@@ -36,13 +42,19 @@ struct Town {
 }
 
 fn triangles(first: u32) -> impl Iterator<Item = u32> {
-    QUADS.into_iter().flat_map(move |[a, b, c, d]| [a, b, c, a, c, d].map(|corner| first + corner))
+    QUADS
+        .into_iter()
+        .flat_map(move |[a, b, c, d]| [a, b, c, a, c, d].map(|corner| first + corner))
 }
 
 impl Town {
     fn new() -> Town {
         let middle = 14.0 * 0.5 * SIDE as f32;
-        let view = View::new([middle, 1.7, middle + 3.0], [middle + 4.0, 2.0, middle + 90.0], SIZE);
+        let view = View::new(
+            [middle, 1.7, middle + 3.0],
+            [middle + 4.0, 2.0, middle + 90.0],
+            SIZE,
+        );
         let mut houses: Vec<Aabb> = (0..SIDE * SIDE)
             .map(|number| {
                 let kind = (number * 7 + number / SIDE) % 8;
@@ -66,8 +78,14 @@ impl Town {
         let ahead = |bounds: &&Aabb| bounds.max[2] > view.eye[2];
         let drawn: Vec<Aabb> = houses.iter().filter(ahead).take(OCCLUDERS).copied().collect();
         let positions: Vec<[f32; 3]> = drawn.iter().flat_map(Aabb::corners).collect();
-        let indices: Vec<u32> = (0..OCCLUDERS as u32).flat_map(|house| triangles(8 * house)).collect();
-        let unit = Aabb { min: [0.0; 3], max: [1.0; 3] }.corners();
+        let indices: Vec<u32> = (0..OCCLUDERS as u32)
+            .flat_map(|house| triangles(8 * house))
+            .collect();
+        let unit = Aabb {
+            min: [0.0; 3],
+            max: [1.0; 3],
+        }
+        .corners();
         let mut town = GeometryBuilder::new([Material::opaque([0.6; 3])]);
         let cuboid = Mesh::cuboid([0.0; 3], [1.0; 3], MaterialId(0)).expect("a cube");
         let cuboid = town.mesh(cuboid);

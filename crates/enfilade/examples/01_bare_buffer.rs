@@ -7,7 +7,11 @@ use enfilade::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Occluders are plain arrays: positions, and three indices per triangle, counter-clockwise seen from outside.
-    let corners = Aabb { min: [-5.0, 0.0, -5.0], max: [5.0, 9.0, 5.0] }.corners();
+    let corners = Aabb {
+        min: [-5.0, 0.0, -5.0],
+        max: [5.0, 9.0, 5.0],
+    }
+    .corners();
     let house = OccluderMesh::triangles(
         &corners,
         &[
@@ -23,7 +27,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     let people: Vec<Aabb> = (0..1000)
         .map(|n| [(n % 40) as f32 * 2.9 - 57.0, 0.0, (n / 40) as f32 * -3.3 - 11.0])
-        .map(|[x, y, z]| Aabb { min: [x - 0.3, y, z - 0.3], max: [x + 0.3, y + 1.8, z + 0.3] })
+        .map(|[x, y, z]| Aabb {
+            min: [x - 0.3, y, z - 0.3],
+            max: [x + 0.3, y + 1.8, z + 0.3],
+        })
         .collect();
 
     // Keep one buffer per camera: it allocates nothing once it has grown.
@@ -35,7 +42,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         buffer.draw_all(houses.iter().map(|&at| (&house, at)));
         buffer.test_boxes(&people, &mut visible);
         let seen: u32 = visible.iter().map(|word| word.count_ones()).sum();
-        println!("from x = {}: {seen} of {} people may be visible", eye[0], people.len());
+        println!(
+            "from x = {}: {seen} of {} people may be visible",
+            eye[0],
+            people.len()
+        );
     }
 
     // The depths of the last view: the darker, the nearer.

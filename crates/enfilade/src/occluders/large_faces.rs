@@ -33,13 +33,15 @@ pub(crate) fn large_faces(
     let mut found = Vec::new();
     soup.sheets(0.0, |sheet| match merged(&soup, &sheet) {
         merged if !merged.is_empty() => found.extend(merged),
-        _ => found.extend(sheet.faces.iter().map(|&face| LargeFace {
-            corners: soup
-                .face(face)
-                .iter()
-                .map(|&corner| soup.points[corner as usize].as_vec3().into())
-                .collect(),
-            area: soup.area(face),
+        _ => found.extend(sheet.faces.iter().map(|&face| {
+            LargeFace {
+                corners: soup
+                    .face(face)
+                    .iter()
+                    .map(|&corner| soup.points[corner as usize].as_vec3().into())
+                    .collect(),
+                area: soup.area(face),
+            }
         })),
     });
     found.sort_by(|a, b| b.area.total_cmp(&a.area));
@@ -56,7 +58,10 @@ fn merged(soup: &Soup, sheet: &Sheet) -> Vec<LargeFace> {
         Some(corners) => vec![(corners, sheet.area)],
         None => {
             let pieces = pieces(soup, sheet, &outline, 0.0);
-            pieces.into_iter().map(|piece| (piece.corners, piece.added)).collect()
+            pieces
+                .into_iter()
+                .map(|piece| (piece.corners, piece.added))
+                .collect()
         }
     };
     let exact = polygons
@@ -72,7 +77,9 @@ fn merged(soup: &Soup, sheet: &Sheet) -> Vec<LargeFace> {
 
 /// Whether all corners are numbers of f32.
 fn is_exact(corners: &[DVec3]) -> bool {
-    corners.iter().all(|corner| corner.as_vec3().as_dvec3() == *corner)
+    corners
+        .iter()
+        .all(|corner| corner.as_vec3().as_dvec3() == *corner)
 }
 
 /// Whether a polygon turns left at every corner: then the triangles from its first corner are inside it.

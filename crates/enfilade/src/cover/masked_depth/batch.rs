@@ -84,7 +84,12 @@ impl Worker {
         let uncertain = batch.finish(&frame, tiles);
         for &number in &uncertain {
             let corners = shapes.corners(number as usize);
-            let face = UncertainFace { faces, blocks, corners, first_position: faces.first_position };
+            let face = UncertainFace {
+                faces,
+                blocks,
+                corners,
+                first_position: faces.first_position,
+            };
             batch.hide_in_f64(&face, passage, tiles, stats);
         }
         batch.end(uncertain, tiles);
@@ -233,7 +238,12 @@ impl Batch {
         tiles: &mut Tiles,
         stats: &mut Stats,
     ) {
-        let &UncertainFace { faces, blocks, corners, first_position } = face;
+        let &UncertainFace {
+            faces,
+            blocks,
+            corners,
+            first_position,
+        } = face;
         let run_queue = &mut self.run_queue;
         // Separate counters, because the batch and its triangles are already counted.
         let mut alone = Stats::default();
@@ -254,7 +264,8 @@ impl Batch {
                 neighbours: &[],
                 ..*faces
             };
-            self.raster.run(&one, passage, &mut RunSink { tiles, run_queue }, &mut alone);
+            self.raster
+                .run(&one, passage, &mut RunSink { tiles, run_queue }, &mut alone);
         }
         stats.triangles_hidden += alone.triangles_hidden;
         stats.samples += alone.samples;

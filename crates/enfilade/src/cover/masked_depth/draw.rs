@@ -105,7 +105,13 @@ impl<'a> DrawList<'a> {
     }
 
     /// Rasterizes the list, in strips of the screen. Returns the work done.
-    pub(super) fn draw(&self, grid: &mut Grid, passage: &Passage, workers: &mut Workers, parallel: bool) -> Stats {
+    pub(super) fn draw(
+        &self,
+        grid: &mut Grid,
+        passage: &Passage,
+        workers: &mut Workers,
+        parallel: bool,
+    ) -> Stats {
         let strips = grid.rows().div_ceil(STRIP_ROWS).max(1);
         let shares = if parallel && !self.parts.is_empty() {
             strips.min(2 * threads::count())
@@ -213,7 +219,9 @@ impl DrawWorker {
     #[inline(always)]
     fn queue<S: Simd>(&mut self, simd: S, number: usize, list: &DrawList, frame: &Frame, strip: &mut Tiles) {
         let PlacedPart { part, instance, .. } = &list.parts[number];
-        let Instance { eye, double_sided, .. } = &list.instances[*instance as usize];
+        let Instance {
+            eye, double_sided, ..
+        } = &list.instances[*instance as usize];
         let [first_quad, first_triangle] = [self.quads.len(), self.triangles.len()];
         if *double_sided {
             part.quads.keep_all(&mut self.quads);
@@ -253,7 +261,10 @@ impl DrawWorker {
         for &number in &uncertain {
             let place = self.queued.partition_point(|queued| queued.first <= number) - 1;
             let queued = &self.queued[place];
-            let end_of_quads = self.queued.get(place + 1).map_or(self.quads.len(), |next| next.first_quad);
+            let end_of_quads = self
+                .queued
+                .get(place + 1)
+                .map_or(self.quads.len(), |next| next.first_quad);
             let place = (number - queued.first) as usize;
             let quads = &self.quads[queued.first_quad..end_of_quads];
             let corners: &[u32] = match quads.get(place) {

@@ -168,27 +168,38 @@ impl OccluderMesh {
     #[doc(alias = "occluder proxy")]
     pub fn simplified(&self, max_triangles: usize) -> OccluderMesh {
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-        for part in &self.parts {
+        self.for_each_triangle(|corners| {
             let first = positions.len() as u32;
-            for [x, y, z] in &part.blocks {
-                positions.extend((0..LANES).map(|lane| [x[lane], y[lane], z[lane]]));
-            }
-            let quads = part.quads.faces.iter();
-            let halves = quads.flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-            let faces = halves.chain(part.triangles.faces.iter().copied());
-            triangles.extend(faces.map(|face| face.map(|corner| first + corner)));
-        }
+            positions.extend(corners);
+            triangles.push([first, first + 1, first + 2]);
+        });
         let (mut kept, mut indices) = (Vec::new(), Vec::new());
         for LargeFace { corners, .. } in large_faces(&positions, &triangles, self.double_sided) {
             if indices.len() / 3 + corners.len() - 2 <= max_triangles {
                 let first = kept.len() as u32;
-                indices.extend((2..corners.len() as u32).flat_map(|last| [first, first + last - 1, first + last]));
+                indices.extend(
+                    (2..corners.len() as u32).flat_map(|last| [first, first + last - 1, first + last]),
+                );
                 kept.extend(corners);
             }
         }
         OccluderMesh {
             double_sided: self.double_sided,
             ..OccluderMesh::unchecked(&kept, &indices)
+        }
+    }
+
+    /// Calls `each` with the corners of each triangle.
+    pub(super) fn for_each_triangle(&self, mut each: impl FnMut([[f32; 3]; 3])) {
+        for part in &self.parts {
+            let quads = part.quads.faces.iter();
+            let halves = quads.flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+            for corners in halves.chain(part.triangles.faces.iter().copied()) {
+                let at = |corner: u32| {
+                    part.blocks[corner as usize / LANES].map(|axis| axis[corner as usize % LANES])
+                };
+                each(corners.map(at));
+            }
         }
     }
 

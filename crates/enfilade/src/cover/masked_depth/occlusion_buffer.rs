@@ -206,7 +206,8 @@ impl OcclusionBuffer {
             let clip = Clip::from(passage);
             self.collect(spheres, |sphere| {
                 let (center, radius) = sphere;
-                let is_sphere = center.iter().all(|value| value.is_finite()) && (0.0..f32::INFINITY).contains(radius);
+                let is_sphere =
+                    center.iter().all(|value| value.is_finite()) && (0.0..f32::INFINITY).contains(radius);
                 !is_sphere || {
                     let (rect, nearest) = sphere_on_screen(&clip, &passage.screen_from_sector, *sphere);
                     self.grid.shows(&rect, nearest)
@@ -224,7 +225,11 @@ impl OcclusionBuffer {
     pub fn test_rects(&self, rects: &[(Rect, f32)], visible: &mut [u64]) {
         self.test(rects, visible, |_, rects| {
             self.collect(rects, |&(rect, rev_depth)| {
-                let nearest = if rev_depth >= 0.0 { rev_depth } else { f32::INFINITY };
+                let nearest = if rev_depth >= 0.0 {
+                    rev_depth
+                } else {
+                    f32::INFINITY
+                };
                 self.grid.shows(&rect, nearest)
             })
         });
@@ -267,10 +272,16 @@ impl OcclusionBuffer {
     #[inline(always)]
     fn collect<T>(&self, occludees: &[T], seen: impl Fn(&T) -> bool) -> u64 {
         let bits = occludees.iter().enumerate();
-        bits.fold(0, |bits, (place, occludee)| bits | u64::from(seen(occludee)) << place)
+        bits.fold(0, |bits, (place, occludee)| {
+            bits | u64::from(seen(occludee)) << place
+        })
     }
 }
 
 fn is_finite(bounds: &Aabb) -> bool {
-    bounds.min.iter().chain(&bounds.max).all(|value| value.is_finite())
+    bounds
+        .min
+        .iter()
+        .chain(&bounds.max)
+        .all(|value| value.is_finite())
 }

@@ -40,9 +40,7 @@ impl World {
         let (mut meshes, mut triangles) = (Vec::new(), Vec::new());
         for number in 0..4 {
             let count = 1 + dice.below(8);
-            let positions: Vec<[f32; 3]> = (0..3 * count)
-                .map(|_| dice.point(1.0).as_vec3().into())
-                .collect();
+            let positions: Vec<[f32; 3]> = (0..3 * count).map(|_| dice.point(1.0).as_vec3().into()).collect();
             let indices: Vec<u32> = (0..3 * count as u32).collect();
             let mut mesh = OccluderMesh::triangles(&positions, &indices).expect("sound triangles");
             mesh.double_sided = number == 0;
@@ -120,14 +118,10 @@ fn through_box(passage: &Passage, bounds: &Aabb, x: u16, y: u16) -> Option<[f64;
 }
 
 /// Returns where the ray of a sample enters and leaves a sphere, in units of W.
-fn through_sphere(
-    passage: &Passage,
-    (center, radius): &([f32; 3], f32),
-    x: u16,
-    y: u16,
-) -> Option<[f64; 2]> {
-    let [eye, ray] =
-        passage.ray([f64::from(x) + 0.5, f64::from(y) + 0.5]).map(DVec3::from);
+fn through_sphere(passage: &Passage, (center, radius): &([f32; 3], f32), x: u16, y: u16) -> Option<[f64; 2]> {
+    let [eye, ray] = passage
+        .ray([f64::from(x) + 0.5, f64::from(y) + 0.5])
+        .map(DVec3::from);
     let to = DVec3::from(center.map(f64::from)) - eye;
     let middle = to.dot(ray) / ray.length_squared();
     let off = (to - ray * middle).length_squared();
@@ -139,7 +133,9 @@ fn through_sphere(
 }
 
 fn bits(visible: &[u64], count: usize) -> Vec<bool> {
-    (0..count).map(|bit| visible[bit / 64] >> (bit % 64) & 1 == 1).collect()
+    (0..count)
+        .map(|bit| visible[bit / 64] >> (bit % 64) & 1 == 1)
+        .collect()
 }
 
 fn boxes(buffer: &OcclusionBuffer, boxes: &[Aabb]) -> Vec<bool> {
@@ -170,8 +166,17 @@ fn random_boxes(world: &World, dice: &mut Dice, count: usize) -> Vec<Aabb> {
         .collect()
 }
 
-const SIZES: [[u32; 2]; 9] =
-    [[160, 90], [1, 1], [33, 17], [7, 211], [96, 97], [128, 64], [4096, 3], [2, 4096], [65, 193]];
+const SIZES: [[u32; 2]; 9] = [
+    [160, 90],
+    [1, 1],
+    [33, 17],
+    [7, 211],
+    [96, 97],
+    [128, 64],
+    [4096, 3],
+    [2, 4096],
+    [65, 193],
+];
 
 #[test]
 fn a_box_or_a_sphere_is_hidden_only_if_no_sample_shows_it() {
@@ -204,7 +209,10 @@ fn a_box_or_a_sphere_is_hidden_only_if_no_sample_shows_it() {
         }
     }
     for kind in 0..2 {
-        assert!(hidden[kind] > 3000 && seen_boxes[kind] > 1000, "{hidden:?} {known:?} {seen_boxes:?}");
+        assert!(
+            hidden[kind] > 3000 && seen_boxes[kind] > 1000,
+            "{hidden:?} {known:?} {seen_boxes:?}"
+        );
         assert!(hidden[kind] * 100 > known[kind] * 90, "{hidden:?} {known:?}");
     }
 }
@@ -217,7 +225,10 @@ fn nothing_drawn_is_nearer_than_its_triangles_at_any_size() {
         let depth = world.drawn(Level::new()).depth();
         assert_eq!(depth.len(), world.oracle.rev_depth.len());
         for (place, (&stored, &truth)) in depth.iter().zip(&world.oracle.rev_depth).enumerate() {
-            assert!(f64::from(stored) <= truth, "sample {place} of scene {seed}: {stored} for {truth}");
+            assert!(
+                f64::from(stored) <= truth,
+                "sample {place} of scene {seed}: {stored} for {truth}"
+            );
             covered += u64::from(stored > 0.0);
         }
     }
@@ -243,7 +254,10 @@ fn draws_and_tests_have_the_same_bits_by_any_threads_and_simd_level() {
         for threads in [1, 2, 7] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             let pool = pool.build().expect("threads");
-            assert!(pool.install(|| all(Level::new(), true)) == expected, "scene {seed}");
+            assert!(
+                pool.install(|| all(Level::new(), true)) == expected,
+                "scene {seed}"
+            );
         }
         for level in levels() {
             assert!(all(level, true) == expected, "scene {seed} by {level:?}");
@@ -254,7 +268,12 @@ fn draws_and_tests_have_the_same_bits_by_any_threads_and_simd_level() {
 
 /// A wall across the view of an eye at the origin that looks along −z, at z = −5, seen from its front.
 fn wall() -> OccluderMesh {
-    let corners = [[-9.0, -9.0, -5.0], [9.0, -9.0, -5.0], [9.0, 9.0, -5.0], [-9.0, 9.0, -5.0]];
+    let corners = [
+        [-9.0, -9.0, -5.0],
+        [9.0, -9.0, -5.0],
+        [9.0, 9.0, -5.0],
+        [-9.0, 9.0, -5.0],
+    ];
     OccluderMesh::triangles(&corners, &[0, 1, 2, 0, 2, 3]).expect("a wall")
 }
 
@@ -287,7 +306,10 @@ fn a_wall_hides_from_its_front_or_if_double_sided_from_both() {
     let mut wall = wall();
     assert!(!shows_behind(&wall, Transform::IDENTITY));
     assert!(shows_behind(&wall, from_behind));
-    assert!(!shows_behind(&wall, mirrored), "a mirrored wall still has its front to the eye");
+    assert!(
+        !shows_behind(&wall, mirrored),
+        "a mirrored wall still has its front to the eye"
+    );
     wall.double_sided = true;
     assert!(!shows_behind(&wall, from_behind));
 }
@@ -322,20 +344,39 @@ fn input_that_is_not_finite_hides_nothing_and_is_visible() {
         for axis in 0..3 {
             let mut bounds = cube([0.0, 0.0, -50.0], 1.0);
             let mut sphere = ([0.0, 0.0, -50.0], 1.0);
-            assert_eq!((boxes(&buffer, &[bounds]), spheres(&buffer, &[sphere])), (vec![false], vec![false]));
-            bounds.max[axis] = if odd == f32::NEG_INFINITY { f32::INFINITY } else { odd };
+            assert_eq!(
+                (boxes(&buffer, &[bounds]), spheres(&buffer, &[sphere])),
+                (vec![false], vec![false])
+            );
+            bounds.max[axis] = if odd == f32::NEG_INFINITY {
+                f32::INFINITY
+            } else {
+                odd
+            };
             sphere.0[axis] = odd;
-            assert_eq!((boxes(&buffer, &[bounds]), spheres(&buffer, &[sphere])), (vec![true], vec![true]));
+            assert_eq!(
+                (boxes(&buffer, &[bounds]), spheres(&buffer, &[sphere])),
+                (vec![true], vec![true])
+            );
             assert_eq!(spheres(&buffer, &[([0.0, 0.0, -50.0], odd)]), [true]);
         }
     }
     let huge = Transform::scaling([f32::MAX; 3]) * Transform::scaling([f32::MAX; 3]);
-    for at in [huge, huge * huge * huge * huge * huge, Transform::scaling([1e-38; 3]), Transform::scaling([0.0; 3])] {
+    for at in [
+        huge,
+        huge * huge * huge * huge * huge,
+        Transform::scaling([1e-38; 3]),
+        Transform::scaling([0.0; 3]),
+    ] {
         shows_behind(&wall(), at);
     }
     let far = cube([0.0, 0.0, -2.0 * MAX_COORDINATE], MAX_COORDINATE);
     let mut buffer = OcclusionBuffer::new();
-    assert_eq!(boxes(&buffer, &[far, Aabb::EMPTY]), [true, true], "before the first view");
+    assert_eq!(
+        boxes(&buffer, &[far, Aabb::EMPTY]),
+        [true, true],
+        "before the first view"
+    );
     let mut view = ahead();
     view.fov_y = f32::NAN;
     buffer.begin(&view);
@@ -352,7 +393,12 @@ fn rectangles_are_tested_at_their_depth_and_bits_without_an_occludee_are_cleared
     buffer.begin(&ahead());
     let left = Transform::translation([-9.0, 0.0, 0.0]);
     buffer.draw(&wall(), &left);
-    let rect = |x0, x1| Rect { x0, y0: 10, x1, y1: 20 };
+    let rect = |x0, x1| Rect {
+        x0,
+        y0: 10,
+        x1,
+        y1: 20,
+    };
     let asked = [
         (rect(10, 100), 0.1),
         (rect(10, 100), 0.3),
@@ -368,7 +414,9 @@ fn rectangles_are_tested_at_their_depth_and_bits_without_an_occludee_are_cleared
     buffer.test_rects(&asked, &mut visible);
     assert_eq!(visible, [0b0_1001_1110, 0, 0]);
     // As many boxes as there are bits; the first is behind the wall.
-    let asked: Vec<Aabb> = (0..130).map(|x| cube([x as f32 - 3.0, 0.0, -50.0], 0.1)).collect();
+    let asked: Vec<Aabb> = (0..130)
+        .map(|x| cube([x as f32 - 3.0, 0.0, -50.0], 0.1))
+        .collect();
     let mut visible = [0; 1];
     buffer.test_boxes(&asked, &mut visible);
     assert_eq!(visible[0] & 1, 0);

@@ -239,7 +239,10 @@ fn any_number_of_threads_leaves_the_same_bits() {
         covered += compare(&cover, &exact, seed)[0];
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let other = pool.build().expect("threads").install(|| hidden_by(Level::new(), &mesh, &passage));
+            let other = pool
+                .build()
+                .expect("threads")
+                .install(|| hidden_by(Level::new(), &mesh, &passage));
             same_bits(&cover, &other, seed);
         }
     }

@@ -5,6 +5,7 @@ mod alone;
 mod cases;
 mod meshes;
 mod oracle;
+mod simplified;
 
 use super::*;
 use crate::geom::{Aabb, Transform};

@@ -2,8 +2,8 @@
 //!
 //! A batch is one list of parts, whatever the number of meshes. Faces of successive parts share the queues of the
 //! kernels, so a thousand meshes of a few faces fill the SIMD lanes as one large mesh does. Strips of the screen share
-//! only the list, and have a fixed height: their number, and with it every bit of the result, does not depend on the
-//! number of threads.
+//! only the list. Their height depends on the list, never on the number of threads, and so does every bit of the
+//! result: depths of a sub-tile may depend on where strips begin.
 //! Source: sort-middle in Molnar, Cox, Ellsworth, Fuchs, A Sorting Classification of Parallel Rendering, IEEE CG&A 1994.
 //! Cost: O(1) for each part out of view or hidden; otherwise, for each strip it reaches, as [`batch`](super::batch).
 //! Conservative: as [`batch`](super::batch). A part is left out if what is in the buffer hides its box.
@@ -11,7 +11,7 @@
 use super::batch::{Batch, Shapes, UncertainFace};
 use super::mesh::{OccluderMesh, Part};
 use super::project::Frame;
-use super::tiles::{Grid, Tiles};
+use super::tiles::{Grid, ROWS, Tiles, tiles};
 use crate::faces::Faces;
 use crate::geom::Transform;
 use crate::simd::dispatch;
@@ -24,8 +24,15 @@ use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use glam::DAffine3;
 
-/// Height of a strip, in rows of tiles. Higher strips balance the load less, lower ones project more parts twice.
+/// Minimum height of a strip, in rows of tiles.
 const STRIP_ROWS: usize = 6;
+
+/// A part that reaches into several strips is projected in each. Strips are made higher until that adds at most this
+/// share of the work.
+const MAX_REPEATED: f64 = 0.25;
+
+/// Samples that take as long to fill as one face takes to project.
+const SAMPLES_PER_FACE: f64 = 1024.0;
 
 /// Number of faces after which those that went to f64 are rasterized, so that the lists stay in the cache.
 const MANY: usize = 4096;
@@ -112,8 +119,9 @@ impl<'a> DrawList<'a> {
         workers: &mut Workers,
         parallel: bool,
     ) -> Stats {
-        let strips = grid.rows().div_ceil(STRIP_ROWS).max(1);
-        let shares = if parallel && !self.parts.is_empty() {
+        let height = self.strip_height(grid.rows());
+        let strips = grid.rows().div_ceil(height).max(1);
+        let shares = if parallel {
             strips.min(2 * threads::count())
         } else {
             1
@@ -122,8 +130,12 @@ impl<'a> DrawList<'a> {
         if workers.len() < shares {
             workers.resize_with(shares, || DrawWorker::at(*level));
         }
-        let rows = strips.div_ceil(shares) * STRIP_ROWS;
-        self.share(grid.all(), &mut workers[..shares], rows, passage);
+        self.share(
+            grid.all(),
+            &mut workers[..shares],
+            [height, strips.div_ceil(shares) * height],
+            passage,
+        );
         let mut stats = Stats::default();
         for worker in &mut workers[..shares] {
             stats.add(&std::mem::take(&mut worker.stats));
@@ -131,10 +143,30 @@ impl<'a> DrawList<'a> {
         stats
     }
 
-    /// Gives each worker the same number of rows of tiles, in parallel.
-    fn share(&self, tiles: Tiles, workers: &mut [DrawWorker], rows: usize, passage: &Passage) {
+    /// Returns the height of the strips, in rows of tiles, on a screen of `rows`.
+    fn strip_height(&self, rows: usize) -> usize {
+        let mut height = STRIP_ROWS;
+        while height < rows {
+            let (mut work, mut repeated) = (0.0, 0.0);
+            for PlacedPart { part, rect, .. } in &self.parts {
+                let Rect { x0, y0, x1, y1 } = *rect;
+                let faces = part.face_count() as f64;
+                let samples = f64::from(x1 - x0) * f64::from(y1 - y0);
+                work += faces + samples / SAMPLES_PER_FACE;
+                repeated += faces * (tiles(y0, y1, height * ROWS).len() - 1) as f64;
+            }
+            if repeated <= MAX_REPEATED * work {
+                break;
+            }
+            height *= 2;
+        }
+        height
+    }
+
+    /// Gives each worker the same number of rows of tiles, `rows`, in parallel; it goes through them in strips.
+    fn share(&self, tiles: Tiles, workers: &mut [DrawWorker], [height, rows]: [usize; 2], passage: &Passage) {
         if let [worker] = workers {
-            for mut strip in tiles.strips(STRIP_ROWS) {
+            for mut strip in tiles.strips(height) {
                 worker.draw(&mut strip, self, passage);
             }
             return;
@@ -144,8 +176,8 @@ impl<'a> DrawList<'a> {
         let (first, second) = workers.split_at_mut(half);
         threads::join(
             true,
-            || self.share(upper, first, rows, passage),
-            || self.share(lower, second, rows, passage),
+            || self.share(upper, first, [height, rows], passage),
+            || self.share(lower, second, [height, rows], passage),
         );
     }
 }

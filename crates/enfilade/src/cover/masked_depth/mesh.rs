@@ -87,6 +87,11 @@ impl Part {
         quads: FaceList::EMPTY,
         triangles: FaceList::EMPTY,
     };
+
+    /// Returns the number of quads and triangles.
+    pub(super) fn face_count(&self) -> usize {
+        self.quads.faces.len() + self.triangles.faces.len()
+    }
 }
 
 /// Maximum number of vertices in a part: 8 kB after the transform.

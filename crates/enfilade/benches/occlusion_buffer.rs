@@ -18,7 +18,7 @@ const OCCLUDERS: usize = 1000;
 const ROUNDS: usize = 200;
 
 /// Houses that may be visible: by the buffer, and in the visible set of `masked`.
-const VISIBLE: [usize; 2] = [0, 0];
+const VISIBLE: [usize; 2] = [84, 42];
 
 /// The walls and the roof of a unit cube on the ground, counter-clockwise seen from outside.
 const QUADS: [[u32; 4]; 5] = [
@@ -120,7 +120,6 @@ fn main() {
     buffer.parallel = false;
     let mut viewer = Viewer::new();
     viewer.options.parallel = false;
-    viewer.options.coherence = false;
     let mut visible = vec![0_u64; town.houses.len().div_ceil(64)];
     let mut least = [f64::INFINITY; 5];
     for _ in 0..rounds {

@@ -1,6 +1,7 @@
 //! Stable codes of all errors, in one table.
 
 use crate::choose::SkipReason;
+use crate::cover::OccluderMeshError;
 use crate::geom::PolygonError;
 use crate::geometry::{BakedCellsError, GeometryError};
 use crate::mesh::MeshError;
@@ -48,6 +49,11 @@ error_codes! {
         AttributeNotFinite => "mesh/attribute-not-finite",
         CornersLeft => "mesh/corners-left",
         BadFace => "mesh/bad-face",
+    }
+    OccluderMeshError {
+        IndicesLeft => "occluder-mesh/indices-left",
+        IndexOutOfRange => "occluder-mesh/index-out-of-range",
+        NotFinite => "occluder-mesh/not-finite",
     }
     PolygonError {
         TooFewCorners => "polygon/too-few-corners",

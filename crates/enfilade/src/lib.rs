@@ -118,7 +118,7 @@ mod view;
 
 pub use choose::{ChoiceGoal, ChoiceOptions, Cost, MethodChoice, SkipReason, Trial, choose_methods};
 pub use contract::Contract;
-pub use cover::OccluderMesh;
+pub use cover::{OccluderMesh, OccluderMeshError, OcclusionBuffer};
 pub use error_codes::ERROR_CODES;
 pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};

@@ -33,9 +33,15 @@ impl VisibleKeys {
     ///
     /// Cost: O(n log n) for n visible items.
     pub fn update(&mut self, set: &VisibleSet) {
+        self.update_with(set, []);
+    }
+
+    /// Takes the keys of a set and others that count as visible, such as those of objects that the scene does not hold.
+    pub fn update_with(&mut self, set: &VisibleSet, others: impl IntoIterator<Item = u64>) {
         std::mem::swap(&mut self.all, &mut self.before);
         self.all.clear();
         self.all.extend(set.items().iter().map(|item| item.key));
+        self.all.extend(others);
         self.all.sort_unstable();
         self.all.dedup();
         missing_from(&self.before, &self.all, &mut self.entered);

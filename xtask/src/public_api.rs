@@ -82,13 +82,14 @@ pub(crate) fn run_as_rustdoc() -> Result<bool> {
     Ok(true)
 }
 
-struct Workspace {
-    root: PathBuf,
-    target: PathBuf,
+/// Folders of the workspace.
+pub(crate) struct Workspace {
+    pub(crate) root: PathBuf,
+    pub(crate) target: PathBuf,
 }
 
 impl Workspace {
-    fn read() -> Result<Self> {
+    pub(crate) fn read() -> Result<Self> {
         let metadata = Command::new(env!("CARGO"))
             .args(["metadata", "--no-deps", "--format-version", "1"])
             .stderr(Stdio::inherit())

@@ -20,12 +20,13 @@ pub(crate) struct Args {
 }
 
 /// The libraries whose API is listed, each in its `public-api.txt`.
-const CRATES: [&str; 6] = [
+const CRATES: [&str; 7] = [
     "enfilade",
     "enfilade_bake",
     "enfilade_detail",
     "enfilade_draw",
     "enfilade_import",
+    "enfilade_sync",
     "enfilade_walk",
 ];
 

@@ -40,40 +40,33 @@ impl Target {
 
     /// Builds `conformance`, and returns the path of the program.
     fn build(self, workspace: &Workspace) -> Result<PathBuf> {
-        install(self.triple())?;
-        let (flags, made, kept) = match self {
-            Target::Wasm => ("", "conformance.wasm", "conformance-plain.wasm"),
+        const LIBRARY: &[&str] = &["rustc", "--lib", "--crate-type", "cdylib"];
+        let (command, flags, made, kept) = match self {
+            Target::Wasm => (LIBRARY, "", "conformance.wasm", "conformance-plain.wasm"),
             Target::WasmSimd128 => (
+                LIBRARY,
                 "-Ctarget-feature=+simd128",
                 "conformance.wasm",
                 "conformance-simd128.wasm",
             ),
-            // With the linker and the C library that come with Rust: no cross compiler is needed.
+            // The linker and the C library that come with Rust: no cross compiler is needed.
             Target::Aarch64 => (
-                "-Clinker=rust-lld -Clink-self-contained=yes",
+                &["build", "--bin", "conformance"][..],
+                "-Clinker=rust-lld",
                 "conformance",
                 "conformance-aarch64",
             ),
         };
-        let mut cargo = Command::new(env!("CARGO"));
-        match self {
-            Target::Wasm | Target::WasmSimd128 => {
-                cargo.args(["rustc", "--lib", "--crate-type", "cdylib"]);
-            }
-            Target::Aarch64 => {
-                cargo.args(["build", "--bin", "conformance"]);
-            }
-        }
         let triple = self.triple();
-        let flags_of = format!(
-            "CARGO_TARGET_{}_RUSTFLAGS",
-            triple.to_uppercase().replace('-', "_")
-        );
-        cargo
-            .args(["--release", "--package", "conformance", "--target", triple])
-            .env(flags_of, flags)
-            .current_dir(&workspace.root);
-        succeed(&mut cargo)?;
+        install(triple)?;
+        let flags_of = format!("CARGO_TARGET_{}_RUSTFLAGS", triple.to_uppercase().replace('-', "_"));
+        succeed(
+            Command::new(env!("CARGO"))
+                .args(command)
+                .args(["--release", "--package", "conformance", "--target", triple])
+                .env(flags_of, flags)
+                .current_dir(&workspace.root),
+        )?;
         let folder = workspace.target.join(triple).join("release");
         // The next target may overwrite what cargo made.
         std::fs::copy(folder.join(made), folder.join(kept)).with_context(|| made.to_owned())?;

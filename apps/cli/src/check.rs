@@ -5,13 +5,13 @@ use crate::prepare::PreparedScene;
 use crate::progress::Progress;
 use anyhow::{Result, bail};
 use enfilade::laws::{OwnerPicture, Reference, Truth, Verdict};
-use enfilade::{Contract, ItemId, Scene, SectorId, View, Viewer};
+use enfilade::{Contract, ItemIndex, Scene, SectorId, View, Viewer};
 
 /// Result of the check of one method at one view.
 pub(crate) struct CheckResult {
     pub(crate) reference_visible: usize,
     /// False culls of the look, of the drawing or of both.
-    pub(crate) missed: Vec<(SectorId, ItemId)>,
+    pub(crate) missed: Vec<(SectorId, ItemIndex)>,
     pub(crate) extra: usize,
     pub(crate) pixels_different: u64,
     pub(crate) pixels_contested: u64,
@@ -20,7 +20,7 @@ pub(crate) struct CheckResult {
 }
 
 /// Items that may own the same samples, and the number of those samples; most often their faces coincide.
-pub(crate) type Contested = (Vec<(SectorId, ItemId)>, u64);
+pub(crate) type Contested = (Vec<(SectorId, ItemIndex)>, u64);
 
 /// Maximum number of contested groups that are listed per view.
 const MAX_CONTESTED: usize = 8;

@@ -5,7 +5,7 @@ use crate::out;
 use crate::prepare::PreparedScene;
 use crate::text::count;
 use anyhow::Result;
-use enfilade::{ItemId, Scene, SectorId, View, Viewer};
+use enfilade::{ItemIndex, Scene, SectorId, View, Viewer};
 use enfilade_detail::{DetailOptions, Details};
 use enfilade_import::details_of;
 
@@ -53,7 +53,7 @@ impl Leveled {
         viewer.look(&prepared.scene, view);
         let seen = measure::distinct(viewer.visible());
         let triangles = |scene: &Scene| -> u64 {
-            let of = |&(sector, item): &(SectorId, ItemId)| {
+            let of = |&(sector, item): &(SectorId, ItemIndex)| {
                 scene
                     .geometry(sector)
                     .map_or(0, |geometry| geometry.mesh_of(item).triangle_count())
@@ -75,7 +75,7 @@ impl Leveled {
 }
 
 /// Whether an item is an occluder, which it is at full detail only: LODs occlude nothing.
-fn is_occluder(scene: &Scene, sector: SectorId, item: ItemId) -> bool {
+fn is_occluder(scene: &Scene, sector: SectorId, item: ItemIndex) -> bool {
     let geometry = scene.geometry(sector);
     geometry.is_some_and(|geometry| geometry.item(item).is_occluder)
 }

@@ -320,7 +320,7 @@ mod tests {
     use crate::check::CheckResult;
     use crate::open::open;
     use clap::Parser;
-    use enfilade::{Contract, ItemId, SectorId};
+    use enfilade::{Contract, ItemIndex, SectorId};
 
     #[test]
     fn what_is_missed_or_painted_wrongly_fails_unless_the_method_is_approximate() {
@@ -346,7 +346,7 @@ mod tests {
             views.first(),
         )
         .expect("it fits");
-        let fails_with = |contract, missed: &[(SectorId, ItemId)], pixels_different| {
+        let fails_with = |contract, missed: &[(SectorId, ItemIndex)], pixels_different| {
             let progress = Progress::spinner("looking");
             let looks = measure::looks(&prepared[0], &views, &mut prepared[0].viewer(), &progress);
             let mut report = Report::new(&opened, &prepared[0], &views, args.cameras.size, looks);
@@ -364,7 +364,7 @@ mod tests {
             report.contract = contract;
             report.breaks_its_contract()
         };
-        let item = (SectorId(0), ItemId(0));
+        let item = (SectorId(0), ItemIndex(0));
         assert!(!fails_with(Contract::Exact, &[], 0));
         assert!(fails_with(Contract::Exact, &[item], 0));
         assert!(fails_with(Contract::Conservative, &[], 1));

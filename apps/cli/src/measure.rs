@@ -5,7 +5,7 @@
 use crate::picture::draw;
 use crate::prepare::PreparedScene;
 use crate::progress::Progress;
-use enfilade::{Contract, ItemId, OpeningId, Passage, Scene, SectorId, View, Viewer, VisibleSet};
+use enfilade::{Contract, ItemIndex, OpeningId, Passage, Scene, SectorId, View, Viewer, VisibleSet};
 use enfilade_draw::Settings;
 use std::time::Instant;
 
@@ -22,7 +22,7 @@ pub(crate) struct LookResult {
     pub(crate) triangles_visible: u64,
     pub(crate) complete: bool,
     /// Visible items over all passages, each once, sorted.
-    pub(crate) visible: Vec<(SectorId, ItemId)>,
+    pub(crate) visible: Vec<(SectorId, ItemIndex)>,
     /// For each visible item the longer side of its screen rectangle, in pixels: the maximum over all passages.
     pub(crate) sizes_px: Vec<u16>,
 }
@@ -177,11 +177,11 @@ fn ways(set: &VisibleSet, scene: &Scene) -> Vec<LookPassage> {
 }
 
 /// Returns the items of a set over all passages, each once, sorted.
-pub(crate) fn distinct(set: &VisibleSet) -> Vec<(SectorId, ItemId)> {
+pub(crate) fn distinct(set: &VisibleSet) -> Vec<(SectorId, ItemIndex)> {
     let mut items: Vec<_> = set
         .items()
         .iter()
-        .map(|seen| (set.passage(seen.passage).sector, seen.item))
+        .map(|seen| (set.passage(seen.passage).sector, seen.item.index))
         .collect();
     items.sort_unstable();
     items.dedup();
@@ -189,10 +189,10 @@ pub(crate) fn distinct(set: &VisibleSet) -> Vec<(SectorId, ItemId)> {
 }
 
 /// Returns the sizes of the items in `visible`, in pixels; `visible` is the result of [`distinct`] for `set`.
-fn sizes_px(set: &VisibleSet, visible: &[(SectorId, ItemId)]) -> Vec<u16> {
+fn sizes_px(set: &VisibleSet, visible: &[(SectorId, ItemIndex)]) -> Vec<u16> {
     let mut sizes = vec![0; visible.len()];
     for seen in set.items() {
-        let item = (set.passage(seen.passage).sector, seen.item);
+        let item = (set.passage(seen.passage).sector, seen.item.index);
         if let Ok(index) = visible.binary_search(&item) {
             sizes[index] = seen.size_px.max(sizes[index]);
         }

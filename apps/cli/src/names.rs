@@ -1,6 +1,6 @@
 //! Unique names of items.
 
-use enfilade::{ItemId, Scene, SectorId};
+use enfilade::{ItemIndex, Scene, SectorId};
 use std::collections::HashMap;
 
 /// Unique names of items: `NAME`; `SECTOR/NAME` if that repeats in the scene; `SECTOR/NAME#3` if it repeats in the
@@ -23,7 +23,7 @@ impl<'a> Names<'a> {
             let Some(geometry) = scene.geometry(sector) else {
                 continue;
             };
-            for item in (0..geometry.items().len() as u32).map(ItemId) {
+            for item in (0..geometry.items().len() as u32).map(ItemIndex) {
                 let name = geometry.name(item);
                 *names.in_scene.entry(name).or_default() += 1;
                 *names.in_sector.entry((sector, name)).or_default() += 1;
@@ -33,7 +33,7 @@ impl<'a> Names<'a> {
     }
 
     /// Returns the unique name of an item.
-    pub(crate) fn of(&self, (sector, item): (SectorId, ItemId)) -> String {
+    pub(crate) fn of(&self, (sector, item): (SectorId, ItemIndex)) -> String {
         let Some(geometry) = self.scene.geometry(sector) else {
             return self.in_custom_sector(sector, item);
         };
@@ -52,7 +52,7 @@ impl<'a> Names<'a> {
 
     /// Returns the name of an item in a custom sector. It is not checked for uniqueness: there may be millions of
     /// items.
-    fn in_custom_sector(&self, sector: SectorId, item: ItemId) -> String {
+    fn in_custom_sector(&self, sector: SectorId, item: ItemIndex) -> String {
         let home = self.scene.sector_name(sector);
         let name = self.scene.sector(sector).item_name(item);
         match (name.as_str(), self.scene.sector_count()) {
@@ -86,7 +86,7 @@ mod tests {
         }
         let scene = scene.build().expect("sound");
         let names = Names::new(&scene);
-        let of = |sector, item| names.of((SectorId(sector), ItemId(item)));
+        let of = |sector, item| names.of((SectorId(sector), ItemIndex(item)));
         assert_eq!(
             [of(0, 0), of(0, 1), of(0, 2), of(0, 3)],
             ["lamp", "hall/chair#1", "hall/chair#2", "hall/item#3"]

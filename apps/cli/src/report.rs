@@ -9,7 +9,7 @@ use crate::open::OpenedScene;
 use crate::picture::{draw, settings};
 use crate::prepare::{PreparedScene, SkippedMethod};
 use crate::progress::Progress;
-use enfilade::{Contract, ItemId, OpeningId, Scene, SectorId, View, Viewer};
+use enfilade::{Contract, ItemIndex, OpeningId, Scene, SectorId, View, Viewer};
 use enfilade_draw::Show;
 use enfilade_import::SourceNodes;
 use serde::ser::{Error, SerializeSeq};
@@ -349,7 +349,7 @@ impl PassageReport {
 }
 
 /// The visible items of all views, each once, without size.
-type SeenItems = HashMap<(SectorId, ItemId), ItemReport>;
+type SeenItems = HashMap<(SectorId, ItemIndex), ItemReport>;
 
 fn seen_items(looks: &[LookResult], names: &Names, nodes: &[SourceNodes]) -> SeenItems {
     let mut items = SeenItems::new();

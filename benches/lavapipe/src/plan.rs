@@ -1,7 +1,7 @@
 //! The draw calls of one picture: culled on the CPU and merged where neighbours allow.
 
 use crate::lens::Lens;
-use crate::stock::{Class, Piece, ItemDraw, Stock};
+use crate::stock::{Class, ItemDraw, Piece, Stock};
 use bytemuck::{Pod, Zeroable};
 use enfilade::VisibleSet;
 use glam::{DMat3, DVec3};
@@ -49,7 +49,7 @@ impl Plan {
     pub(crate) fn visible(&mut self, stock: &Stock, lens: &Lens, set: &VisibleSet) {
         self.start(stock, lens);
         for item in set.items() {
-            let placed = &stock.items[item.item.0 as usize];
+            let placed = &stock.items[item.item.index.0 as usize];
             let clusters = set.clusters(item);
             if clusters.is_empty() || placed.at.is_some() {
                 self.add_whole(stock, lens, placed);
@@ -152,7 +152,7 @@ fn join(draws: &mut Vec<Draw>) {
 mod tests {
     use super::*;
     use enfilade::{
-        Alpha, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, SceneBuilder, Transform, View,
+        Alpha, GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, SceneBuilder, Transform, View,
         Viewer,
     };
     use std::sync::Arc;
@@ -211,10 +211,10 @@ mod tests {
         let mut viewer = Viewer::new();
         let set = viewer.look(&scene, &view);
         plan.visible(&stock, &lens, set);
-        let seen: Vec<ItemId> = set.items().iter().map(|item| item.item).collect();
+        let seen: Vec<ItemIndex> = set.items().iter().map(|item| item.item.index).collect();
         assert_eq!(
             seen,
-            [1, 4, 5].map(ItemId),
+            [1, 4, 5].map(ItemIndex),
             "the first copy hides the other and the wall"
         );
         assert_eq!(plan.triangles(), 2 * 3);

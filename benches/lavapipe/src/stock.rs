@@ -4,7 +4,7 @@
 //! one draw call; meshes with several items are stored once and drawn as instances.
 
 use crate::weld::{Shade, Vertex, Weld};
-use enfilade::{Aabb, Alpha, Geometry, Item, ItemId, Mesh};
+use enfilade::{Aabb, Alpha, Geometry, Item, ItemIndex, Mesh};
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
@@ -71,7 +71,7 @@ pub(crate) struct Stock {
     pub(crate) vertices: Vec<Vertex>,
     pub(crate) indices: Vec<u32>,
     pub(crate) shapes: Vec<Shape>,
-    /// By [`ItemId`].
+    /// By [`ItemIndex`].
     pub(crate) items: Vec<ItemDraw>,
 }
 
@@ -114,7 +114,7 @@ fn place(item: &Item) -> (DMat3, DVec3) {
 }
 
 /// Returns the items along a Morton curve, which keeps neighbours together.
-fn by_place(geometry: &Geometry) -> Vec<ItemId> {
+fn by_place(geometry: &Geometry) -> Vec<ItemIndex> {
     let bounds = geometry.bounds();
     let code = |item: &Item| {
         let center = item.bounds.center();
@@ -126,7 +126,7 @@ fn by_place(geometry: &Geometry) -> Vec<ItemId> {
             steps.iter().fold(code, |code, step| code << 1 | step >> bit & 1)
         })
     };
-    let mut order: Vec<ItemId> = (0..geometry.items().len() as u32).map(ItemId).collect();
+    let mut order: Vec<ItemIndex> = (0..geometry.items().len() as u32).map(ItemIndex).collect();
     order.sort_by_key(|&id| (code(geometry.item(id)), id));
     order
 }
@@ -141,7 +141,7 @@ struct Builder {
 
 impl Builder {
     /// Adds an item's mesh, transformed; returns the index of the shape.
-    fn add(&mut self, geometry: &Geometry, id: ItemId, matrix: DMat3, translation: DVec3) -> usize {
+    fn add(&mut self, geometry: &Geometry, id: ItemIndex, matrix: DMat3, translation: DVec3) -> usize {
         let mesh = geometry.mesh_of(id);
         let mirrored = matrix.determinant() < 0.0;
         let moved: Vec<DVec3> = mesh

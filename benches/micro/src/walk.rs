@@ -7,7 +7,7 @@ use super::truth::{ErrorCounts, Truth};
 use super::{Row, SUB_TILE_BYTES, Verification, Workload};
 use anyhow::{Result, bail};
 use enfilade::cover::Hides;
-use enfilade::{Aabb, Alpha, Geometry, ItemId, OccluderMesh, Passage, Scene, SectorId, Stats, View};
+use enfilade::{Aabb, Alpha, Geometry, ItemIndex, OccluderMesh, Passage, Scene, SectorId, Stats, View};
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -56,7 +56,7 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
     let mut parts = Vec::new();
     for sector in scene.sectors() {
         if let Some(geometry) = scene.geometry(sector) {
-            let items = (0..geometry.items().len() as u32).map(ItemId);
+            let items = (0..geometry.items().len() as u32).map(ItemIndex);
             parts.extend(items.filter_map(|item| Part::new(sector, geometry, item)));
         }
     }
@@ -89,7 +89,7 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
 
 impl Part {
     /// Returns `None` for an item that occludes nothing.
-    fn new(sector: SectorId, geometry: &Geometry, item: ItemId) -> Option<Part> {
+    fn new(sector: SectorId, geometry: &Geometry, item: ItemIndex) -> Option<Part> {
         if !geometry.holds(item) || !geometry.item(item).is_occluder {
             return None;
         }

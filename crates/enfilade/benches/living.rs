@@ -6,7 +6,7 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
-    GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Transform,
+    GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Transform,
     View, Viewer,
 };
 use std::hint::black_box;
@@ -102,7 +102,7 @@ impl Town {
         let mut edit = self.scene.edit();
         for number in 0..self.people {
             let there = walker(number, moment, self.side);
-            edit.set_transform(TOWN, ItemId(number), there)
+            edit.set_transform(TOWN, ItemIndex(number).into(), there)
                 .expect("a place in the town");
         }
         let edited = edit.finish().expect("a small town");

@@ -6,7 +6,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use enfilade::cover::{Cover, Hides, MaskedDepth};
 use enfilade::order::{BvhOrder, Order, Visit};
 use enfilade::{
-    Faces, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Occluder, OccluderRoom,
+    Faces, Geometry, GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, Occluder, OccluderRoom,
     OccluderSelection, OccluderSet, Passage, Region, SceneBuilder, SectorId, Stats, Transform, View, Viewer,
     Visibility,
 };
@@ -105,7 +105,7 @@ impl Visit for Boxes {
         Visibility::Partial
     }
 
-    fn first_time(&mut self, _item: ItemId) -> bool {
+    fn first_time(&mut self, _item: ItemIndex) -> bool {
         true
     }
 

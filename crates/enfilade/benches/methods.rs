@@ -6,7 +6,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use enfilade::geom::{BspOptions, BspStep, BspTree, Polygons};
 use enfilade::order::{Bsp, FarToNear, Order};
 use enfilade::{
-    Canvas, Contract, Geometry, ItemId, Method, Passage, PassageId, Scene, SectorId, Span, View, Viewer,
+    Canvas, Contract, Geometry, ItemIndex, Method, Passage, PassageId, Scene, SectorId, Span, View, Viewer,
     VisibleItem, VisibleSet,
 };
 
@@ -46,7 +46,7 @@ fn count(set: &VisibleSet, scene: &Scene) -> usize {
     let clusters = |item: &VisibleItem| match set.clusters(item).len() {
         0 => {
             let geometry = scene.geometry(set.passage(item.passage).sector);
-            geometry.map_or(1, |geometry| geometry.mesh_of(item.item).clusters().len())
+            geometry.map_or(1, |geometry| geometry.mesh_of(item.item.index).clusters().len())
         }
         some => some,
     };
@@ -174,7 +174,7 @@ fn four_cylinders(criterion: &mut Criterion) {
 fn polygons(geometry: &Geometry) -> Polygons {
     let mut polygons = Polygons::default();
     polygons.starts.push(0);
-    for item in (0..geometry.items().len() as u32).map(ItemId) {
+    for item in (0..geometry.items().len() as u32).map(ItemIndex) {
         let (mesh, place) = (geometry.mesh_of(item), geometry.item(item).transform());
         for face in 0..mesh.face_count() {
             let corners = mesh.face(face).iter();

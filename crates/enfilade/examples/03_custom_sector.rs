@@ -31,7 +31,7 @@ impl Sector for Lit {
     fn cast(&self, ray: &Ray) -> Option<Hit> {
         self.0.cast(ray)
     }
-    fn surface(&self, item: ItemId, face: u32) -> Surface {
+    fn surface(&self, item: ItemIndex, face: u32) -> Surface {
         self.0.surface(item, face)
     }
 }

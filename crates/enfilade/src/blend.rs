@@ -65,12 +65,12 @@ fn far_to_near(items: &mut [VisibleItem], passage: &Passage, geometry: &Geometry
             .sum()
     };
     items.sort_by(|a, b| {
-        let [a, b] = [a, b].map(|item| (away(&geometry.item(item.item).bounds), item.item));
+        let [a, b] = [a, b].map(|item| (away(&geometry.item(item.item.index).bounds), item.item));
         b.0.total_cmp(&a.0).then(a.1.cmp(&b.1))
     });
     let sorted: Vec<(VisibleItem, Aabb)> = items
         .iter()
-        .map(|item| (*item, geometry.item(item.item).bounds))
+        .map(|item| (*item, geometry.item(item.item.index).bounds))
         .collect();
     // For each item, the number of remaining items that must come before it.
     let must_come_first = |a: &Aabb, b: &Aabb| may_lie_over(b, a, eye) && !may_lie_over(a, b, eye);

@@ -1,7 +1,7 @@
 //! What a visible set holds, by the scene that was looked at: names and triangles, and what frustum culling alone would
 //! draw.
 
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::scene::Scene;
 use crate::view::visible::{VisibleItem, VisibleSet};
 use std::collections::BTreeSet;
@@ -12,7 +12,7 @@ impl VisibleSet {
     pub fn names<'a>(&'a self, scene: &'a Scene) -> impl Iterator<Item = &'a str> {
         self.items.iter().map(|item| {
             let geometry = scene.geometry(self.passage(item.passage).sector);
-            geometry.map_or("", |geometry| geometry.name(item.item))
+            geometry.map_or("", |geometry| geometry.name(item.item.index))
         })
     }
 
@@ -22,9 +22,9 @@ impl VisibleSet {
             let sector = self.passage(item.passage).sector;
             let clusters = self.clusters(item);
             let Some(geometry) = scene.geometry(sector) else {
-                return scene.sector(sector).item_triangles(item.item, clusters);
+                return scene.sector(sector).item_triangles(item.item.index, clusters);
             };
-            let mesh = geometry.mesh_of(item.item);
+            let mesh = geometry.mesh_of(item.item.index);
             if clusters.is_empty() {
                 mesh.triangle_count()
             } else {
@@ -60,7 +60,7 @@ impl VisibleSet {
                 continue;
             }
             let own = scene.sector(passage.sector);
-            for item in (0..own.item_count()).map(ItemId) {
+            for item in (0..own.item_count()).map(ItemIndex) {
                 if passage.frustum_meets(&passage.screen_from_sector, &own.item_bounds(item)) {
                     meet(item, &|| own.item_triangles(item, &[]));
                 }

@@ -2,7 +2,7 @@
 
 use crate::geom::Step;
 use crate::geometry::{Alpha, Geometry};
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 use crate::mesh::Cluster;
 use crate::view::opening_view::OpeningView;
 use crate::view::passage::Passage;
@@ -58,7 +58,7 @@ pub(crate) struct Cut {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaceSource {
     /// A cluster of an item, by its index in [`Mesh::clusters`](crate::Mesh::clusters).
-    Item(ItemId, u32),
+    Item(ItemIndex, u32),
     /// An opening: one face, not clipped at the near plane.
     Opening(OpeningId),
 }
@@ -67,7 +67,7 @@ impl<'a> Faces<'a> {
     /// Returns the faces of a cluster of an item.
     pub(crate) fn of_cluster(
         geometry: &'a Geometry,
-        item: ItemId,
+        item: ItemIndex,
         number: u32,
         screen_from_local: &'a DAffine3,
     ) -> Faces<'a> {
@@ -100,7 +100,7 @@ impl<'a> Faces<'a> {
         screen_from_local: &'a DAffine3,
     ) -> Faces<'a> {
         Faces {
-            source: FaceSource::Item(ItemId(0), 0),
+            source: FaceSource::Item(ItemIndex(0), 0),
             first_owner: 0,
             item_start: 0,
             positions,
@@ -121,7 +121,7 @@ impl<'a> Faces<'a> {
     #[cfg(feature = "classic")]
     pub(crate) fn of_face(
         geometry: &'a Geometry,
-        item: ItemId,
+        item: ItemIndex,
         face: u32,
         screen_from_local: &'a DAffine3,
         cuts: &'a [Cut],

@@ -16,10 +16,33 @@ pub struct OpeningId(pub u16);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PassageId(pub u32);
 
-/// Identifies an item of a sector: its index in [`Geometry::items`](crate::Geometry::items).
+/// Index of an item in [`Geometry::items`](crate::Geometry::items). The index of a removed item is reused by a later one;
+/// keep an [`ItemId`] to recognize that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ItemIndex(pub u32);
+
+/// Identifies an item of a sector for as long as the sector keeps its geometry: an index and a generation.
+///
+/// An item that reuses the index of a removed one has another generation, so a stale id never names another item:
+/// edits return [`EditError::NoSuchItem`](crate::EditError::NoSuchItem) for it, and
+/// [`Geometry::index_of`](crate::Geometry::index_of) returns `None`.
+#[doc(alias = "handle")]
 #[doc(alias = "instance id")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ItemId(pub u32);
+pub struct ItemId {
+    /// Index among the items of the sector.
+    pub index: ItemIndex,
+    /// 0 for the items of a [`GeometryBuilder`](crate::GeometryBuilder) and of custom sectors; counts the items that
+    /// edits have added to the sector.
+    pub generation: u32,
+}
+
+impl From<ItemIndex> for ItemId {
+    /// Returns the id of an item that was built with its geometry, or of an item of a custom sector: generation 0.
+    fn from(index: ItemIndex) -> ItemId {
+        ItemId { index, generation: 0 }
+    }
+}
 
 /// Identifies a mesh of a geometry: its index in [`Geometry::meshes`](crate::Geometry::meshes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -122,11 +122,12 @@ pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use geometry::{
     Alpha, BakedCells, BakedCellsError, CellNode, CellSide, CellTree, Filter, Geometry, GeometryBuilder,
-    GeometryError, Item, Material, Minify, MovedItem, Opening, Owner, Owners, Texture, TextureError, Wrap,
+    GeometryError, Item, ItemLabel, Material, Minify, MovedItem, Opening, Owner, Owners, Texture,
+    TextureError, Wrap,
 };
 pub use ids::{
-    CellId, ItemId, LightId, MaterialId, MeshId, NestedId, OpeningId, PassageId, PortalId, SectorId,
-    TextureId,
+    CellId, ItemId, ItemIndex, LightId, MaterialId, MeshId, NestedId, OpeningId, PassageId, PortalId,
+    SectorId, TextureId,
 };
 #[cfg(feature = "terrain")]
 pub use large_terrain::{HeightBytes, HeightFormat, Heights, LargeTerrain};

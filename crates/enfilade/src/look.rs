@@ -247,14 +247,18 @@ impl Look<'_> {
             }
         };
         self.set.items.extend(seen.items.iter().map(|seen| {
-            let region = match geometry {
+            let (item, key, region) = match geometry {
                 Some(geometry) => {
                     let screen_from_item = passage.screen_from(&geometry.item(seen.item).transform());
-                    Region::of(passage, &screen_from_item, &geometry.mesh_of(seen.item).bounds())
+                    let region =
+                        Region::of(passage, &screen_from_item, &geometry.mesh_of(seen.item).bounds());
+                    (geometry.id_of(seen.item), geometry.key(seen.item), region)
                 }
                 None => {
-                    let bounds = self.scene.sector(passage.sector).item_bounds(seen.item);
-                    Region::of(passage, &passage.screen_from_sector, &bounds)
+                    let sector = self.scene.sector(passage.sector);
+                    let bounds = sector.item_bounds(seen.item);
+                    let region = Region::of(passage, &passage.screen_from_sector, &bounds);
+                    (seen.item.into(), sector.item_key(seen.item), region)
                 }
             };
             let size_px = region.map_or(0, |Region { rect, .. }| {
@@ -262,7 +266,8 @@ impl Look<'_> {
             });
             VisibleItem {
                 passage: id,
-                item: seen.item,
+                item,
+                key,
                 size_px,
                 blends: geometry.is_some_and(|geometry| blends(geometry, seen)),
                 clusters: seen.clusters.map(|at| at + shift),

@@ -3,7 +3,7 @@
 use crate::contract::Contract;
 use crate::geom::Aabb;
 use crate::geometry::{Alpha, Opening};
-use crate::ids::ItemId;
+use crate::ids::{ItemId, ItemIndex};
 use crate::view::canvas::Canvas;
 use crate::view::collector::Collector;
 use crate::view::memory::Memory;
@@ -55,7 +55,7 @@ pub trait Sector: Send + Sync {
     fn cast(&self, ray: &Ray) -> Option<Hit>;
 
     /// Returns normal, position, color and alpha of a face.
-    fn surface(&self, item: ItemId, face: u32) -> Surface;
+    fn surface(&self, item: ItemIndex, face: u32) -> Surface;
 
     /// Runs the traversal order through `passage` without a cover, to measure what the order alone costs.
     ///
@@ -74,7 +74,7 @@ pub trait Sector: Send + Sync {
         0
     }
 
-    /// Returns the number of items; their ids are 0 up to this number, exclusive. Default 0 (unknown).
+    /// Returns the number of items; their indices are 0 up to this number, exclusive, and their generation is 0. Default 0 (unknown).
     ///
     /// Used for counting, and only for custom sectors: for others
     /// [`Scene::geometry`](crate::Scene::geometry) has the items.
@@ -82,8 +82,13 @@ pub trait Sector: Send + Sync {
         0
     }
 
+    /// Returns the key of an item for [`VisibleItem::key`](crate::VisibleItem::key). Default: its index.
+    fn item_key(&self, item: ItemIndex) -> u64 {
+        u64::from(item.0)
+    }
+
     /// Returns the name of an item for display. Default: empty (no name).
-    fn item_name(&self, _item: ItemId) -> String {
+    fn item_name(&self, _item: ItemIndex) -> String {
         String::new()
     }
 
@@ -91,13 +96,13 @@ pub trait Sector: Send + Sync {
     ///
     /// The viewer projects it for [`VisibleItem::size_px`](crate::VisibleItem::size_px), which is 0 if it is empty, and
     /// [`VisibleSet::in_frustum`](crate::VisibleSet::in_frustum) tests it.
-    fn item_bounds(&self, _item: ItemId) -> Aabb {
+    fn item_bounds(&self, _item: ItemIndex) -> Aabb {
         Aabb::EMPTY
     }
 
     /// Returns the number of triangles in the given clusters of an item, or in all of them if `_clusters` is empty.
     /// Default 0 (unknown).
-    fn item_triangles(&self, _item: ItemId, _clusters: &[u32]) -> u64 {
+    fn item_triangles(&self, _item: ItemIndex, _clusters: &[u32]) -> u64 {
         0
     }
 }
@@ -128,6 +133,8 @@ pub struct Ray {
 pub struct Hit {
     /// The item that was hit.
     pub item: ItemId,
+    /// The key of the item.
+    pub key: u64,
     /// Index of the face in the item's mesh.
     pub face: u32,
     /// Distance from the ray's origin, in lengths of the ray's direction; above zero.

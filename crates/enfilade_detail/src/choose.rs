@@ -1,7 +1,7 @@
 //! LOD selection by screen-space error.
 
 use crate::{Details, Key};
-use enfilade::{Aabb, ItemId, Passage, Scene, VisibleSet};
+use enfilade::{Aabb, ItemId, ItemIndex, Passage, Scene, SectorId, VisibleSet};
 use std::collections::BTreeMap;
 
 /// The level that an item should have.
@@ -23,7 +23,7 @@ impl Details {
                 return;
             };
             let bounds = &self.sources[&self.items[&key].source].bounds;
-            let pixels = passage.pixels_per_unit(&geometry.item(item).transform(), bounds);
+            let pixels = passage.pixels_per_unit(&geometry.item(item.index).transform(), bounds);
             let known = most.entry(key).or_default();
             *known = known.max(pixels);
         };
@@ -54,11 +54,12 @@ impl Details {
     /// everything drawn.
     fn entered(&self, scene: &Scene, passage: &Passage) -> impl Iterator<Item = ItemId> {
         let begins = beginnings(scene, passage);
-        let here = (passage.sector, ItemId(0))..=(passage.sector, ItemId(u32::MAX));
+        let first_of = |sector| (sector, ItemId::from(ItemIndex(0)));
+        let here = first_of(passage.sector)..first_of(SectorId(passage.sector.0 + 1));
         let geometry = scene.geometry(passage.sector);
         self.items.range(here).filter_map(move |(key, _)| {
-            let held = geometry.filter(|geometry| geometry.holds(key.1))?;
-            let bounds = &held.item(key.1).bounds;
+            let held = geometry?;
+            let bounds = &held.item(held.index_of(key.1)?).bounds;
             let begins_within = begins.iter().flatten().any(|begin| begin.meets(bounds));
             (begins_within && passage.may_show(bounds)).then_some(key.1)
         })

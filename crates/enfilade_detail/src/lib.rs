@@ -335,7 +335,7 @@ impl DetailedItem {
 fn scene_item(scene: &Scene, (sector, item): Key) -> Option<(&Arc<Mesh>, bool)> {
     let there = (sector.0 as usize) < scene.sector_count();
     let geometry = there.then(|| scene.geometry(sector)).flatten()?;
-    let item = geometry.holds(item).then(|| geometry.item(item))?;
+    let item = geometry.item(geometry.index_of(item)?);
     Some((&geometry.meshes()[item.mesh.0 as usize], item.is_occluder))
 }
 

@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut people: Vec<Person> = (0..100).map(start).collect();
     let mut kinds: Vec<Arc<Mesh>> = Vec::new();
     for geometry in scene.sectors().filter_map(|id| scene.geometry(id)) {
-        for (id, item) in (0..).map(ItemId).zip(geometry.items()) {
+        for (id, item) in (0..).map(ItemIndex).zip(geometry.items()) {
             let mesh = &geometry.meshes()[item.mesh.0 as usize];
             if geometry.name(id).contains(": statue") && !kinds.iter().any(|kind| Arc::ptr_eq(kind, mesh)) {
                 kinds.push(Arc::clone(mesh));
@@ -88,7 +88,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let there = Transform::translation(feet.into()) * turn;
                 let item = match before.iter().find(|item| item.0 == sector) {
                     Some(&(_, item)) => edit.set_transform(sector, item, there).map(|()| item)?,
-                    None => edit.add(sector, "person", kinds[number % kinds.len()].clone(), there)?,
+                    None => edit
+                        .add(sector, "person", kinds[number % kinds.len()].clone(), there)?
+                        .index
+                        .into(),
                 };
                 somebody.items.push((sector, item));
             }

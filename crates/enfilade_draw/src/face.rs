@@ -8,7 +8,7 @@
 use crate::lamps::{CutBy, PassageLight};
 use crate::mips::Mips;
 use crate::stage::Stage;
-use enfilade::{Alpha, Geometry, ItemId, Passage, Surface, Transform};
+use enfilade::{Alpha, Geometry, ItemIndex, Passage, Surface, Transform};
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
@@ -165,7 +165,7 @@ impl<'s> Face<'s> {
     /// Creates a face of a geometry, with its textures and vertex attributes.
     pub(crate) fn of_geometry(
         (geometry, stage): (&Geometry, &'s Stage),
-        (item, face): (ItemId, u32),
+        (item, face): (ItemIndex, u32),
         surface: &Surface,
         rays: &Rays,
         lights: &[PassageLight],

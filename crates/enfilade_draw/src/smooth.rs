@@ -98,7 +98,7 @@ mod tests {
     use crate::shade::Row;
     use crate::stage::{Exposure, Stage};
     use enfilade::{
-        Attributes, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Part, SceneBuilder,
+        Attributes, GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, Part, SceneBuilder,
         SectorId, Transform, View, Viewer,
     };
 
@@ -140,8 +140,8 @@ mod tests {
             let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 48]);
             let rays = crate::face::Rays::new(&Viewer::new().look(&scene, &view).passages()[0]);
             let geometry = scene.geometry(SectorId(0)).expect("a geometry");
-            let surface = scene.sector(SectorId(0)).surface(ItemId(0), 0);
-            let face = Face::of_geometry((geometry, &stage), (ItemId(0), 0), &surface, &rays, &[]);
+            let surface = scene.sector(SectorId(0)).surface(ItemIndex(0), 0);
+            let face = Face::of_geometry((geometry, &stage), (ItemIndex(0), 0), &surface, &rays, &[]);
             let tone = crate::light::Tone {
                 exposure: 1.0,
                 soft: false,

@@ -16,7 +16,8 @@ use common::{Lens, Place, folder, in_turn, median_of, open};
 use enfilade::geom::BspOptions;
 use enfilade::order::{Bsp, NearToFar, Order, Visit};
 use enfilade::{
-    Alpha, FaceSource, Faces, Geometry, GeometryBuilder, ItemId, MeshId, Passage, Region, Viewer, Visibility,
+    Alpha, FaceSource, Faces, Geometry, GeometryBuilder, ItemIndex, MeshId, Passage, Region, Viewer,
+    Visibility,
 };
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -48,7 +49,7 @@ impl Visit for Pieces<'_> {
         Visibility::Partial
     }
 
-    fn first_time(&mut self, _item: ItemId) -> bool {
+    fn first_time(&mut self, _item: ItemIndex) -> bool {
         true
     }
 
@@ -163,9 +164,9 @@ fn floors(cells: &Path) -> Vec<f32> {
 }
 
 /// Deals the items out: those with the same key go together.
-fn cut(name: &'static str, geometry: &Geometry, key: impl Fn(ItemId, [f32; 3]) -> [i32; 3]) -> Cut {
-    let mut dealt: BTreeMap<[i32; 3], Vec<ItemId>> = BTreeMap::new();
-    for id in (0..geometry.items().len() as u32).map(ItemId) {
+fn cut(name: &'static str, geometry: &Geometry, key: impl Fn(ItemIndex, [f32; 3]) -> [i32; 3]) -> Cut {
+    let mut dealt: BTreeMap<[i32; 3], Vec<ItemIndex>> = BTreeMap::new();
+    for id in (0..geometry.items().len() as u32).map(ItemIndex) {
         let center = geometry.item(id).bounds.center();
         dealt.entry(key(id, center)).or_default().push(id);
     }
@@ -179,7 +180,7 @@ fn cut(name: &'static str, geometry: &Geometry, key: impl Fn(ItemId, [f32; 3]) -
 }
 
 /// Returns some items of a geometry as a separate geometry; meshes are shared.
-fn part(geometry: &Geometry, items: &[ItemId]) -> Geometry {
+fn part(geometry: &Geometry, items: &[ItemIndex]) -> Geometry {
     let mut builder = GeometryBuilder::new(geometry.materials().to_vec());
     let mut taken: BTreeMap<u32, MeshId> = BTreeMap::new();
     for &id in items {

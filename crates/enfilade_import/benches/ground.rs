@@ -10,7 +10,7 @@
 mod common;
 
 use common::{SIZE, folder, in_turn, median_of};
-use enfilade::{ItemId, Method, Ray, Scene, View, Viewer};
+use enfilade::{ItemIndex, Method, Ray, Scene, View, Viewer};
 use enfilade_draw::{Settings, Stage};
 use enfilade_import::{ReadOptions, read};
 
@@ -36,7 +36,7 @@ fn main() {
         .expect("one sector");
     let geometry = &import.rooms[0].geometry;
     let clusters: usize = (0..geometry.items().len() as u32)
-        .map(|item| geometry.mesh_of(ItemId(item)).clusters().len())
+        .map(|item| geometry.mesh_of(ItemIndex(item)).clusters().len())
         .sum();
     let views = valleys(&scene);
     let scenes = METHODS.map(|method| scene.with_method(method, Method::DEFAULT_LIMIT).expect("it fits"));

@@ -11,7 +11,7 @@ mod common;
 
 use common::land::{INSIDE, OUTSIDE, house_in_a_valley};
 use common::{Paint, SIZE, folder, in_turn};
-use enfilade::{Contract, ItemId, Method, Scene, SectorId, View, Viewer, ViewerOptions};
+use enfilade::{Contract, ItemIndex, Method, Scene, SectorId, View, Viewer, ViewerOptions};
 use std::collections::BTreeSet;
 
 const ROUNDS: usize = 5;
@@ -101,11 +101,11 @@ fn items(scene: &Scene, exact: &Scene, views: &[View]) -> usize {
     sum
 }
 
-fn distinct(viewer: &mut Viewer, scene: &Scene, view: &View) -> BTreeSet<(SectorId, ItemId)> {
+fn distinct(viewer: &mut Viewer, scene: &Scene, view: &View) -> BTreeSet<(SectorId, ItemIndex)> {
     let set = viewer.look(scene, view);
     let items = set.items().iter();
     items
-        .map(|seen| (set.passage(seen.passage).sector, seen.item))
+        .map(|seen| (set.passage(seen.passage).sector, seen.item.index))
         .collect()
 }
 

@@ -1,6 +1,6 @@
 //! Maps the items of a room to the nodes of its file.
 
-use enfilade::ItemId;
+use enfilade::ItemIndex;
 use std::collections::BTreeMap;
 
 /// The nodes that the items of a room come from: their indices in the file, and ids that other programs assigned to
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Default)]
 pub struct SourceNodes {
     /// First item of each node, with the node's index, in item order.
-    firsts: Vec<(ItemId, u32)>,
+    firsts: Vec<(ItemIndex, u32)>,
     /// Ids by node index.
     ids: BTreeMap<u32, Box<str>>,
 }
@@ -19,7 +19,7 @@ pub struct SourceNodes {
 impl SourceNodes {
     /// Records that `item` comes from `node`. Items must be added in increasing order and grouped by node; only the
     /// first item of each node is required.
-    pub(crate) fn add(&mut self, item: ItemId, node: u32, id: Option<&str>) {
+    pub(crate) fn add(&mut self, item: ItemIndex, node: u32, id: Option<&str>) {
         if self.firsts.last().is_some_and(|&(_, last)| last == node) {
             return;
         }
@@ -32,7 +32,7 @@ impl SourceNodes {
     /// Returns the index of an item's node in the `nodes` of its glTF file; `None` if the file has no nodes.
     ///
     /// All instances of a node, and all blocks of a terrain, return the same node.
-    pub fn node(&self, item: ItemId) -> Option<u32> {
+    pub fn node(&self, item: ItemIndex) -> Option<u32> {
         let after = self.firsts.partition_point(|&(first, _)| first <= item);
         Some(self.firsts[..after].last()?.1)
     }
@@ -43,7 +43,7 @@ impl SourceNodes {
     /// The id is the value of `globalId`, `ifcGuid`, `guid`, `uuid` or `id`; if a node has several of these keys, the
     /// first in this order. Case and underscores of the key are ignored: `GlobalId` and `global_id` match `globalId`.
     /// The value is a non-empty string or an integer, of at most 256 bytes.
-    pub fn id(&self, item: ItemId) -> Option<&str> {
+    pub fn id(&self, item: ItemIndex) -> Option<&str> {
         self.ids.get(&self.node(item)?).map(|id| &**id)
     }
 }
@@ -55,10 +55,10 @@ mod tests {
     #[test]
     fn all_items_of_a_node_have_its_index_and_its_id() {
         let mut nodes = SourceNodes::default();
-        nodes.add(ItemId(0), 4, None);
-        (1..4).for_each(|item| nodes.add(ItemId(item), 7, Some("trees")));
-        nodes.add(ItemId(4), 9, None);
-        let of = |item| (nodes.node(ItemId(item)), nodes.id(ItemId(item)));
+        nodes.add(ItemIndex(0), 4, None);
+        (1..4).for_each(|item| nodes.add(ItemIndex(item), 7, Some("trees")));
+        nodes.add(ItemIndex(4), 9, None);
+        let of = |item| (nodes.node(ItemIndex(item)), nodes.id(ItemIndex(item)));
         assert_eq!(of(0), (Some(4), None));
         assert_eq!([of(1), of(3)], [(Some(7), Some("trees")); 2]);
         assert_eq!(of(4), (Some(9), None));
@@ -67,6 +67,6 @@ mod tests {
     #[test]
     fn items_of_a_file_without_nodes_have_none() {
         let nodes = SourceNodes::default();
-        assert_eq!((nodes.node(ItemId(0)), nodes.id(ItemId(0))), (None, None));
+        assert_eq!((nodes.node(ItemIndex(0)), nodes.id(ItemIndex(0))), (None, None));
     }
 }

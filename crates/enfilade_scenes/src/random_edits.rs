@@ -1,7 +1,7 @@
 //! Random edits, to test properties that must hold for every edited scene.
 
 use crate::random::Random;
-use enfilade::{EditStats, Geometry, ItemId, Scene, SceneError, SectorId, Transform};
+use enfilade::{EditStats, Geometry, ItemIndex, Scene, SceneError, SectorId, Transform};
 use std::sync::Arc;
 
 /// Applies `count` random edits in one transaction: adds copies of items, removes, moves, rotates, mirrors, flattens,
@@ -29,22 +29,23 @@ pub fn random_edits(
         let Some(geometry) = edit.scene().geometry(sector) else {
             continue;
         };
-        let item = ItemId(random.below(geometry.items().len()) as u32);
-        let other = ItemId(random.below(geometry.items().len()) as u32);
+        let item = ItemIndex(random.below(geometry.items().len()) as u32);
+        let other = ItemIndex(random.below(geometry.items().len()) as u32);
         let [mesh, other_mesh] =
             [item, other].map(|item| Arc::clone(&geometry.meshes()[geometry.item(item).mesh.0 as usize]));
         let name = geometry.name(item).to_owned();
         let there = elsewhere(geometry, item, random);
         let is_there = geometry.holds(item);
+        let id = geometry.id_of(item);
         let crowded = geometry.item_count() > at_first[sector.0 as usize];
         // Edits of removed items, and edits that leave an item without faces, return an error and change nothing.
         let _ = match random.below(10) {
-            0 if crowded => edit.remove(sector, item),
+            0 if crowded => edit.remove(sector, id),
             0 | 1 if is_there => edit.add(sector, &name, mesh, there).map(|_| ()),
-            2 => edit.remove(sector, item),
-            3 => edit.set_mesh(sector, item, other_mesh),
-            4 => edit.set_occluder(sector, item, random.below(3) > 0),
-            _ => edit.set_transform(sector, item, there),
+            2 => edit.remove(sector, id),
+            3 => edit.set_mesh(sector, id, other_mesh),
+            4 => edit.set_occluder(sector, id, random.below(3) > 0),
+            _ => edit.set_transform(sector, id, there),
         };
     }
     edit.finish()
@@ -52,7 +53,7 @@ pub fn random_edits(
 
 /// Returns a random transform for an item: moved a little or anywhere in and around the sector's bounds, and sometimes
 /// rotated, mirrored or flattened.
-fn elsewhere(geometry: &Geometry, item: ItemId, random: &mut Random) -> Transform {
+fn elsewhere(geometry: &Geometry, item: ItemIndex, random: &mut Random) -> Transform {
     let bounds = geometry.bounds();
     let size = bounds.size();
     let transform = geometry.item(item).transform();

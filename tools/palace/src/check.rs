@@ -74,7 +74,7 @@ fn seen(viewer: &mut Viewer, scene: &Scene, view: &View) -> BTreeSet<(u32, Strin
     for found in viewer.visible().items() {
         let sector = viewer.visible().passages()[found.passage.0 as usize].sector;
         let geometry = scene.geometry(sector).expect("all sectors have geometry");
-        seen.insert((sector.0, geometry.name(found.item).to_owned()));
+        seen.insert((sector.0, geometry.name(found.item.index).to_owned()));
     }
     seen
 }
@@ -104,7 +104,7 @@ fn contents(generated: &Scene, read: &Scene) -> Result<()> {
         let [a, b] = [generated, read].map(|scene| scene.geometry(id).context("geometry"));
         let (a, b) = (a?, b?);
         ensure!(a.items().len() == b.items().len(), "{name}: items");
-        for (item, one) in (0..).map(enfilade::ItemId).zip(a.items()) {
+        for (item, one) in (0..).map(enfilade::ItemIndex).zip(a.items()) {
             let called = a.name(item);
             ensure!(
                 called == b.name(item),

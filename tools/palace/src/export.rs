@@ -4,7 +4,7 @@ use crate::document::{Document, number, numbers};
 use crate::meshes::{Grid, Streams};
 use crate::textures;
 use anyhow::{Context, Result, ensure};
-use enfilade::{Geometry, ItemId, Light, LightShape, Mesh, Method, Portal, Scene, Transform, View};
+use enfilade::{Geometry, ItemIndex, Light, LightShape, Mesh, Method, Portal, Scene, Transform, View};
 use enfilade_scenes::{BuiltIn, Camera};
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Value, json};
@@ -38,20 +38,20 @@ pub(crate) fn glb(built: &BuiltIn) -> Result<Vec<u8>> {
         let count = geometry.items().len() as u32;
         let mut item = 0;
         while item < count {
-            let name = geometry.name(ItemId(item));
-            let transform = geometry.item(ItemId(item)).transform();
+            let name = geometry.name(ItemIndex(item));
+            let transform = geometry.item(ItemIndex(item)).transform();
             let mut node;
             if let Some(terrain) = terrain_of(name) {
                 let blocks = (item..count)
-                    .take_while(|&item| terrain_of(geometry.name(ItemId(item))) == Some(terrain));
-                let meshes: Vec<Arc<Mesh>> = blocks.map(|block| mesh(geometry, ItemId(block))).collect();
+                    .take_while(|&item| terrain_of(geometry.name(ItemIndex(item))) == Some(terrain));
+                let meshes: Vec<Arc<Mesh>> = blocks.map(|block| mesh(geometry, ItemIndex(block))).collect();
                 item += meshes.len() as u32;
                 let mesh = streams.mesh(&meshes, Grid::Exact, geometry.materials(), geometry.textures());
                 node = json!({"name": terrain, "mesh": document.push("meshes", mesh),
                     "extras": {"enfilade": {"kind": "terrain"}}});
             } else {
                 ensure!(names.insert(name.to_owned()), "two items are called {name}");
-                let mesh = mesh(geometry, ItemId(item));
+                let mesh = mesh(geometry, ItemIndex(item));
                 item += 1;
                 let bounds_room = is_cell || name.contains(": shell ");
                 let grid = if bounds_room { Grid::Shell } else { Grid::Rounded };
@@ -106,7 +106,7 @@ fn geometry(scene: &Scene, id: enfilade::SectorId) -> Result<&Arc<Geometry>> {
     scene.geometry(id).context("a sector has no geometry")
 }
 
-fn mesh(geometry: &Geometry, item: ItemId) -> Arc<Mesh> {
+fn mesh(geometry: &Geometry, item: ItemIndex) -> Arc<Mesh> {
     Arc::clone(&geometry.meshes()[geometry.item(item).mesh.0 as usize])
 }
 

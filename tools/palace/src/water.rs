@@ -1,7 +1,7 @@
 //! The water of the palace's fountain, rebuilt for every moment.
 
 use crate::shape::{Dress, ball, lathe, tube};
-use enfilade::{Geometry, GeometryBuilder, ItemId, MaterialId, Transform};
+use enfilade::{Geometry, GeometryBuilder, ItemIndex, MaterialId, Transform};
 use glam::{Vec3, vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ pub fn fountain(still: &Geometry, seconds: f32) -> Geometry {
         .map(|mesh| geometry.mesh(Arc::clone(mesh)))
         .collect();
     for (number, item) in (0..).zip(still.items()) {
-        let name = still.name(ItemId(number));
+        let name = still.name(ItemIndex(number));
         if !is_water(name) {
             geometry.item(name, meshes[item.mesh.0 as usize], item.transform());
         }

@@ -36,7 +36,7 @@ fn items_of(set: &VisibleSet) -> String {
     let mut by_sector: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for item in set.items() {
         let sector = set.passage(item.passage).sector;
-        by_sector.entry(sector.0).or_default().push(item.item.0);
+        by_sector.entry(sector.0).or_default().push(item.item.index.0);
     }
     let mut text = format!("{} items in {} passages", set.items().len(), set.passages().len());
     if !set.complete() {
@@ -69,7 +69,7 @@ fn sum_of(set: &VisibleSet) -> u64 {
     }
     for item in set.items() {
         sum.add(item.passage.0.into());
-        sum.add(item.item.0.into());
+        sum.add(item.item.index.0.into());
         sum.add(item.size_px.into());
         sum.add(item.blends.into());
         for &cluster in set.clusters(item) {

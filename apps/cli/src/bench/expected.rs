@@ -12,7 +12,7 @@ use crate::prepare::{PreparedScene, drawn_by};
 use crate::progress::Progress;
 use crate::report::{ExpectedReport, Report};
 use anyhow::Result;
-use enfilade::{Contract, ItemId, Method, SectorId, View, Viewer};
+use enfilade::{Contract, ItemIndex, Method, SectorId, View, Viewer};
 
 /// Looks at all views once more, with the timed viewers, and adds to the reports how the sets compare with those of the
 /// pass before and with the expected ones.
@@ -71,8 +71,8 @@ pub(super) fn check_sets(
 /// Returns `true` if a set satisfies its contract even if no item is contested. Both sets are sorted.
 fn is_plainly_right(
     contract: Contract,
-    seen: &[(SectorId, ItemId)],
-    expected: &[(SectorId, ItemId)],
+    seen: &[(SectorId, ItemIndex)],
+    expected: &[(SectorId, ItemIndex)],
 ) -> bool {
     match contract {
         Contract::Exact => seen == expected,
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn exact_sets_are_equal_others_hold_what_is_expected_and_approximate_ones_promise_nothing() {
         let set =
-            |items: &[u32]| -> Vec<_> { items.iter().map(|&item| (SectorId(0), ItemId(item))).collect() };
+            |items: &[u32]| -> Vec<_> { items.iter().map(|&item| (SectorId(0), ItemIndex(item))).collect() };
         let right = |contract, seen: &[u32]| is_plainly_right(contract, &set(seen), &set(&[1, 3]));
         assert!(right(Contract::Exact, &[1, 3]));
         assert!(!right(Contract::Exact, &[1, 2, 3]));

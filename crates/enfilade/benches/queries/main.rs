@@ -8,7 +8,7 @@
 mod pairs;
 
 use enfilade::{
-    Aabb, BoxVisibility, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh, Method,
+    Aabb, BoxVisibility, Geometry, GeometryBuilder, ItemIndex, Location, Material, MaterialId, Mesh, Method,
     OccluderSet, Ray, Scene, SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::{Random, built_in};
@@ -208,7 +208,7 @@ fn items(bench: &Bench, place: &str, geometry: &Geometry) {
 /// Builds one mesh from all triangles of a geometry.
 fn soup(geometry: &Geometry) -> TriMesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
-    for item in (0..geometry.items().len() as u32).map(ItemId) {
+    for item in (0..geometry.items().len() as u32).map(ItemIndex) {
         let (mesh, placed) = (geometry.mesh_of(item), geometry.item(item).transform());
         let first = positions.len() as u32;
         positions.extend(mesh.positions().iter().map(|&p| Vector::from(placed.point(p))));

@@ -18,7 +18,7 @@ mod trial;
 use crate::contract::Contract;
 use crate::geom::Transform;
 use crate::geometry::Geometry;
-use crate::ids::{ItemId, SectorId};
+use crate::ids::{ItemIndex, SectorId};
 use crate::method::{Method, UnsuitedMethod};
 use crate::scene::Scene;
 use crate::view::View;
@@ -372,7 +372,7 @@ fn edit(
     };
     #[cfg(not(feature = "terrain"))]
     let is_ground = |_| false;
-    let items = (0..geometry.items().len() as u32).map(ItemId);
+    let items = (0..geometry.items().len() as u32).map(ItemIndex);
     let items = items.filter(|&item| geometry.holds(item) && !is_ground(item.0));
     let Some(item) = items.min_by_key(|&item| geometry.mesh_of(item).face_count()) else {
         return Ok(Duration::ZERO);
@@ -388,7 +388,11 @@ fn edit(
     for time in 0..4 {
         let start = clock();
         let mut edit = scene.edit();
-        let placed = edit.set_transform(sector, item, if time % 2 == 0 { there } else { here });
+        let placed = edit.set_transform(
+            sector,
+            geometry.id_of(item),
+            if time % 2 == 0 { there } else { here },
+        );
         placed.map_err(|_| SkipReason::Moves)?;
         edit.finish().map_err(|_| SkipReason::Moves)?;
         let took = clock().saturating_sub(start);

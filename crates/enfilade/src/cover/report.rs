@@ -3,7 +3,7 @@
 use super::samples::{OPEN, Sample, owner_of};
 use super::trace::Trace;
 use crate::geometry::{Owner, Owners};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::view::aperture::Rect;
 use crate::view::canvas::{Canvas, Span};
 use crate::view::collector::{Collector, GlassSample, ReportBuffers, report_owners};
@@ -35,7 +35,7 @@ impl<'a> Report<'a> {
         buffers.faces.clear();
         buffers.faces.resize(REMEMBERED, OPEN as u32);
         buffers.clusters.clear();
-        buffers.clusters.resize(REMEMBERED, (ItemId(u32::MAX), 0));
+        buffers.clusters.resize(REMEMBERED, (ItemIndex(u32::MAX), 0));
         Report {
             owners,
             buffers,

@@ -4,7 +4,7 @@ use super::report::Report;
 use super::trace::Trace;
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::Owners;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::raster::{Band, Raster, Row, Sink, Triangle};
 use crate::stats::Stats;
 use crate::view::aperture::Rect;
@@ -232,7 +232,7 @@ struct TransparentSink<'a, D> {
     /// Whether any sample of the batch is visible. Without a canvas, the rest of the batch is then skipped.
     is_seen: bool,
     seen: &'a mut Collector,
-    item: ItemId,
+    item: ItemIndex,
     item_start: u32,
 }
 

@@ -104,10 +104,19 @@ impl Transform {
         self.0.transform_point3(DVec3::from(point.map(f64::from))).into()
     }
 
-    /// Returns the smallest f32 box that contains the transformed point, so that bounding boxes lose nothing to
-    /// rounding.
+    /// Returns the smallest f32 box that contains the transformed point.
     pub(crate) fn point_box(&self, point: [f32; 3]) -> Aabb {
-        let exact: [f64; 3] = self.0.transform_point3(DVec3::from(point.map(f64::from))).into();
+        self.box_of(&[point])
+    }
+
+    /// Returns the smallest f32 box that contains the transformed points, so that bounding boxes lose nothing to
+    /// rounding; empty if there are none.
+    pub(crate) fn box_of(&self, points: &[[f32; 3]]) -> Aabb {
+        let mut exact = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for point in points {
+            let there = self.0.transform_point3(DVec3::from(point.map(f64::from)));
+            exact = [exact[0].min(there), exact[1].max(there)];
+        }
         let below = |value: f64| {
             if f64::from(value as f32) > value {
                 (value as f32).next_down()
@@ -116,8 +125,8 @@ impl Transform {
             }
         };
         Aabb {
-            min: exact.map(below),
-            max: exact.map(|value| -below(-value)),
+            min: exact[0].to_array().map(below),
+            max: exact[1].to_array().map(|value| -below(-value)),
         }
     }
 

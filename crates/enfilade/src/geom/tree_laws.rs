@@ -13,7 +13,8 @@ pub(super) trait DynamicTree: Sized {
     const MAX_LEVELS: u32;
 
     fn over(bounds: &[Aabb]) -> Self;
-    fn shift(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>);
+    /// Moves primitives from their old AABBs, given with them, to those of `bounds`.
+    fn shift(&mut self, moved: &[(u32, Aabb)], bounds: &[Aabb], touched: &mut Vec<u32>);
     fn tidy(&mut self, bounds: &[Aabb]) -> bool;
     fn root(&self) -> Option<u32>;
     fn bounds(&self, node: u32) -> Aabb;
@@ -120,22 +121,14 @@ impl<T: DynamicTree> World<T> {
         World::new((0..count).map(|_| thing(&mut random)).collect())
     }
 
-    /// Changes boxes all at once: `boxes` already returns every new box when the tree is updated one by one.
+    /// Changes boxes all at once: `bounds` already has every new box when the tree is updated.
     pub(super) fn change(&mut self, changes: &[(u32, Aabb)]) {
-        let was: Vec<Aabb> = changes
+        let was: Vec<(u32, Aabb)> = changes
             .iter()
-            .map(|&(thing, now)| std::mem::replace(&mut self.bounds[thing as usize], now))
+            .map(|&(thing, now)| (thing, std::mem::replace(&mut self.bounds[thing as usize], now)))
             .collect();
         self.touched.clear();
-        for (&(thing, _), was) in changes.iter().zip(was) {
-            let World {
-                tree,
-                bounds,
-                touched,
-                ..
-            } = self;
-            tree.shift(thing, &was, bounds, touched);
-        }
+        self.tree.shift(&was, &self.bounds, &mut self.touched);
         self.held.resize(self.tree.node_count(), 0);
         for &node in &self.touched {
             self.held[node as usize] = self.held_in(node);

@@ -5,8 +5,9 @@ use super::names::Names;
 use super::terrain::Terrain;
 use super::{BakedCells, Geometry, Item, Material, Opening, Texture};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, Transform, is_in_range};
-use crate::ids::{ItemId, MeshId, OpeningId};
+use crate::ids::{ItemId, ItemIndex, MeshId, OpeningId};
 use crate::mesh::Mesh;
+use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 use thiserror::Error;
 
@@ -16,12 +17,21 @@ pub struct GeometryBuilder {
     meshes: Vec<Arc<Mesh>>,
     materials: Arc<[Material]>,
     textures: Arc<[Arc<Texture>]>,
-    items: Vec<(MeshId, Transform, bool)>,
+    items: Vec<NewItem>,
     names: Names,
     openings: Vec<Opening>,
     cells: Option<Arc<BakedCells>>,
     #[cfg(feature = "terrain")]
     pub(crate) terrains: Vec<Terrain>,
+}
+
+/// An item that is not checked yet.
+#[derive(Clone, Debug)]
+struct NewItem {
+    mesh: MeshId,
+    sector_from_item: Transform,
+    key: u64,
+    is_occluder: bool,
 }
 
 impl GeometryBuilder {
@@ -47,17 +57,34 @@ impl GeometryBuilder {
     /// Adds an item: a mesh with an object-to-sector transform. Names need not be unique.
     #[doc(alias = "instance")]
     pub fn item(&mut self, name: &str, mesh: MeshId, sector_from_item: Transform) -> ItemId {
-        self.items.push((mesh, sector_from_item, true));
+        let index = ItemIndex(self.items.len() as u32);
+        self.items.push(NewItem {
+            mesh,
+            sector_from_item,
+            key: u64::from(index.0),
+            is_occluder: true,
+        });
         self.names.push(name);
-        ItemId(self.items.len() as u32 - 1)
+        index.into()
+    }
+
+    /// Sets the key of an item: any number by which the caller knows it, such as an entity id. Keys need not be unique.
+    /// Default: the item's index. Ignores an item that does not exist.
+    ///
+    /// Visible sets, hits and errors report it; see [`VisibleItem::key`](crate::VisibleItem::key).
+    #[doc(alias = "user data")]
+    pub fn set_key(&mut self, item: ItemId, key: u64) {
+        if let Some(item) = self.items.get_mut(item.index.0 as usize) {
+            item.key = key;
+        }
     }
 
     /// Sets whether an item may hide others; default `true`. An item that is no occluder is culled like any other, but
     /// hides nothing itself: for items whose mesh only approximates what is drawn. Give a skinned or animated object a mesh
     /// that encloses every pose (a box is enough), and make it no occluder. Ignores an item that does not exist.
     pub fn set_occluder(&mut self, item: ItemId, is_occluder: bool) {
-        if let Some((_, _, flag)) = self.items.get_mut(item.0 as usize) {
-            *flag = is_occluder;
+        if let Some(item) = self.items.get_mut(item.index.0 as usize) {
+            item.is_occluder = is_occluder;
         }
     }
 
@@ -123,16 +150,26 @@ impl GeometryBuilder {
             return Err(GeometryError::TooManyOpenings(openings.len()));
         }
         let mut items = Vec::with_capacity(placed.len());
+        let mut keys = Vec::with_capacity(placed.len());
         let mut first_faces = Vec::with_capacity(placed.len() + 1);
         let mut faces = 0_u64;
         let holes: Vec<Aabb> = openings.iter().map(|o| o.outline.bounds()).collect();
         let mut bounds = holes.iter().fold(Aabb::EMPTY, |sum, hole| sum.union(hole));
-        for (number, (mesh, transform, is_occluder)) in placed.into_iter().enumerate() {
-            let name = || names.get(number).to_owned();
+        for (number, item) in placed.into_iter().enumerate() {
+            let NewItem {
+                mesh,
+                sector_from_item: transform,
+                key,
+                is_occluder,
+            } = item;
+            let label = || ItemLabel {
+                name: names.get(number).to_owned(),
+                key,
+            };
             let built = meshes
                 .get(mesh.0 as usize)
                 .ok_or_else(|| GeometryError::NoSuchMesh {
-                    item: name(),
+                    item: label(),
                     mesh: mesh.0,
                     meshes: meshes.len(),
                 })?;
@@ -141,10 +178,10 @@ impl GeometryBuilder {
             if sector_from_item.iter().flatten().any(|v| !v.is_finite())
                 || !(held.is_empty() || (held.min.iter().chain(&held.max)).all(|v| v.is_finite()))
             {
-                return Err(GeometryError::NotFinite(name()));
+                return Err(GeometryError::NotFinite(label()));
             }
             if !(sector_from_item.iter().flatten().all(|&v| is_in_range(v)) && held.is_in_range()) {
-                return Err(GeometryError::TooFar(name()));
+                return Err(GeometryError::TooFar(label()));
             }
             bounds = bounds.union(&held);
             items.push(Item {
@@ -153,6 +190,7 @@ impl GeometryBuilder {
                 bounds: held,
                 is_occluder,
             });
+            keys.push(key);
             first_faces.push(faces as u32);
             faces += u64::from(built.face_count());
         }
@@ -170,6 +208,7 @@ impl GeometryBuilder {
             materials,
             textures,
             items,
+            keys,
             names,
             slots: None,
             openings,
@@ -196,17 +235,27 @@ const FEW_OPENINGS: usize = 16;
 /// the corners of the mesh's AABB.
 pub(super) fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
     const FEW: usize = 64;
-    let around = |points: &[[f32; 3]]| {
-        points
-            .iter()
-            .fold(Aabb::EMPTY, |sum, &p| sum.union(&transform.point_box(p)))
-    };
     if mesh.bounds().is_empty() {
         Aabb::EMPTY
     } else if mesh.positions().len() <= FEW {
-        around(mesh.positions())
+        transform.box_of(mesh.positions())
     } else {
-        around(&mesh.bounds().corners())
+        transform.box_of(&mesh.bounds().corners())
+    }
+}
+
+/// An item as errors name it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ItemLabel {
+    /// Its name; may be empty.
+    pub name: String,
+    /// Its key; see [`GeometryBuilder::set_key`].
+    pub key: u64,
+}
+
+impl fmt::Display for ItemLabel {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "`{}` (key {})", self.name, self.key)
     }
 }
 
@@ -217,8 +266,8 @@ pub enum GeometryError {
     /// An item refers to a mesh that does not exist.
     #[error("item {item} uses mesh {mesh}, but there are only {meshes}")]
     NoSuchMesh {
-        /// The item's name.
-        item: String,
+        /// The item.
+        item: ItemLabel,
         /// Mesh id.
         mesh: u32,
         /// Number of meshes.
@@ -246,12 +295,12 @@ pub enum GeometryError {
     },
     /// A transform is NaN or infinite.
     #[error("the transform of item {0} is not finite")]
-    NotFinite(String),
+    NotFinite(ItemLabel),
     /// An item, or its transform, extends beyond [`MAX_COORDINATE`].
     #[error(
         "item {0} reaches farther out than {MAX_COORDINATE:e} units; scale the scene down or move it to the origin"
     )]
-    TooFar(String),
+    TooFar(ItemLabel),
     /// The sector has too many faces; faces have 32-bit numbers.
     #[error("{0} faces in one sector; split it into sectors of fewer than 4 billion")]
     TooManyFaces(u64),

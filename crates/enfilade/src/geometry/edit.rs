@@ -1,53 +1,74 @@
 //! Adds, removes, moves and replaces items between looks.
 //!
 //! The changes of an edit are checked one by one and collected; then all of them are swapped with the current state, so
-//! that swapping again undoes them. Item ids stay valid; a new item takes the lowest free id.
+//! that swapping again undoes them. Ids stay valid; a new item takes the lowest free index.
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3: a small change touches a few
 //!     nodes.
-//! Cost: O(log items) per change; O(items) additions per edit if the number of faces of an item changes.
+//! Cost: O(1) to collect a change, O(log items) to apply it; O(items) additions per edit if the number of faces of an
+//!     item changes. Changes that move items allocate nothing once the buffers have grown.
 
 use super::builder::{MAX_OPENINGS, placed_bounds};
 use super::slots::Slots;
-use super::{Geometry, Item};
+use super::{Geometry, Item, ItemLabel};
 use crate::geom::{Aabb, Transform, is_in_range};
-use crate::ids::{ItemId, MeshId};
+use crate::ids::{ItemId, ItemIndex, MeshId};
 use crate::mesh::Mesh;
-use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, Weak};
 
-/// The new or the previous state of an item.
-#[derive(Clone, Debug)]
-pub(crate) struct Placing {
-    pub(crate) mesh: Arc<Mesh>,
-    pub(crate) place: [[f32; 3]; 4],
-    pub(crate) is_occluder: bool,
-}
-
-/// Changes to swap in, item by item.
+/// Changes to swap in, item by item. Keeps its buffers from edit to edit.
 #[derive(Debug, Default)]
 pub(crate) struct Changes {
-    items: BTreeMap<ItemId, Change>,
-    /// The last free id that was taken, and the number of ids appended after the last item.
+    /// One for each changed item: in the order of requests, and sorted by item once they are applied.
+    list: Vec<Change>,
+    /// For each item one more than the index of its change in `list`; 0 if it has none, as beyond the end.
+    places: Vec<u32>,
+    /// The last free index that was taken, and the number of indices appended after the last item.
     last_free: Option<u32>,
     appended: u32,
     /// Change of the total number of faces.
     more_faces: i64,
+    /// The last generation that was given to an item, by this edit or an earlier one.
+    generation: u32,
+    pub(crate) exchanged: Exchanged,
 }
 
+/// The new or, once swapped in, the previous state of an item.
 #[derive(Debug)]
 struct Change {
-    /// The new state; `None` removes the item.
-    placing: Option<Placing>,
+    item: ItemIndex,
+    sector_from_item: [[f32; 3]; 4],
     bounds: Aabb,
+    /// What else changes. Most items only move, often thousands in an edit, so it is stored apart.
+    rest: Option<Box<Rest>>,
+}
+
+/// What rarely changes.
+#[derive(Debug)]
+struct Rest {
+    mesh: MeshChange,
+    is_occluder: bool,
+    key: u64,
+    generation: u32,
     /// The new name, if it changes.
     name: Option<String>,
+}
+
+/// The mesh after a change.
+#[derive(Debug)]
+enum MeshChange {
+    /// The item exists before and after, with the same mesh.
+    Same,
+    /// The item exists after the change, with this mesh.
+    New(Arc<Mesh>),
+    /// The item does not exist after the change.
+    Gone,
 }
 
 /// An item that an edit changed, and the AABB that it had before.
 #[derive(Clone, Copy, Debug)]
 pub struct MovedItem {
     /// The item. Its current AABB is in the geometry, and empty if the item was removed.
-    pub item: ItemId,
+    pub item: ItemIndex,
     /// Previous AABB, in the space of the sector; empty if the item was added.
     pub old_bounds: Aabb,
 }
@@ -58,14 +79,19 @@ pub(crate) struct Exchanged {
     /// Sorted by item.
     pub(crate) moved: Vec<MovedItem>,
     /// The mesh slots with another mesh than before, sorted.
-    pub(crate) meshes: BTreeSet<MeshId>,
+    pub(crate) meshes: Vec<MeshId>,
+    /// The nodes of the tree updated last; scratch memory.
+    pub(crate) touched: Vec<u32>,
     /// Number of nodes of the geometry's octree that were updated.
     pub(crate) nodes: u64,
+    /// Meshes that items no longer use; scratch memory.
+    left: Vec<MeshId>,
 }
 
 /// Why the new state of an item is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unfit {
+    NoSuchItem,
     NotFinite,
     TooFar,
     NoFaces,
@@ -73,229 +99,357 @@ pub(crate) enum Unfit {
     TooManyFaces,
 }
 
-impl Placing {
-    /// Returns the current state of an item.
-    fn at(geometry: &Geometry, item: ItemId) -> Placing {
-        let placed = geometry.item(item);
-        Placing {
-            mesh: Arc::clone(&geometry.meshes[placed.mesh.0 as usize]),
-            place: placed.sector_from_item,
-            is_occluder: placed.is_occluder,
-        }
-    }
-
-    /// Checks the new state; returns its AABB in the space of the sector.
-    fn check(&self, geometry: &Geometry) -> Result<Aabb, Unfit> {
-        let materials = geometry.materials.len();
-        let clusters = self.mesh.clusters();
-        if let Some(cluster) = clusters.iter().find(|c| c.material.0 as usize >= materials) {
-            return Err(Unfit::NoSuchMaterial(cluster.material.0));
-        }
-        if clusters.is_empty() {
-            return Err(Unfit::NoFaces);
-        }
-        let bounds = placed_bounds(&Transform::from_columns(self.place), &self.mesh);
-        let values = || {
-            bounds
-                .min
-                .iter()
-                .chain(&bounds.max)
-                .chain(self.place.iter().flatten())
-        };
-        if values().any(|value| value.is_nan()) {
-            return Err(Unfit::NotFinite);
-        }
-        if values().any(|value| !is_in_range(*value)) {
-            return Err(Unfit::TooFar);
-        }
-        Ok(bounds)
-    }
-}
-
 impl Changes {
-    /// Returns the state of an item after the changes; `None` if it does not exist then.
-    fn placing(&self, geometry: &Geometry, item: ItemId) -> Option<Placing> {
-        match self.items.get(&item) {
-            Some(change) => change.placing.clone(),
-            None => geometry.holds(item).then(|| Placing::at(geometry, item)),
-        }
-    }
-
-    /// Returns the name of an item after the changes.
-    pub(crate) fn name<'a>(&'a self, geometry: &'a Geometry, item: ItemId) -> &'a str {
-        let change = self.items.get(&item).and_then(|change| change.name.as_deref());
-        change.unwrap_or_else(|| {
-            if geometry.holds(item) {
-                geometry.name(item)
-            } else {
-                ""
-            }
-        })
-    }
-
-    /// Applies `change` to the state of an item; `None` if there is no such item.
-    pub(crate) fn change(
+    /// Replaces the transform of an item.
+    pub(crate) fn set_transform(
         &mut self,
         geometry: &Geometry,
         item: ItemId,
-        change: impl FnOnce(Placing) -> Option<Placing>,
-    ) -> Option<Result<(), Unfit>> {
-        let was = self.placing(geometry, item)?;
-        let had = was.mesh.face_count();
-        Some(self.set(geometry, item, had, change(was)))
-    }
-
-    /// Sets the new state of an item that has `had` faces so far.
-    fn set(
-        &mut self,
-        geometry: &Geometry,
-        item: ItemId,
-        had: u32,
-        placing: Option<Placing>,
+        sector_from_item: [[f32; 3]; 4],
     ) -> Result<(), Unfit> {
-        let bounds = placing
-            .as_ref()
-            .map_or(Ok(Aabb::EMPTY), |placing| placing.check(geometry))?;
-        let faces = placing.as_ref().map_or(0, |placing| placing.mesh.face_count());
-        let more_faces = self.more_faces + i64::from(faces) - i64::from(had);
-        if geometry.face_count() as i64 + more_faces > i64::from(u32::MAX) - MAX_OPENINGS as i64 {
-            return Err(Unfit::TooManyFaces);
-        }
+        self.check_exists(geometry, item)?;
+        let bounds = bounds_of(self.mesh_of(geometry, item.index), &sector_from_item)?;
+        let change = self.change_of(geometry, item.index);
+        (change.sector_from_item, change.bounds) = (sector_from_item, bounds);
+        Ok(())
+    }
+
+    /// Replaces the mesh of an item.
+    pub(crate) fn set_mesh(
+        &mut self,
+        geometry: &Geometry,
+        item: ItemId,
+        mesh: Arc<Mesh>,
+    ) -> Result<(), Unfit> {
+        self.check_exists(geometry, item)?;
+        check_mesh(geometry, &mesh)?;
+        let had = self.mesh_of(geometry, item.index).face_count();
+        let more_faces = self.with_faces(geometry, i64::from(mesh.face_count()) - i64::from(had))?;
+        let placed = self.get(item.index).map(|change| change.sector_from_item);
+        let sector_from_item = placed.unwrap_or(geometry.item(item.index).sector_from_item);
+        let bounds = bounds_of(&mesh, &sector_from_item)?;
         self.more_faces = more_faces;
-        let change = self.items.entry(item).or_insert(Change {
-            placing: None,
-            bounds,
-            name: None,
-        });
-        change.bounds = bounds;
-        change.placing = placing;
+        self.change_of(geometry, item.index).bounds = bounds;
+        let is_held = geometry.index_of(item).is_some();
+        self.rest_of(geometry, item.index).mesh =
+            if is_held && Arc::ptr_eq(&mesh, geometry.mesh_arc(item.index)) {
+                MeshChange::Same
+            } else {
+                MeshChange::New(mesh)
+            };
+        Ok(())
+    }
+
+    /// Sets whether an item is an occluder.
+    pub(crate) fn set_occluder(
+        &mut self,
+        geometry: &Geometry,
+        item: ItemId,
+        is_occluder: bool,
+    ) -> Result<(), Unfit> {
+        self.check_exists(geometry, item)?;
+        self.rest_of(geometry, item.index).is_occluder = is_occluder;
+        Ok(())
+    }
+
+    /// Sets the key of an item.
+    pub(crate) fn set_key(&mut self, geometry: &Geometry, item: ItemId, key: u64) -> Result<(), Unfit> {
+        self.check_exists(geometry, item)?;
+        self.rest_of(geometry, item.index).key = key;
+        Ok(())
+    }
+
+    /// Removes an item.
+    pub(crate) fn remove(&mut self, geometry: &Geometry, item: ItemId) -> Result<(), Unfit> {
+        self.check_exists(geometry, item)?;
+        self.more_faces -= i64::from(self.mesh_of(geometry, item.index).face_count());
+        self.change_of(geometry, item.index).bounds = Aabb::EMPTY;
+        self.rest_of(geometry, item.index).mesh = MeshChange::Gone;
         Ok(())
     }
 
     /// Adds an item; returns its id.
-    pub(crate) fn add(&mut self, geometry: &Geometry, name: &str, placing: Placing) -> Result<ItemId, Unfit> {
+    pub(crate) fn add(
+        &mut self,
+        geometry: &Geometry,
+        name: &str,
+        mesh: Arc<Mesh>,
+        sector_from_item: [[f32; 3]; 4],
+    ) -> Result<ItemId, Unfit> {
+        check_mesh(geometry, &mesh)?;
+        let more_faces = self.with_faces(geometry, i64::from(mesh.face_count()))?;
+        let bounds = bounds_of(&mesh, &sector_from_item)?;
+        self.more_faces = more_faces;
+        let index = self.next_index(geometry);
+        if (index.0 as usize) < geometry.items.len() {
+            self.last_free = Some(index.0);
+        } else {
+            self.appended += 1;
+        }
+        // Counts on even if the edit is discarded: its ids must not name items of a later one.
+        let last = geometry.slots.as_ref().map_or(0, |slots| slots.last_generation);
+        let generation = 1 + self.generation.max(last);
+        self.generation = generation;
+        self.push(Change {
+            item: index,
+            sector_from_item,
+            bounds,
+            rest: Some(Box::new(Rest {
+                mesh: MeshChange::New(mesh),
+                is_occluder: true,
+                key: u64::from(index.0),
+                generation,
+                name: Some(name.to_owned()),
+            })),
+        });
+        Ok(ItemId { index, generation })
+    }
+
+    /// Returns the index that the next added item gets: the lowest free one.
+    pub(crate) fn next_index(&self, geometry: &Geometry) -> ItemIndex {
         let next = self.last_free.map_or(0, |last| last + 1);
-        let free = geometry
-            .slots
-            .as_ref()
-            .and_then(|slots| slots.free_items.range(next..).next().copied());
-        let item = ItemId(free.unwrap_or(geometry.items.len() as u32 + self.appended));
-        self.set(geometry, item, 0, Some(placing))?;
-        match free {
-            Some(number) => self.last_free = Some(number),
-            None => self.appended += 1,
+        let slots = geometry.slots.as_ref();
+        let free = slots.and_then(|slots| slots.free_items.range(next..).next().copied());
+        ItemIndex(free.unwrap_or(geometry.items.len() as u32 + self.appended))
+    }
+
+    /// Returns the name and the key of an existing item after the changes.
+    pub(crate) fn label(&self, geometry: &Geometry, item: ItemIndex) -> ItemLabel {
+        let rest = self.get(item).and_then(|change| change.rest.as_ref());
+        let name = rest.and_then(|rest| rest.name.as_deref());
+        ItemLabel {
+            name: name.unwrap_or_else(|| geometry.name(item)).to_owned(),
+            key: rest.map_or_else(|| geometry.key(item), |rest| rest.key),
         }
-        if let Some(change) = self.items.get_mut(&item) {
-            change.name = Some(name.to_owned());
-        }
-        Ok(item)
     }
 
     /// Returns `true` if there are no changes.
     pub(crate) fn is_empty(&self) -> bool {
-        self.items.is_empty()
+        self.list.is_empty()
+    }
+
+    /// Discards all changes.
+    pub(crate) fn clear(&mut self) {
+        for change in self.list.drain(..) {
+            self.places[change.item.0 as usize] = 0;
+        }
+        self.last_free = None;
+        self.appended = 0;
+        self.more_faces = 0;
+    }
+
+    fn get(&self, item: ItemIndex) -> Option<&Change> {
+        let place = self.places.get(item.0 as usize).copied().unwrap_or(0);
+        self.list.get((place as usize).wrapping_sub(1))
+    }
+
+    /// Checks that an item exists after the changes so far.
+    fn check_exists(&self, geometry: &Geometry, item: ItemId) -> Result<(), Unfit> {
+        let exists = match self.get(item.index).and_then(|change| change.rest.as_ref()) {
+            Some(rest) => !matches!(rest.mesh, MeshChange::Gone) && rest.generation == item.generation,
+            None => geometry.index_of(item).is_some(),
+        };
+        exists.then_some(()).ok_or(Unfit::NoSuchItem)
+    }
+
+    /// Returns the mesh of an existing item after the changes so far.
+    fn mesh_of<'a>(&'a self, geometry: &'a Geometry, item: ItemIndex) -> &'a Arc<Mesh> {
+        match self.get(item).and_then(|change| change.rest.as_ref()) {
+            Some(rest) => match &rest.mesh {
+                MeshChange::New(mesh) => mesh,
+                _ => geometry.mesh_arc(item),
+            },
+            None => geometry.mesh_arc(item),
+        }
+    }
+
+    /// Returns the change of an existing item; one that changes nothing if there was none yet.
+    fn change_of(&mut self, geometry: &Geometry, item: ItemIndex) -> &mut Change {
+        if self.get(item).is_none() {
+            let placed = geometry.item(item);
+            self.push(Change {
+                item,
+                sector_from_item: placed.sector_from_item,
+                bounds: placed.bounds,
+                rest: None,
+            });
+        }
+        let place = self.places[item.0 as usize] as usize;
+        &mut self.list[place - 1]
+    }
+
+    fn rest_of(&mut self, geometry: &Geometry, item: ItemIndex) -> &mut Rest {
+        self.change_of(geometry, item).rest.get_or_insert_with(|| {
+            Box::new(Rest {
+                mesh: MeshChange::Same,
+                is_occluder: geometry.item(item).is_occluder,
+                key: geometry.key(item),
+                generation: geometry.id_of(item).generation,
+                name: None,
+            })
+        })
+    }
+
+    fn push(&mut self, change: Change) {
+        let item = change.item.0 as usize;
+        if self.places.len() <= item {
+            self.places.resize(item + 1, 0);
+        }
+        self.list.push(change);
+        self.places[item] = self.list.len() as u32;
+    }
+
+    /// Returns the change of the total number of faces if `more` are added to it.
+    fn with_faces(&self, geometry: &Geometry, more: i64) -> Result<i64, Unfit> {
+        let more_faces = self.more_faces + more;
+        if geometry.face_count() as i64 + more_faces > i64::from(u32::MAX) - MAX_OPENINGS as i64 {
+            return Err(Unfit::TooManyFaces);
+        }
+        Ok(more_faces)
+    }
+}
+
+impl Clone for Changes {
+    /// Returns no changes: a scene is copied without those of an edit that was leaked.
+    fn clone(&self) -> Changes {
+        Changes {
+            generation: self.generation,
+            ..Changes::default()
+        }
+    }
+}
+
+/// Checks that a mesh has faces, and only materials of the geometry.
+fn check_mesh(geometry: &Geometry, mesh: &Mesh) -> Result<(), Unfit> {
+    let materials = geometry.materials.len();
+    let clusters = mesh.clusters();
+    match clusters.iter().find(|c| c.material.0 as usize >= materials) {
+        Some(cluster) => Err(Unfit::NoSuchMaterial(cluster.material.0)),
+        None if clusters.is_empty() => Err(Unfit::NoFaces),
+        None => Ok(()),
+    }
+}
+
+/// Returns the AABB of a transformed mesh in the space of the sector, if it is in range.
+fn bounds_of(mesh: &Mesh, sector_from_item: &[[f32; 3]; 4]) -> Result<Aabb, Unfit> {
+    let bounds = placed_bounds(&Transform::from_columns(*sector_from_item), mesh);
+    let values = sector_from_item.as_flattened();
+    if bounds.is_in_range() && values.iter().all(|&value| is_in_range(value)) {
+        Ok(bounds)
+    } else if values.iter().any(|value| value.is_nan()) {
+        Err(Unfit::NotFinite)
+    } else {
+        Err(Unfit::TooFar)
     }
 }
 
 impl Geometry {
-    /// Swaps the items with those of `changes`; swapping again undoes it.
-    pub(crate) fn exchange(&mut self, changes: &mut Changes) -> Exchanged {
-        let mut done = Exchanged::default();
+    fn mesh_arc(&self, item: ItemIndex) -> &Arc<Mesh> {
+        &self.meshes[self.item(item).mesh.0 as usize]
+    }
+
+    /// Swaps the items with those of `changes`; swapping again undoes it. [`Changes::exchanged`] holds what was done.
+    pub(crate) fn exchange(&mut self, changes: &mut Changes) {
+        let Changes {
+            list,
+            exchanged: done,
+            ..
+        } = changes;
+        // So that trees do not depend on the order of requests, and new items are appended in order.
+        if !list.is_sorted_by_key(|change| change.item) {
+            list.sort_unstable_by_key(|change| change.item);
+        }
+        for buffer in [&mut done.meshes, &mut done.left] {
+            buffer.clear();
+        }
+        done.moved.clear();
+        done.nodes = 0;
         let known = self.slots.take();
         let mut slots = known.unwrap_or_else(|| {
             let slots = Slots::new(&mut self.meshes, &self.items);
-            done.meshes.insert(slots.nothing);
+            done.meshes.push(slots.nothing);
             slots
         });
-        let mut left = Vec::new();
         let mut renumbered = self.items.len();
-        for (&item, change) in &mut changes.items {
+        for change in list {
+            let item = change.item;
             if item.0 as usize == self.items.len() {
                 self.push_nothing(&mut slots);
             }
-            let (was, had) = (self.item(item).bounds, self.mesh_of(item).face_count());
-            left.extend(self.exchange_one(item, change, &mut slots, &mut done));
-            if self.mesh_of(item).face_count() != had {
-                renumbered = renumbered.min(item.0 as usize);
-            }
+            let placed = &mut self.items[item.0 as usize];
+            std::mem::swap(&mut placed.sector_from_item, &mut change.sector_from_item);
+            std::mem::swap(&mut placed.bounds, &mut change.bounds);
             done.moved.push(MovedItem {
                 item,
-                old_bounds: was,
+                old_bounds: change.bounds,
             });
+            if let Some(rest) = &mut change.rest {
+                let had = self.mesh_of(item).face_count();
+                self.exchange_rest(item, rest, &mut slots, done);
+                if self.mesh_of(item).face_count() != had {
+                    renumbered = renumbered.min(item.0 as usize);
+                }
+            }
         }
         changes.more_faces = -changes.more_faces;
         // Last, because another item may have started to use a mesh that one item left.
-        let unused = left
-            .into_iter()
-            .filter(|&mesh| slots.drop_unused(mesh, &mut self.meshes));
-        done.meshes.extend(unused);
+        let unused = done.left.drain(..);
+        done.meshes
+            .extend(unused.filter(|&mesh| slots.drop_unused(mesh, &mut self.meshes)));
+        done.meshes.sort_unstable();
+        done.meshes.dedup();
         self.slots = Some(slots);
         self.renumber(renumbered);
-        self.follow(&mut done);
+        self.follow(done);
         self.shared = Mutex::new(Weak::<()>::new());
-        done
     }
 
     /// Appends an empty item slot.
     fn push_nothing(&mut self, slots: &mut Slots) {
         let number = self.items.len();
         self.items.push(Item::nothing(slots.nothing));
+        self.keys.push(0);
         self.names.push("");
         self.first_faces.push(self.first_faces[number]);
+        slots.generations.push(0);
         slots.free_items.insert(number as u32);
     }
 
-    /// Swaps one item; returns the mesh that it no longer uses.
-    fn exchange_one(
-        &mut self,
-        item: ItemId,
-        change: &mut Change,
-        slots: &mut Slots,
-        done: &mut Exchanged,
-    ) -> Option<MeshId> {
+    /// Swaps what is stored apart of one item.
+    fn exchange_rest(&mut self, item: ItemIndex, rest: &mut Rest, slots: &mut Slots, done: &mut Exchanged) {
         let number = item.0 as usize;
-        let had = self.items[number].mesh;
-        if let Some(after) = &mut change.placing
-            && Arc::ptr_eq(&after.mesh, &self.meshes[had.0 as usize])
-        {
-            let Item {
-                sector_from_item,
-                bounds,
-                is_occluder,
-                ..
-            } = &mut self.items[number];
-            std::mem::swap(sector_from_item, &mut after.place);
-            std::mem::swap(bounds, &mut change.bounds);
-            std::mem::swap(is_occluder, &mut after.is_occluder);
-            return None;
+        let placed = &mut self.items[number];
+        std::mem::swap(&mut placed.is_occluder, &mut rest.is_occluder);
+        std::mem::swap(&mut self.keys[number], &mut rest.key);
+        std::mem::swap(&mut slots.generations[number], &mut rest.generation);
+        if matches!(rest.mesh, MeshChange::Same) {
+            return;
         }
-        let before = (!slots.free_items.contains(&item.0)).then(|| Placing::at(self, item));
-        let after = std::mem::replace(&mut change.placing, before);
-        let bounds = std::mem::replace(&mut change.bounds, self.items[number].bounds);
-        if let Some(name) = &mut change.name {
+        slots.last_generation = slots.last_generation.max(slots.generations[number]);
+        let had = placed.mesh;
+        let before = if had == slots.nothing {
+            MeshChange::Gone
+        } else {
+            done.left.push(had);
+            slots.give_back(had);
+            MeshChange::New(Arc::clone(&self.meshes[had.0 as usize]))
+        };
+        placed.mesh = match std::mem::replace(&mut rest.mesh, before) {
+            MeshChange::New(after) => {
+                let (mesh, is_new) = slots.take(&after, &mut self.meshes);
+                done.meshes.extend(is_new.then_some(mesh));
+                slots.free_items.remove(&item.0);
+                mesh
+            }
+            _ => {
+                slots.free_items.insert(item.0);
+                slots.nothing
+            }
+        };
+        if let Some(name) = &mut rest.name {
             let before = self.names.get(number).to_owned();
             self.names.set(number, &std::mem::replace(name, before));
         }
-        self.items[number] = match after {
-            Some(after) => {
-                let (mesh, is_new) = slots.take(&after.mesh, &mut self.meshes);
-                done.meshes.extend(is_new.then_some(mesh));
-                slots.free_items.remove(&item.0);
-                Item {
-                    mesh,
-                    sector_from_item: after.place,
-                    bounds,
-                    is_occluder: after.is_occluder,
-                }
-            }
-            None => {
-                slots.free_items.insert(item.0);
-                Item::nothing(slots.nothing)
-            }
-        };
-        let left = change.placing.is_some().then_some(had);
-        left.into_iter().for_each(|mesh| slots.give_back(mesh));
-        left
     }
 
     /// Recomputes the face numbers from item `from` on.
@@ -311,11 +465,11 @@ impl Geometry {
         let items = &self.items;
         let boxes = |item: u32| items[item as usize].bounds;
         let all = if let Some(tree) = self.item_tree.get_mut() {
-            let mut touched = Vec::new();
+            done.touched.clear();
             for MovedItem { item, old_bounds } in &done.moved {
-                tree.shift(item.0, old_bounds, &boxes, &mut touched);
+                tree.shift(item.0, old_bounds, &boxes, &mut done.touched);
             }
-            done.nodes = touched.len() as u64;
+            done.nodes = done.touched.len() as u64;
             tree.tidy(items.len(), &boxes);
             tree.root().map_or(Aabb::EMPTY, |root| *tree.bounds(root))
         } else {
@@ -351,6 +505,7 @@ impl Clone for Geometry {
             materials: Arc::clone(&self.materials),
             textures: Arc::clone(&self.textures),
             items: self.items.clone(),
+            keys: self.keys.clone(),
             names: self.names.clone(),
             slots: self.slots.clone(),
             openings: self.openings.clone(),

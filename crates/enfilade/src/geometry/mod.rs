@@ -15,15 +15,15 @@ pub use baked_cells::{BakedCells, BakedCellsError, CellNode, CellSide, CellTree}
 pub(crate) use baked_cells::{Leaf, Room};
 #[cfg(feature = "terrain")]
 pub(crate) use builder::MAX_OPENINGS;
-pub use builder::{GeometryBuilder, GeometryError};
+pub use builder::{GeometryBuilder, GeometryError, ItemLabel};
 pub use edit::MovedItem;
-pub(crate) use edit::{Changes, Exchanged, Placing, Unfit};
+pub(crate) use edit::{Changes, Exchanged, Unfit};
 pub use material::{Alpha, Material};
 pub use owners::Owners;
 pub use texture::{Filter, Minify, Texture, TextureError, Wrap};
 
 use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
-use crate::ids::{ItemId, MeshId, OpeningId};
+use crate::ids::{ItemId, ItemIndex, MeshId, OpeningId};
 use crate::mesh::{Cluster, Mesh};
 use names::Names;
 use slots::Slots;
@@ -82,6 +82,8 @@ pub struct Geometry {
     materials: Arc<[Material]>,
     textures: Arc<[Arc<Texture>]>,
     items: Vec<Item>,
+    /// The key of each item.
+    keys: Vec<u64>,
     names: Names,
     /// Free and used slots, once items were edited.
     slots: Option<Slots>,
@@ -119,16 +121,42 @@ impl Geometry {
         &self.textures
     }
 
-    /// Returns the items, by [`ItemId`]. Removed items stay in the list with an empty mesh until a new item reuses
-    /// their id; test with [`Geometry::holds`].
+    /// Returns the items, by [`ItemIndex`]. Removed items stay in the list with an empty mesh until a new item reuses
+    /// their index; test with [`Geometry::holds`].
     pub fn items(&self) -> &[Item] {
         &self.items
     }
 
-    /// Returns `true` if an item with this id exists and was not removed.
-    pub fn holds(&self, item: ItemId) -> bool {
-        let is_free = |slots: &Slots| slots.free_items.contains(&item.0);
-        (item.0 as usize) < self.items.len() && !self.slots.as_ref().is_some_and(is_free)
+    /// Returns `true` if there is an item with this index that was not removed.
+    pub fn holds(&self, item: ItemIndex) -> bool {
+        let placed = self.items.get(item.0 as usize);
+        placed.is_some_and(|placed| {
+            self.slots
+                .as_ref()
+                .is_none_or(|slots| placed.mesh != slots.nothing)
+        })
+    }
+
+    /// Returns the index of an item; `None` if it was removed or never existed.
+    pub fn index_of(&self, id: ItemId) -> Option<ItemIndex> {
+        (self.holds(id.index) && self.id_of(id.index) == id).then_some(id.index)
+    }
+
+    /// Returns the id of the item with this index, or of the last one if it was removed.
+    pub fn id_of(&self, index: ItemIndex) -> ItemId {
+        let generations = self.slots.as_ref().map_or(&[][..], |slots| &slots.generations);
+        ItemId {
+            index,
+            generation: generations.get(index.0 as usize).copied().unwrap_or(0),
+        }
+    }
+
+    /// Returns the key of an item; see [`GeometryBuilder::set_key`].
+    ///
+    /// # Panics
+    /// If `item` is out of range.
+    pub fn key(&self, item: ItemIndex) -> u64 {
+        self.keys[item.0 as usize]
     }
 
     /// Returns the number of items, without removed ones.
@@ -140,7 +168,7 @@ impl Geometry {
     ///
     /// # Panics
     /// If `item` is out of range.
-    pub fn item(&self, item: ItemId) -> &Item {
+    pub fn item(&self, item: ItemIndex) -> &Item {
         &self.items[item.0 as usize]
     }
 
@@ -148,7 +176,7 @@ impl Geometry {
     ///
     /// # Panics
     /// If `item` is out of range.
-    pub fn mesh_of(&self, item: ItemId) -> &Mesh {
+    pub fn mesh_of(&self, item: ItemIndex) -> &Mesh {
         &self.meshes[self.item(item).mesh.0 as usize]
     }
 
@@ -156,7 +184,7 @@ impl Geometry {
     ///
     /// # Panics
     /// If `item` is out of range.
-    pub fn name(&self, item: ItemId) -> &str {
+    pub fn name(&self, item: ItemIndex) -> &str {
         self.names.get(item.0 as usize)
     }
 
@@ -203,7 +231,7 @@ impl Geometry {
 
     /// Returns the material of a cluster of an item. If the item is not an occluder, [`Alpha::Opaque`] becomes
     /// [`Alpha::Mask`].
-    pub fn material_of(&self, item: ItemId, cluster: &Cluster) -> Material {
+    pub fn material_of(&self, item: ItemIndex, cluster: &Cluster) -> Material {
         let mut material = self.materials[cluster.material.0 as usize];
         if material.alpha == Alpha::Opaque && !self.item(item).is_occluder {
             material.alpha = Alpha::Mask;
@@ -228,7 +256,10 @@ impl Geometry {
             + self.item_tree.get().map_or(0, Octree::bytes)
             + self.opening_tree.bytes()
             + self.cells.as_ref().map_or(0, |cells| cells.bytes())
-            + (size_of_val(&*self.items) + size_of_val(&*self.first_faces) + self.names.bytes()) as u64
+            + (size_of_val(&*self.items)
+                + size_of_val(&*self.keys)
+                + size_of_val(&*self.first_faces)
+                + self.names.bytes()) as u64
     }
 
     /// Returns the structure that another method built over this geometry and that is still in use; otherwise builds
@@ -252,7 +283,7 @@ impl Geometry {
     }
 
     /// Returns the number of an item's first face among all faces of the geometry.
-    pub(crate) fn first_face(&self, item: ItemId) -> u32 {
+    pub(crate) fn first_face(&self, item: ItemIndex) -> u32 {
         self.first_faces[item.0 as usize]
     }
 
@@ -278,7 +309,7 @@ const FEW_ITEMS: usize = 6;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Owner {
     /// A face of an item, by its index in the item's mesh.
-    Face(ItemId, u32),
+    Face(ItemIndex, u32),
     /// An opening, whatever is behind it.
     Opening(OpeningId),
 }
@@ -312,13 +343,16 @@ mod tests {
         let geometry = builder.build().expect("valid geometry");
         let owners: Vec<_> = (0..3).map(|number| geometry.owner(number, None)).collect();
         let expected = [
-            Owner::Face(ItemId(1), 0),
-            Owner::Face(ItemId(3), 0),
+            Owner::Face(ItemIndex(1), 0),
+            Owner::Face(ItemIndex(3), 0),
             Owner::Opening(OpeningId(0)),
         ];
         assert_eq!(owners, expected);
         assert_eq!(geometry.owner(1, Some(owners[0])), owners[1]);
-        assert_eq!((geometry.name(ItemId(0)), geometry.name(ItemId(3))), ("a", "d"));
+        assert_eq!(
+            (geometry.name(ItemIndex(0)), geometry.name(ItemIndex(3))),
+            ("a", "d")
+        );
     }
 
     #[test]
@@ -343,6 +377,6 @@ mod tests {
         let mut builder = GeometryBuilder::new([Material::opaque([1.0; 3])]);
         let mesh = builder.mesh(leaf());
         builder.item("far", mesh, Transform::translation([f32::INFINITY, 0.0, 0.0]));
-        assert!(matches!(builder.build(), Err(GeometryError::NotFinite(name)) if name == "far"));
+        assert!(matches!(builder.build(), Err(GeometryError::NotFinite(item)) if item.name == "far"));
     }
 }

@@ -3,7 +3,7 @@
 //! A trait, because large terrain has faces that are in no [`Geometry`]: it computes the owner from the number.
 
 use super::{Geometry, Owner};
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 
 /// Resolves face numbers to owners. Covers call it when they report, once per run of samples with the same owner.
 pub trait Owners {
@@ -12,10 +12,10 @@ pub trait Owners {
     fn owner(&self, number: u32, near: Option<Owner>) -> Owner;
 
     /// Returns the cluster of a face of an item.
-    fn cluster_of(&self, item: ItemId, face: u32) -> u32;
+    fn cluster_of(&self, item: ItemIndex, face: u32) -> u32;
 
     /// Returns the number of clusters of an item.
-    fn cluster_count(&self, item: ItemId) -> u32;
+    fn cluster_count(&self, item: ItemIndex) -> u32;
 
     /// Returns `true` if the sector has openings, whose samples must be reported one by one.
     fn has_openings(&self) -> bool;
@@ -38,14 +38,14 @@ impl Owners for Geometry {
         }
         // Items without faces have the same first number as the next item; the last of these is the one with faces.
         let item = self.first_faces.partition_point(|&first| first <= number) - 1;
-        Owner::Face(ItemId(item as u32), number - self.first_faces[item])
+        Owner::Face(ItemIndex(item as u32), number - self.first_faces[item])
     }
 
-    fn cluster_of(&self, item: ItemId, face: u32) -> u32 {
+    fn cluster_of(&self, item: ItemIndex, face: u32) -> u32 {
         self.mesh_of(item).cluster_of(face) as u32
     }
 
-    fn cluster_count(&self, item: ItemId) -> u32 {
+    fn cluster_count(&self, item: ItemIndex) -> u32 {
         self.mesh_of(item).clusters().len() as u32
     }
 

@@ -12,8 +12,12 @@ use std::sync::Arc;
 /// Free ids of items and meshes, and use counts of meshes.
 #[derive(Clone, Debug)]
 pub(super) struct Slots {
-    /// Ids of removed items.
+    /// Indices of removed items.
     pub(super) free_items: BTreeSet<u32>,
+    /// For each item its generation; 0 beyond the end.
+    pub(super) generations: Vec<u32>,
+    /// The highest generation so far.
+    pub(super) last_generation: u32,
     free_meshes: BTreeSet<u32>,
     /// For each mesh the number of items that use it.
     uses: Vec<u32>,
@@ -38,6 +42,8 @@ impl Slots {
         }
         Slots {
             free_items: BTreeSet::new(),
+            generations: vec![0; items.len()],
+            last_generation: 0,
             free_meshes: BTreeSet::new(),
             uses,
             places,

@@ -2,7 +2,7 @@
 
 use super::{Geometry, GeometryBuilder, GeometryError};
 use crate::geom::Transform;
-use crate::ids::{ItemId, MaterialId, MeshId};
+use crate::ids::{ItemIndex, MaterialId, MeshId};
 use crate::terrain::HeightField;
 use std::ops::Range;
 use std::sync::Arc;
@@ -41,7 +41,7 @@ impl GeometryBuilder {
         field: impl Into<Arc<HeightField>>,
         material: MaterialId,
         sector_from_field: Transform,
-    ) -> Result<Range<ItemId>, GeometryError> {
+    ) -> Result<Range<ItemIndex>, GeometryError> {
         let field = field.into();
         let faces = 2 * field
             .size()
@@ -61,13 +61,14 @@ impl GeometryBuilder {
             }
         }
         let (first_item, first_mesh) = first.expect("a height field has at least one block");
-        let blocks = first_item.0..first_item.0 + columns * rows;
+        let first = first_item.index.0;
+        let blocks = first..first + columns * rows;
         self.terrains.push(Terrain {
             field,
             blocks: blocks.clone(),
             first_mesh,
             sector_from_field,
         });
-        Ok(ItemId(blocks.start)..ItemId(blocks.end))
+        Ok(ItemIndex(blocks.start)..ItemIndex(blocks.end))
     }
 }

@@ -18,7 +18,7 @@ pub use heights::{HeightBytes, HeightFormat, Heights};
 
 use crate::geom::Aabb;
 use crate::geometry::{Alpha, Geometry, GeometryBuilder, GeometryError, MAX_OPENINGS, Material, Opening};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::sector::Surface;
 use crate::terrain::{BLOCK, Diagonal, HeightFieldError, check_cell, check_size};
 use glam::DVec3;
@@ -195,7 +195,7 @@ impl LargeTerrain {
     }
 
     /// Returns the column and row of a block from its item id.
-    pub(crate) fn block_at(&self, item: ItemId) -> [u32; 2] {
+    pub(crate) fn block_at(&self, item: ItemIndex) -> [u32; 2] {
         let columns = self.blocks()[0];
         [item.0 % columns, item.0 / columns]
     }
@@ -312,7 +312,7 @@ impl LargeTerrain {
     }
 
     /// Returns the surface of a face. Panics if there is none.
-    pub(crate) fn surface_of(&self, item: ItemId, face: u32) -> Surface {
+    pub(crate) fn surface_of(&self, item: ItemIndex, face: u32) -> Surface {
         let block = self.block_at(item);
         let number = face / SQUARE_FACES;
         let columns = self.squares(block)[0];

@@ -2,7 +2,7 @@
 
 use super::{BLOCK_FACES, LargeTerrain, SQUARE_FACES};
 use crate::geometry::{Owner, Owners};
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 
 impl LargeTerrain {
     /// Returns the id of the first opening, after all face ids.
@@ -21,15 +21,15 @@ impl Owners for LargeTerrain {
     fn owner(&self, number: u32, _near: Option<Owner>) -> Owner {
         match number.checked_sub(self.first_opening()) {
             Some(opening) => Owner::Opening(OpeningId(opening as u16)),
-            None => Owner::Face(ItemId(number / BLOCK_FACES), number % BLOCK_FACES),
+            None => Owner::Face(ItemIndex(number / BLOCK_FACES), number % BLOCK_FACES),
         }
     }
 
-    fn cluster_of(&self, _item: ItemId, face: u32) -> u32 {
+    fn cluster_of(&self, _item: ItemIndex, face: u32) -> u32 {
         face / SQUARE_FACES
     }
 
-    fn cluster_count(&self, item: ItemId) -> u32 {
+    fn cluster_count(&self, item: ItemIndex) -> u32 {
         self.squares(self.block_at(item)).iter().product()
     }
 

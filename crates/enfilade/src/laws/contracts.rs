@@ -5,7 +5,7 @@ use super::owners::OwnerPicture;
 use super::reference::Reference;
 use super::truth::Truth;
 use crate::contract::Contract;
-use crate::ids::{ItemId, PassageId, SectorId};
+use crate::ids::{ItemIndex, PassageId, SectorId};
 use crate::method::Method;
 use crate::scene::Scene;
 use crate::view::View;
@@ -364,8 +364,8 @@ fn contract_of(set: &VisibleSet) -> Contract {
     each.fold(first, Contract::combined_with)
 }
 
-fn items_of(set: &VisibleSet) -> BTreeSet<(SectorId, ItemId)> {
-    let name = |seen: &crate::VisibleItem| (set.passage(seen.passage).sector, seen.item);
+fn items_of(set: &VisibleSet) -> BTreeSet<(SectorId, ItemIndex)> {
+    let name = |seen: &crate::VisibleItem| (set.passage(seen.passage).sector, seen.item.index);
     set.items().iter().map(name).collect()
 }
 
@@ -496,7 +496,7 @@ impl Trial<'_> {
             let sector = passage.sector;
             let geometry = self.same.geometry(sector)?;
             let all = 0..geometry.items().len() as u32;
-            let clusters = all.map(|item| 1 + geometry.mesh_of(ItemId(item)).clusters().len() as u64);
+            let clusters = all.map(|item| 1 + geometry.mesh_of(ItemIndex(item)).clusters().len() as u64);
             let faces = scene.sector(sector).build_stats().faces;
             let splits = scene.method(sector).is_some_and(Method::splits_faces);
             let boxes = clusters.sum::<u64>() + if splits { faces } else { 0 };

@@ -7,7 +7,7 @@ use super::EPSILON;
 use super::chains::{Chain, Chains, PassageChains};
 use super::reference::RayResult;
 use crate::geometry::Owner;
-use crate::ids::{ItemId, PassageId};
+use crate::ids::{ItemIndex, PassageId};
 use crate::view::canvas::{Canvas, Span};
 use crate::view::passage::Passage;
 
@@ -15,7 +15,7 @@ use crate::view::passage::Passage;
 #[derive(Clone, Copy)]
 pub(super) struct Pane {
     pub(super) chain: Chain,
-    pub(super) item: ItemId,
+    pub(super) item: ItemIndex,
     pub(super) face: u32,
     /// Number of portals passed before it.
     pub(super) depth: u16,

@@ -11,7 +11,7 @@ use super::sector::sector_of_eye;
 use super::tree::{Meeting, MeshTrees, Trees};
 use super::truth::{Possible, RowTruth, Truth};
 use crate::geometry::Owner;
-use crate::ids::{ItemId, OpeningId, SectorId};
+use crate::ids::{ItemIndex, OpeningId, SectorId};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::view::options::Limits;
@@ -304,7 +304,7 @@ fn meet_openings<const N: usize>(way: &TracedBundle<N>, trees: &Trees, hits: &mu
                 let meeting = Meeting {
                     ray,
                     w,
-                    item: ItemId(u32::MAX),
+                    item: ItemIndex(u32::MAX),
                     face: 0,
                     hides: true,
                 };

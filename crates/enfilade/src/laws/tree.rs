@@ -7,7 +7,7 @@ use super::bundle::Bundle;
 use super::openings::Outline;
 use crate::geom::{Aabb, Transform};
 use crate::geometry::{Alpha, Geometry, Opening};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::mesh::Mesh;
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ pub(super) struct Meeting {
     pub(super) ray: usize,
     /// Minimum and maximum ray parameter, as positions are rounded to f32.
     pub(super) w: [f64; 2],
-    pub(super) item: ItemId,
+    pub(super) item: ItemIndex,
     pub(super) face: u32,
     pub(super) hides: bool,
 }
@@ -31,7 +31,7 @@ pub(super) struct Trees {
     geometry: Arc<Geometry>,
     items: Tree,
     /// Items in the tree: those that have faces.
-    solid: Vec<ItemId>,
+    solid: Vec<ItemIndex>,
     /// The tree of each item's faces, in the item's space; in the sector's space if the item's transform is singular.
     faces: Vec<Arc<Faces>>,
     /// Transform into each item's space; `None` if its tree is in the sector's space.
@@ -207,8 +207,8 @@ impl Trees {
                 }
             })
             .collect();
-        let all = (0..geometry.items().len() as u32).map(ItemId);
-        let solid: Vec<ItemId> = all
+        let all = (0..geometry.items().len() as u32).map(ItemIndex);
+        let solid: Vec<ItemIndex> = all
             .filter(|&item| !geometry.item(item).bounds.is_empty())
             .collect();
         let boxes: Vec<Aabb> = solid.iter().map(|&item| geometry.item(item).bounds).collect();
@@ -245,7 +245,7 @@ impl Trees {
 
     fn walk_item<const N: usize>(
         &self,
-        item: ItemId,
+        item: ItemIndex,
         bundle: &Bundle<N>,
         active: &[bool; N],
         found: &mut impl HitSink,

@@ -4,7 +4,7 @@ use super::chains::{Chain, Chains, PassageChains};
 use super::owners::OwnerPicture;
 use super::reference::RayResult;
 use crate::geometry::Owner;
-use crate::ids::{ItemId, PassageId, SectorId};
+use crate::ids::{ItemIndex, PassageId, SectorId};
 use crate::view::visible::VisibleSet;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
@@ -25,11 +25,11 @@ pub struct Truth {
     ends: Vec<u32>,
     contested: u64,
     /// Items that certainly own a sample, or certainly are a layer in front at one.
-    certain: BTreeSet<(Chain, ItemId)>,
+    certain: BTreeSet<(Chain, ItemIndex)>,
     /// Items that may own a sample, or be a layer in front at one.
-    imaginable: HashSet<(Chain, ItemId)>,
+    imaginable: HashSet<(Chain, ItemIndex)>,
     /// Sets of items of which one certainly owns a sample, though not which, and at how many samples.
-    contests: BTreeMap<Vec<(Chain, ItemId)>, u64>,
+    contests: BTreeMap<Vec<(Chain, ItemIndex)>, u64>,
 }
 
 /// Results of one row, to be merged into a [`Truth`].
@@ -38,12 +38,12 @@ pub(super) struct RowTruth {
     possible: Vec<Possible>,
     ends: Vec<u32>,
     contested: u64,
-    certain: Vec<(Chain, ItemId)>,
-    imaginable: Vec<(Chain, ItemId)>,
-    contests: Vec<(Vec<(Chain, ItemId)>, u64)>,
+    certain: Vec<(Chain, ItemIndex)>,
+    imaginable: Vec<(Chain, ItemIndex)>,
+    contests: Vec<(Vec<(Chain, ItemIndex)>, u64)>,
     /// Buffers for the current sample, kept to reuse their memory.
     here: Vec<Possible>,
-    glass: Vec<(Chain, ItemId)>,
+    glass: Vec<(Chain, ItemIndex)>,
 }
 
 impl RowTruth {
@@ -120,7 +120,7 @@ impl RowTruth {
 }
 
 /// Neighbouring samples mostly have the same item; skips repetitions.
-fn push_new(items: &mut Vec<(Chain, ItemId)>, seen: (Chain, ItemId)) {
+fn push_new(items: &mut Vec<(Chain, ItemIndex)>, seen: (Chain, ItemIndex)) {
     if items.last() != Some(&seen) {
         items.push(seen);
     }
@@ -134,7 +134,7 @@ pub struct Verdict {
     pub reference_visible: usize,
     /// False culls: those of them that are missing from the set, or from the set of their passage. If several items may
     /// own a sample and none of them is in the set, the first of them.
-    pub missed: Vec<(SectorId, ItemId)>,
+    pub missed: Vec<(SectorId, ItemIndex)>,
     /// Items in the set that are visible at no sample; counted once over all passages.
     pub extra: usize,
     /// Wrong pixels: samples painted with an owner that is not possible. Transparent layers are ignored.
@@ -159,7 +159,7 @@ impl Truth {
         };
         for (chains, row) in rows {
             let numbers = truth.chains.add_all(&chains);
-            let seen = |(chain, item): (Chain, ItemId)| (chain.renumbered(&numbers), item);
+            let seen = |(chain, item): (Chain, ItemIndex)| (chain.renumbered(&numbers), item);
             let before = truth.possible.len() as u32;
             truth.contested += row.contested;
             truth.certain.extend(row.certain.into_iter().map(seen));
@@ -181,7 +181,7 @@ impl Truth {
     }
 
     /// Returns the certainly visible items; each once over all passages.
-    pub fn visible(&self) -> BTreeSet<(SectorId, ItemId)> {
+    pub fn visible(&self) -> BTreeSet<(SectorId, ItemIndex)> {
         self.certain
             .iter()
             .map(|(chain, item)| (chain.sector, *item))
@@ -190,8 +190,8 @@ impl Truth {
 
     /// Returns the sets of items of which one certainly owns a sample, though not which, with their number of samples,
     /// largest number first. Usually their faces are coplanar.
-    pub fn contested(&self) -> Vec<(Vec<(SectorId, ItemId)>, u64)> {
-        let mut all: BTreeMap<Vec<(SectorId, ItemId)>, u64> = BTreeMap::new();
+    pub fn contested(&self) -> Vec<(Vec<(SectorId, ItemIndex)>, u64)> {
+        let mut all: BTreeMap<Vec<(SectorId, ItemIndex)>, u64> = BTreeMap::new();
         for (items, samples) in &self.contests {
             let mut items: Vec<_> = items.iter().map(|(chain, item)| (chain.sector, *item)).collect();
             items.sort_unstable();
@@ -214,26 +214,26 @@ impl Truth {
             .collect();
         let numbers = self.chains.numbers_of(&passages.chains);
         // `None` for a chain that no ray follows.
-        let answered: HashSet<(SectorId, Option<Chain>, ItemId)> = set
+        let answered: HashSet<(SectorId, Option<Chain>, ItemIndex)> = set
             .items()
             .iter()
             .map(|visible| {
                 let chain = chains[visible.passage.0 as usize];
-                (chain.sector, chain.found(&numbers), visible.item)
+                (chain.sector, chain.found(&numbers), visible.item.index)
             })
             .collect();
-        let answer = |&(chain, item): &(Chain, ItemId)| (chain.sector, Some(chain), item);
-        let is_missed = |seen: &&(Chain, ItemId)| !answered.contains(&answer(seen));
+        let answer = |&(chain, item): &(Chain, ItemIndex)| (chain.sector, Some(chain), item);
+        let is_missed = |seen: &&(Chain, ItemIndex)| !answered.contains(&answer(seen));
         let of_several = self
             .contests
             .keys()
             .filter(|items| items.iter().all(|seen| is_missed(&seen)));
-        let missed: BTreeSet<(SectorId, ItemId)> = (self.certain.iter().filter(is_missed))
+        let missed: BTreeSet<(SectorId, ItemIndex)> = (self.certain.iter().filter(is_missed))
             .chain(of_several.map(|items| &items[0]))
             .map(|(chain, item)| (chain.sector, *item))
             .collect();
         let imaginable: HashSet<_> = self.imaginable.iter().map(answer).collect();
-        let extra: BTreeSet<(SectorId, ItemId)> = (answered.difference(&imaginable))
+        let extra: BTreeSet<(SectorId, ItemIndex)> = (answered.difference(&imaginable))
             .map(|&(sector, _, item)| (sector, item))
             .collect();
         Verdict {

@@ -5,7 +5,7 @@ use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Changes, Exchanged, Geometry, Opening};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::order::{Order, Visit};
 use crate::sector::{BuildStats, Hit, Ray, Sector, Surface};
 use crate::unsuited::Unsuited;
@@ -75,7 +75,7 @@ pub(super) trait Combination: Send + Sync + Sized + 'static {
     }
 
     /// Updates what is kept beside the order after an edit; returns the number of tree nodes touched.
-    fn follow(&mut self, _geometry: &Geometry, _done: &Exchanged) -> u64 {
+    fn follow(&mut self, _geometry: &Geometry, _done: &mut Exchanged) -> u64 {
         0
     }
 }
@@ -136,7 +136,7 @@ impl<M: Combination> Sector for Combined<M> {
         self.geometry.cast(ray)
     }
 
-    fn surface(&self, item: ItemId, face: u32) -> Surface {
+    fn surface(&self, item: ItemIndex, face: u32) -> Surface {
         self.geometry.surface(item, face)
     }
 
@@ -171,8 +171,8 @@ impl<M: Combination> EditableSector for Combined<M> {
             order,
             combination,
         } = self;
-        let (mut edited, done) = edit_order(order, geometry, changes, limit, M::needs_bytes)?;
-        edited.nodes += combination.follow(geometry, &done);
+        let mut edited = edit_order(order, geometry, changes, limit, M::needs_bytes)?;
+        edited.nodes += combination.follow(geometry, &mut changes.exchanged);
         Ok(edited)
     }
 }
@@ -194,7 +194,7 @@ impl Visit for Count<'_> {
         Visibility::Partial
     }
 
-    fn first_time(&mut self, item: ItemId) -> bool {
+    fn first_time(&mut self, item: ItemIndex) -> bool {
         self.marks.first_time(item)
     }
 

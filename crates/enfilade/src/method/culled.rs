@@ -111,7 +111,7 @@ where
         self.occluders.get().map_or(0, |set| set.bytes())
     }
 
-    fn follow(&mut self, geometry: &Geometry, done: &Exchanged) -> u64 {
+    fn follow(&mut self, geometry: &Geometry, done: &mut Exchanged) -> u64 {
         let occluders = self.occluders.get_mut();
         occluders.map_or(0, |set| Arc::make_mut(set).follow(geometry, done))
     }

@@ -1,6 +1,6 @@
 //! Sectors whose items can be edited.
 
-use crate::geometry::{Changes, Exchanged, Geometry};
+use crate::geometry::{Changes, Geometry};
 use crate::order::Order;
 use crate::sector::Sector;
 use crate::unsuited::Unsuited;
@@ -44,12 +44,13 @@ pub(super) fn edit_order<O: Order>(
     changes: &mut Changes,
     limit: u64,
     beside: impl Fn(&Geometry) -> u64,
-) -> Result<(EditStats, Exchanged), Unsuited> {
+) -> Result<EditStats, Unsuited> {
     let edited = Arc::make_mut(geometry);
-    let done = edited.exchange(changes);
+    edited.exchange(changes);
     let needs = O::needs_bytes(edited) + beside(edited);
-    let mut touched = Vec::new();
-    let follows = needs <= limit && order.follow(edited, &done.moved, &mut touched);
+    let done = &mut changes.exchanged;
+    done.touched.clear();
+    let follows = needs <= limit && order.follow(edited, &done.moved, &mut done.touched);
     if !follows {
         let built = if needs <= limit {
             O::build(edited, limit)
@@ -67,10 +68,10 @@ pub(super) fn edit_order<O: Order>(
             }
         }
     }
-    let counts = EditStats {
+    let done = &changes.exchanged;
+    Ok(EditStats {
         items: done.moved.len() as u64,
-        nodes: done.nodes + touched.len() as u64,
+        nodes: done.nodes + done.touched.len() as u64,
         rebuilt: u64::from(!follows),
-    };
-    Ok((counts, done))
+    })
 }

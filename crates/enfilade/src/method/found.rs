@@ -3,7 +3,7 @@
 use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 use crate::order::{Order, Visit};
 use crate::stats::Stats;
 use crate::view::collector::{Collector, FoundClusters};
@@ -104,7 +104,7 @@ impl<A: OcclusionTest> Walk<'_, A> {
         visibility
     }
 
-    fn region_of(&self, faces: &Faces, item: ItemId, cluster: u32) -> Option<Region> {
+    fn region_of(&self, faces: &Faces, item: ItemIndex, cluster: u32) -> Option<Region> {
         let bounds = &self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
         Region::of(self.passage, faces.screen_from_local, bounds)
     }
@@ -182,11 +182,11 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
         self.occlusion.go_back();
     }
 
-    fn first_time(&mut self, item: ItemId) -> bool {
+    fn first_time(&mut self, item: ItemIndex) -> bool {
         self.marks.first_time(item)
     }
 
-    fn are_enough(&mut self, item: ItemId, node: u32, region: &Region) -> bool {
+    fn are_enough(&mut self, item: ItemIndex, node: u32, region: &Region) -> bool {
         let below = self.geometry.mesh_of(item).below();
         let clusters = below.clusters(node);
         if !A::TAKES_FACES || clusters.len() > MAX_WHOLE_CLUSTERS {
@@ -215,7 +215,7 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
         }
     }
 
-    fn cluster(&mut self, geometry: &Geometry, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
+    fn cluster(&mut self, geometry: &Geometry, item: ItemIndex, cluster: u32, screen_from_item: &DAffine3) {
         if A::TAKES_FACES {
             self.faces(&Faces::of_cluster(geometry, item, cluster, screen_from_item));
         } else {
@@ -223,7 +223,7 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
         }
     }
 
-    fn whole(&mut self, geometry: &Geometry, item: ItemId, screen_from_item: &DAffine3) {
+    fn whole(&mut self, geometry: &Geometry, item: ItemIndex, screen_from_item: &DAffine3) {
         if A::TAKES_FACES {
             for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
                 self.cluster(geometry, item, cluster, screen_from_item);

@@ -6,7 +6,7 @@
 use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::view::canvas::Canvas;
 use crate::view::collector::Collector;
 use crate::view::memory::Memory;
@@ -14,7 +14,7 @@ use crate::view::passage::Passage;
 
 /// Potentially visible clusters.
 #[derive(Default)]
-struct Gathered(Vec<(ItemId, u32)>);
+struct Gathered(Vec<(ItemIndex, u32)>);
 
 /// Draws the visible set `seen` of a geometry, and replaces it with what is visible in the picture.
 pub(super) fn draw_gathered(
@@ -33,7 +33,7 @@ pub(super) fn draw_gathered(
     let stats = &mut memory.stats;
     let before = seen.samples_owned;
     Faces::of_openings(geometry, passage, |faces| cover.add(faces, passage, stats, None));
-    let hides = |&(item, cluster): &(ItemId, u32)| {
+    let hides = |&(item, cluster): &(ItemIndex, u32)| {
         let cluster = &geometry.mesh_of(item).clusters()[cluster as usize];
         geometry.material_of(item, cluster).alpha == Alpha::Opaque
     };

@@ -179,7 +179,7 @@ impl<M: CoarseCombination> Combination for InCells<M> {
         self.0.bytes()
     }
 
-    fn follow(&mut self, geometry: &Geometry, done: &Exchanged) -> u64 {
+    fn follow(&mut self, geometry: &Geometry, done: &mut Exchanged) -> u64 {
         self.0.follow(geometry, done)
     }
 }

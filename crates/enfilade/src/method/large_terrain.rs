@@ -10,7 +10,7 @@ use crate::cover::{Cover, Horizon, Paints};
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::Opening;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::large_terrain::{LargeTerrain, Workplace};
 use crate::order::Visit;
 use crate::sector::{BuildStats, Hit, Ray, Sector, Surface};
@@ -69,7 +69,7 @@ impl Visit for Walk<'_> {
     }
 
     /// Always `true`: each block is in exactly one square, so it is visited once.
-    fn first_time(&mut self, _item: ItemId) -> bool {
+    fn first_time(&mut self, _item: ItemIndex) -> bool {
         true
     }
 
@@ -114,7 +114,7 @@ impl Sector for LargeTerrain {
         self.first_along(ray)
     }
 
-    fn surface(&self, item: ItemId, face: u32) -> Surface {
+    fn surface(&self, item: ItemIndex, face: u32) -> Surface {
         self.surface_of(item, face)
     }
 
@@ -142,16 +142,16 @@ impl Sector for LargeTerrain {
         self.blocks().iter().product()
     }
 
-    fn item_name(&self, item: ItemId) -> String {
+    fn item_name(&self, item: ItemIndex) -> String {
         let [column, row] = self.block_at(item);
         format!("block {row} {column}")
     }
 
-    fn item_bounds(&self, item: ItemId) -> Aabb {
+    fn item_bounds(&self, item: ItemIndex) -> Aabb {
         self.bounds_of(0, self.block_at(item))
     }
 
-    fn item_triangles(&self, item: ItemId, clusters: &[u32]) -> u64 {
+    fn item_triangles(&self, item: ItemIndex, clusters: &[u32]) -> u64 {
         let block = self.block_at(item);
         let columns = self.squares(block)[0];
         if clusters.is_empty() {

@@ -6,7 +6,7 @@ use crate::contract::Contract;
 use crate::cover::Paints;
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::{Alpha, Geometry};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::order::{Gives, Order, Visit};
 use crate::stats::Stats;
 use crate::view::canvas::{Canvas, CoverShape};
@@ -124,7 +124,7 @@ impl<O: Order, C: Paints> Paired<O, C> {
         order: &O,
         geometry: &Geometry,
         passage: &Passage,
-        first: &[(ItemId, u32)],
+        first: &[(ItemIndex, u32)],
         memory: &mut Memory,
         seen: &mut Collector,
         mut canvas: Option<&mut dyn Canvas>,
@@ -176,9 +176,9 @@ fn reborrow<'a>(canvas: &'a mut Option<&mut dyn Canvas>) -> Option<&'a mut dyn C
 #[derive(Default)]
 struct Work {
     /// Clusters that are no occluders; tested once all occluders are in the cover.
-    waiting: Vec<(ItemId, u32)>,
+    waiting: Vec<(ItemIndex, u32)>,
     /// Clusters rasterized before the traversal, with the maximum of their reversed depth.
-    first: Vec<(f32, ItemId, u32)>,
+    first: Vec<(f32, ItemIndex, u32)>,
 }
 
 /// Connects the traversal of an order to a cover.
@@ -189,7 +189,7 @@ struct Walk<'a, C> {
     stats: &'a mut Stats,
     work: &'a mut Work,
     /// Clusters rasterized before the traversal, sorted.
-    primed: &'a [(ItemId, u32)],
+    primed: &'a [(ItemIndex, u32)],
     canvas: Option<&'a mut dyn Canvas>,
 }
 
@@ -234,7 +234,7 @@ impl<C: Paints> Visit for Walk<'_, C> {
         visibility
     }
 
-    fn first_time(&mut self, item: ItemId) -> bool {
+    fn first_time(&mut self, item: ItemIndex) -> bool {
         self.marks.first_time(item)
     }
 

@@ -11,7 +11,7 @@
 //! Exact: the same items, clusters and openings at every sample for any number of strips; only the work counts differ.
 
 use crate::geometry::Owners;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::stats::Stats;
 use crate::threads;
 use crate::view::aperture::{Rect, Rows};
@@ -32,7 +32,7 @@ const ALIGNED: u16 = 8;
 #[derive(Default)]
 struct Strips {
     strips: Vec<Strip>,
-    met: Vec<(ItemId, u32)>,
+    met: Vec<(ItemIndex, u32)>,
 }
 
 #[derive(Default)]

@@ -16,7 +16,7 @@ use super::measure::{Chooser, EnteredItem, OccluderMeasure};
 use super::{OccluderSet, Polygon};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::ranked::Ranked;
 use crate::view::passage::Passage;
 use glam::{DAffine3, DVec3};
@@ -26,7 +26,7 @@ use std::collections::BinaryHeap;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelectedOccluder {
     /// The item that the occluder belongs to.
-    pub item: ItemId,
+    pub item: ItemIndex,
     /// Index of the polygon among the occluders of the item's mesh, from 0.
     pub polygon: u32,
     /// Value by the requested [`OccluderMeasure`]; no occluder selected later has a larger one.
@@ -40,7 +40,7 @@ impl SelectedOccluder {
     /// Selects a polygon of the first item, which is a copy of the first mesh.
     pub(super) fn for_tests(index: u32) -> SelectedOccluder {
         SelectedOccluder {
-            item: ItemId(0),
+            item: ItemIndex(0),
             polygon: index,
             value: 1.0,
             index,
@@ -154,7 +154,7 @@ impl OccluderSet {
             .enumerate()
             .filter(|(_, item)| item.is_occluder)
         {
-            let item_id = ItemId(number as u32);
+            let item_id = ItemIndex(number as u32);
             let placed = EnteredItem::of(item_id, geometry, passage);
             let [first, end] = self.meshes[item.mesh.0 as usize].polygons;
             for index in first..end {
@@ -215,8 +215,11 @@ impl SelectionRun<'_> {
                     }
                 }
                 QueueTarget::Item(item) => {
-                    if may_be_seen(&passage.screen_from_sector, &geometry.item(ItemId(item)).bounds) {
-                        chooser.enter_item(ItemId(item), choice);
+                    if may_be_seen(
+                        &passage.screen_from_sector,
+                        &geometry.item(ItemIndex(item)).bounds,
+                    ) {
+                        chooser.enter_item(ItemIndex(item), choice);
                     }
                 }
                 QueueTarget::MeshNode { entered, node } => {
@@ -238,7 +241,7 @@ impl SelectionRun<'_> {
                     }
                 }
                 QueueTarget::Measured { item, index } => {
-                    let item = ItemId(item);
+                    let item = ItemIndex(item);
                     let screen_from_item = passage.screen_from(&geometry.item(item).transform());
                     if !may_be_seen(&screen_from_item, &set.polygons[index as usize].bounds) {
                         continue;
@@ -284,7 +287,7 @@ impl Chooser<'_> {
             choice.push(bound, QueueTarget::Node(child));
         }
         for &item in set.tree.things(node) {
-            let placed = self.geometry.item(ItemId(item));
+            let placed = self.geometry.item(ItemIndex(item));
             let area = set.areas[item as usize];
             let bound = self.bound(screen, &placed.bounds, area, self.eye, 1.0);
             choice.push(bound, QueueTarget::Item(item));
@@ -292,7 +295,7 @@ impl Chooser<'_> {
     }
 
     /// Queues the contents of an item.
-    fn enter_item(&self, item: ItemId, choice: &mut OccluderSelection) {
+    fn enter_item(&self, item: ItemIndex, choice: &mut OccluderSelection) {
         choice
             .entered
             .push(EnteredItem::of(item, self.geometry, self.passage));

@@ -9,7 +9,7 @@ use super::screen::clip;
 use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::view::passage::{Passage, eye_in};
 use crate::view::region::{Region, Volume};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
@@ -33,7 +33,7 @@ const LEAST_PIXELS: f64 = 16.0;
 /// An item whose polygons are in the queue.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EnteredItem {
-    pub(super) item: ItemId,
+    pub(super) item: ItemIndex,
     pub(super) screen_from_item: DAffine3,
     sector_from_item: DAffine3,
     /// Maps area vectors (area times normal) to sector space.
@@ -48,7 +48,7 @@ pub(super) struct EnteredItem {
 
 impl EnteredItem {
     /// Computes the transforms of an item as seen through a passage.
-    pub(super) fn of(item: ItemId, geometry: &Geometry, passage: &Passage) -> EnteredItem {
+    pub(super) fn of(item: ItemIndex, geometry: &Geometry, passage: &Passage) -> EnteredItem {
         let sector_from_item = geometry.item(item).transform();
         let screen_from_item = passage.screen_from(&sector_from_item);
         let areas = cofactor(&sector_from_item.0.matrix3);

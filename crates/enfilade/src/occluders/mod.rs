@@ -32,7 +32,7 @@ pub use summary::OccluderSummary;
 
 use crate::geom::{Aabb, Line, Octree, Step};
 use crate::geometry::{Exchanged, Geometry, MovedItem};
-use crate::ids::{ItemId, MeshId};
+use crate::ids::{ItemIndex, MeshId};
 use crate::mesh::Mesh;
 use crate::threads;
 use glam::{DMat3, DVec3};
@@ -158,7 +158,7 @@ impl OccluderSet {
     }
 
     /// Updates the set after items were edited, and returns the number of octree nodes touched.
-    pub(crate) fn follow(&mut self, geometry: &Geometry, done: &Exchanged) -> u64 {
+    pub(crate) fn follow(&mut self, geometry: &Geometry, done: &mut Exchanged) -> u64 {
         for &mesh in &done.meshes {
             let of_mesh = self.add(MeshPolygons::of(&geometry.meshes()[mesh.0 as usize], geometry));
             let place = mesh.0 as usize;
@@ -178,20 +178,20 @@ impl OccluderSet {
         }
         let OccluderSet { tree, areas, .. } = self;
         let boxes = |item: u32| box_of(geometry, areas, item);
-        let mut touched = Vec::new();
+        done.touched.clear();
         for MovedItem { item, old_bounds } in &done.moved {
-            tree.shift(item.0, old_bounds, &boxes, &mut touched);
+            tree.shift(item.0, old_bounds, &boxes, &mut done.touched);
         }
         if tree.tidy(geometry.items().len(), &boxes) {
             self.largest = largest_below(&self.tree, |item| self.areas[item as usize]);
         } else {
             self.largest.resize(self.tree.node_count(), 0.0);
             // If a node is listed twice, the last entry counts: by then its children are up to date.
-            for &node in &touched {
+            for &node in &done.touched {
                 self.largest[node as usize] = self.largest_in(node);
             }
         }
-        touched.len() as u64
+        done.touched.len() as u64
     }
 
     /// Builds the octree over the items.
@@ -199,7 +199,7 @@ impl OccluderSet {
         let items = 0..geometry.items().len() as u32;
         self.areas = items
             .clone()
-            .map(|item| self.area_of(geometry, ItemId(item)))
+            .map(|item| self.area_of(geometry, ItemIndex(item)))
             .collect();
         let bounds: Vec<Aabb> = items.map(|item| box_of(geometry, &self.areas, item)).collect();
         self.tree = Octree::build(&bounds, FEW);
@@ -208,7 +208,7 @@ impl OccluderSet {
 
     /// Returns an upper bound of the area of an item's largest occluder, in sector space; 0 if it hides nothing. An
     /// item flattened by its transform hides nothing, since its areas are meaningless.
-    fn area_of(&self, geometry: &Geometry, item: ItemId) -> f64 {
+    fn area_of(&self, geometry: &Geometry, item: ItemIndex) -> f64 {
         let placed = geometry.item(item);
         let largest = &self.meshes[placed.mesh.0 as usize].largest;
         match largest.first() {
@@ -297,7 +297,7 @@ impl OccluderSet {
 /// Returns the bounding box of an item with occluders; an empty box if it has none.
 fn box_of(geometry: &Geometry, areas: &[f64], item: u32) -> Aabb {
     if areas[item as usize] > 0.0 {
-        geometry.item(ItemId(item)).bounds
+        geometry.item(ItemIndex(item)).bounds
     } else {
         Aabb::EMPTY
     }

@@ -4,13 +4,18 @@ use super::Visit;
 use crate::faces::Faces;
 use crate::geom::Step;
 use crate::geometry::{Alpha, Geometry};
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 use crate::traversal::may_be_visible;
 use crate::view::opening_view::may_touch_eye;
 use crate::view::passage::Passage;
 
 /// Emits the clusters of an item that are not opaque and may be visible, for orders that sort opaque faces only.
-pub(super) fn emit_non_opaque(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+pub(super) fn emit_non_opaque(
+    geometry: &Geometry,
+    passage: &Passage,
+    item: ItemIndex,
+    visit: &mut impl Visit,
+) {
     let screen_from_item = passage.screen_from(&geometry.item(item).transform());
     for (number, cluster) in geometry.mesh_of(item).clusters().iter().enumerate() {
         if geometry.material_of(item, cluster).alpha != Alpha::Opaque

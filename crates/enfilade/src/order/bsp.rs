@@ -15,7 +15,7 @@ use super::{FarToNear, NearToFar, Order, Visit};
 use crate::faces::{Cut, Faces};
 use crate::geom::{Aabb, BspLink, BspOptions, BspStep, BspTree, Piece, Polygons};
 use crate::geometry::{Alpha, Geometry, Owner, Owners};
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 use crate::sector::BuildStats;
 use crate::unsuited::Unsuited;
 use crate::view::passage::Passage;
@@ -37,7 +37,7 @@ struct SharedTree {
     /// For each polygon of the tree, the number of its face or opening in the geometry.
     numbers: Vec<u32>,
     /// Items with faces that are not opaque.
-    non_opaque: Vec<ItemId>,
+    non_opaque: Vec<ItemIndex>,
 }
 
 /// Direction in which a BSP tree is traversed. Sealed, like [`Order`].
@@ -121,7 +121,7 @@ impl SharedTree {
     fn build(geometry: &Geometry, options: &BspOptions) -> SharedTree {
         let mut polygons = Polygons::default();
         let (mut numbers, mut non_opaque) = (Vec::new(), Vec::new());
-        for item in (0..geometry.items().len() as u32).map(ItemId) {
+        for item in (0..geometry.items().len() as u32).map(ItemIndex) {
             let mesh = geometry.mesh_of(item);
             let sector_from_item = geometry.item(item).transform();
             for cluster in mesh.clusters() {

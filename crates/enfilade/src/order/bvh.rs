@@ -45,9 +45,8 @@ impl Order for BvhOrder {
 
     fn follow(&mut self, geometry: &Geometry, moved: &[MovedItem], touched: &mut Vec<u32>) -> bool {
         let boxes = |item: u32| geometry.items()[item as usize].bounds;
-        for MovedItem { item, old_bounds } in moved {
-            self.tree.shift(item.0, old_bounds, &boxes, touched);
-        }
+        let moved = moved.iter().map(|moved| (moved.item.0, moved.old_bounds));
+        self.tree.shift(moved, &boxes, touched);
         self.tree.tidy(geometry.items().len(), &boxes);
         true
     }

@@ -12,7 +12,7 @@ use super::sealed::Sealed;
 use super::{FarToNear, Order, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, MovedItem};
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 use crate::traversal::may_be_visible;
 use crate::unsuited::Unsuited;
 use crate::view::passage::Passage;
@@ -51,7 +51,7 @@ impl SortKey for Mean {
 /// Scratch memory: the faces of a traversal and the buffers that sort them.
 #[derive(Default)]
 pub struct SortBuffers {
-    items: Vec<(ItemId, DAffine3)>,
+    items: Vec<(ItemIndex, DAffine3)>,
     faces: Vec<FaceKey>,
     spare: Vec<FaceKey>,
     distances: Vec<f32>,
@@ -101,8 +101,8 @@ impl<K: SortKey> Order for DepthSort<K> {
         sorting.items.clear();
         sorting.faces.clear();
         for item in 0..geometry.items().len() as u32 {
-            emit_non_opaque(geometry, passage, ItemId(item), visit);
-            sorting.add::<K>(geometry, passage, ItemId(item), visit);
+            emit_non_opaque(geometry, passage, ItemIndex(item), visit);
+            sorting.add::<K>(geometry, passage, ItemIndex(item), visit);
         }
         let openings = if passage.flat {
             0
@@ -130,7 +130,7 @@ impl SortBuffers {
         &mut self,
         geometry: &Geometry,
         passage: &Passage,
-        item: ItemId,
+        item: ItemIndex,
         visit: &mut impl Visit,
     ) {
         let screen_from_item = passage.screen_from(&geometry.item(item).transform());

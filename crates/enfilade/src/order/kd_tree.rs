@@ -9,7 +9,7 @@
 use super::{NodesNearToFar, Order, Visit};
 use crate::geom::{Aabb, KdTree};
 use crate::geometry::{Geometry, MovedItem};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::traversal::{box_visibility, emit_item, emit_openings, emit_whole};
 use crate::unsuited::Unsuited;
 use crate::view::passage::Passage;
@@ -132,10 +132,10 @@ impl Order for KdTreeOrder {
             for &item in self.tree.things(next.node) {
                 // An item that extends beyond the leaf's box may be visible only elsewhere, so the leaf's result does
                 // not cover it.
-                if fully && bounds.union(&geometry.item(ItemId(item)).bounds) == *bounds {
-                    emit_whole(geometry, passage, ItemId(item), visit);
+                if fully && bounds.union(&geometry.item(ItemIndex(item)).bounds) == *bounds {
+                    emit_whole(geometry, passage, ItemIndex(item), visit);
                 } else {
-                    emit_item(geometry, passage, ItemId(item), visit);
+                    emit_item(geometry, passage, ItemIndex(item), visit);
                 }
             }
         }

@@ -11,7 +11,7 @@ use super::Visit;
 use super::terrain_rows::near_to_far;
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::Alpha;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::large_terrain::{LargeTerrain, Workplace};
 use crate::view::passage::Passage;
 use crate::view::region::Visibility;
@@ -80,7 +80,7 @@ impl Traversal<'_> {
             eye,
         } = *self;
         terrain.read(block, workplace);
-        let item = ItemId(terrain.block_number(block));
+        let item = ItemIndex(terrain.block_number(block));
         let item_start = terrain.first_face(block);
         let squares = terrain.squares(block);
         let [columns, rows] = [0, 1].map(|axis| {

@@ -15,7 +15,7 @@ use super::{NodesNearToFar, Order, Visit};
 use crate::geom::Aabb;
 use crate::geometry::Terrain;
 use crate::geometry::{Geometry, MovedItem};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::sector::Requirement;
 use crate::traversal::{Queue, begin, go_on};
 use crate::traversal::{emit_item, emit_openings};
@@ -162,7 +162,7 @@ impl Ground {
         let mut levels = vec![Level {
             size,
             bounds: blocks
-                .map(|item| geometry.mesh_of(ItemId(item)).bounds())
+                .map(|item| geometry.mesh_of(ItemIndex(item)).bounds())
                 .collect(),
         }];
         while let Some(last) = levels.last().filter(|level| level.size != [1, 1]) {
@@ -193,7 +193,7 @@ impl Ground {
         };
         if level == 0 {
             traversal.others.emit(region.nearest, queue, visit);
-            let item = ItemId(self.terrain.blocks.start + index as u32);
+            let item = ItemIndex(self.terrain.blocks.start + index as u32);
             emit_item(geometry, passage, item, visit);
             return;
         }

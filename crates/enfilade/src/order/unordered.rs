@@ -7,7 +7,7 @@
 
 use super::{Order, Unsorted, Visit};
 use crate::geometry::{Geometry, MovedItem};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::traversal::{emit_item, emit_openings};
 use crate::unsuited::Unsuited;
 use crate::view::passage::Passage;
@@ -41,7 +41,7 @@ impl Order for Unordered {
     fn visit(&self, geometry: &Geometry, passage: &Passage, _scratch: &mut (), visit: &mut impl Visit) {
         emit_openings(geometry, passage, visit);
         for item in 0..geometry.items().len() as u32 {
-            emit_item(geometry, passage, ItemId(item), visit);
+            emit_item(geometry, passage, ItemIndex(item), visit);
         }
     }
 }

@@ -10,7 +10,7 @@
 
 use crate::geom::{Aabb, Line, Step};
 use crate::geometry::{Alpha, Geometry};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::occluders::{OccluderSet, Wall};
 use glam::DVec3;
 
@@ -93,7 +93,7 @@ impl Geometry {
         self.item_tree().walk(start.into(), |step| match step {
             Step::Node(bounds) => !found && line.meets(bounds, line.margin(bounds), 1.0).is_some(),
             Step::Thing(item) => {
-                let placed = self.item(ItemId(item));
+                let placed = self.item(ItemIndex(item));
                 let near = line.meets(&placed.bounds, line.margin(&placed.bounds), 1.0);
                 let Some(item_from_here) = placed
                     .transform()

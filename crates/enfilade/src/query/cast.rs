@@ -10,7 +10,7 @@
 
 use crate::geom::{Line, Step};
 use crate::geometry::{Geometry, Material};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::mesh::Mesh;
 use crate::sector::{Hit, Ray, Surface};
 use glam::DVec3;
@@ -43,7 +43,7 @@ impl Geometry {
                 limit
             },
         );
-        hits.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.key().cmp(&b.key())));
+        hits.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.rank().cmp(&b.rank())));
     }
 
     /// Returns the first face along a line up to `limit` whose material passes `counts`.
@@ -55,7 +55,7 @@ impl Geometry {
     ) -> Option<Hit> {
         let mut first: Option<Hit> = None;
         self.along(line, limit, counts, |hit| {
-            let comes_first = |known: &Hit| (hit.distance, hit.key()) < (known.distance, known.key());
+            let comes_first = |known: &Hit| (hit.distance, hit.rank()) < (known.distance, known.rank());
             if first.as_ref().is_none_or(comes_first) {
                 first = Some(hit);
             }
@@ -75,7 +75,7 @@ impl Geometry {
         self.item_tree().walk(line.origin.into(), |step| match step {
             Step::Node(bounds) => line.meets(bounds, line.margin(bounds), limit).is_some(),
             Step::Thing(item) => {
-                self.along_item(ItemId(item), line, &mut limit, &counts, &mut found);
+                self.along_item(ItemIndex(item), line, &mut limit, &counts, &mut found);
                 true
             }
         });
@@ -83,7 +83,7 @@ impl Geometry {
 
     fn along_item(
         &self,
-        item: ItemId,
+        item: ItemIndex,
         line: &Line,
         limit: &mut f64,
         counts: &impl Fn(&Material) -> bool,
@@ -117,7 +117,8 @@ impl Geometry {
                     let distance = distance.max(enter).min(leave.max(f64::MIN_POSITIVE));
                     if distance <= *limit {
                         *limit = found(Hit {
-                            item,
+                            item: self.id_of(item),
+                            key: self.key(item),
                             face,
                             distance,
                             from_behind,
@@ -130,7 +131,7 @@ impl Geometry {
     }
 
     /// Returns the surface of a face: normal, a point on it, and material.
-    pub fn surface(&self, item: ItemId, face: u32) -> Surface {
+    pub fn surface(&self, item: ItemIndex, face: u32) -> Surface {
         let mesh = self.mesh_of(item);
         let material = self.material_of(item, &mesh.clusters()[mesh.cluster_of(face)]);
         let transform = self.item(item).transform();
@@ -156,8 +157,8 @@ impl Geometry {
 
 impl Hit {
     /// Returns the sort key of hits at the same distance.
-    fn key(&self) -> (ItemId, u32) {
-        (self.item, self.face)
+    fn rank(&self) -> (ItemIndex, u32) {
+        (self.item.index, self.face)
     }
 }
 

@@ -10,7 +10,7 @@
 
 use crate::geom::{Aabb, Enter, Step};
 use crate::geometry::Geometry;
-use crate::ids::{ItemId, SectorId};
+use crate::ids::{ItemIndex, SectorId};
 use crate::view::View;
 use crate::view::passage::Passage;
 use glam::{DVec3, DVec4};
@@ -20,7 +20,7 @@ impl Geometry {
     /// intersect; an empty box, or one with NaN, intersects nothing.
     #[doc(alias = "range query")]
     #[doc(alias = "box query")]
-    pub fn items_in_box(&self, bounds: &Aabb, visit: impl FnMut(ItemId)) {
+    pub fn items_in_box(&self, bounds: &Aabb, visit: impl FnMut(ItemIndex)) {
         if bounds.is_empty() {
             return;
         }
@@ -33,7 +33,7 @@ impl Geometry {
                 Enter::Ask
             }
         };
-        let item = |item: ItemId| self.item(item).bounds.meets(bounds);
+        let item = |item: ItemIndex| self.item(item).bounds.meets(bounds);
         self.items_by(bounds.center().map(f64::from), meets, item, visit);
     }
 
@@ -41,12 +41,12 @@ impl Geometry {
     /// order. Visits none if the radius is negative or NaN or the centre is not finite.
     #[doc(alias = "range query")]
     #[doc(alias = "sphere query")]
-    pub fn items_in_sphere(&self, center: [f32; 3], radius: f32, visit: impl FnMut(ItemId)) {
+    pub fn items_in_sphere(&self, center: [f32; 3], radius: f32, visit: impl FnMut(ItemIndex)) {
         self.items_within(DVec3::from(center.map(f64::from)), f64::from(radius), visit);
     }
 
     /// Visits items as [`Geometry::items_in_sphere`] does, in f64.
-    pub(super) fn items_within(&self, center: DVec3, radius: f64, visit: impl FnMut(ItemId)) {
+    pub(super) fn items_within(&self, center: DVec3, radius: f64, visit: impl FnMut(ItemIndex)) {
         if !(center.is_finite() && radius >= 0.0) {
             return;
         }
@@ -60,7 +60,7 @@ impl Geometry {
                 Enter::Ask
             }
         };
-        let item = |item: ItemId| nearest_squared(&self.item(item).bounds, center) <= square;
+        let item = |item: ItemIndex| nearest_squared(&self.item(item).bounds, center) <= square;
         self.items_by(center.into(), meets, item, visit);
     }
 
@@ -72,20 +72,20 @@ impl Geometry {
     /// [`VisibleSet::in_frustum`](crate::VisibleSet::in_frustum) counts by the same rule. Visits nothing if
     /// [`View::check`] returns an error. Ignores [`View::sector`].
     #[doc(alias = "frustum culling")]
-    pub fn items_in_frustum(&self, view: &View, visit: impl FnMut(ItemId)) {
+    pub fn items_in_frustum(&self, view: &View, visit: impl FnMut(ItemIndex)) {
         if view.check().is_ok() {
             self.items_in_passage(&Passage::at_the_eye(view, SectorId(0), false), visit);
         }
     }
 
     /// Visits the items that are potentially in the frustum of a passage's view and beyond its last portal.
-    pub(crate) fn items_in_passage(&self, passage: &Passage, visit: impl FnMut(ItemId)) {
+    pub(crate) fn items_in_passage(&self, passage: &Passage, visit: impl FnMut(ItemIndex)) {
         let planes = planes_of(passage);
         let meets = |held: &Aabb| match side_of(&planes, held) {
             Enter::All if passage.entry.is_some() => Enter::Ask,
             side => side,
         };
-        let item = |item: ItemId| {
+        let item = |item: ItemIndex| {
             let placed = self.item(item);
             let screen_from_item = passage.screen_from(&placed.transform());
             passage.frustum_meets(&passage.screen_from_sector, &placed.bounds)
@@ -99,14 +99,14 @@ impl Geometry {
         &self,
         near: [f64; 3],
         node: impl Fn(&Aabb) -> Enter,
-        is_in: impl Fn(ItemId) -> bool,
-        mut visit: impl FnMut(ItemId),
+        is_in: impl Fn(ItemIndex) -> bool,
+        mut visit: impl FnMut(ItemIndex),
     ) {
         self.item_tree().walk_by(near, |step, all| match step {
             Step::Node(bounds) => node(bounds),
             Step::Thing(item) => {
-                if all || is_in(ItemId(item)) {
-                    visit(ItemId(item));
+                if all || is_in(ItemIndex(item)) {
+                    visit(ItemIndex(item));
                 }
                 Enter::Skip
             }

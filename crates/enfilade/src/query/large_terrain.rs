@@ -7,7 +7,7 @@
 
 use super::cast::{line_of, meet};
 use crate::geom::Line;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::large_terrain::{LargeTerrain, Workplace};
 use crate::sector::{Hit, Ray};
 use glam::DVec3;
@@ -68,7 +68,7 @@ impl Search<'_> {
     fn through_block(&mut self, block: [u32; 2]) {
         let terrain = self.terrain;
         terrain.read(block, &mut self.workplace);
-        let item = ItemId(terrain.block_number(block));
+        let item = ItemIndex(terrain.block_number(block));
         let [columns, rows] = terrain.squares(block);
         for place in (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])) {
             let square = terrain.square(block, place);
@@ -86,10 +86,11 @@ impl Search<'_> {
                 };
                 let distance = distance.max(enter).min(leave.max(f64::MIN_POSITIVE));
                 let comes_first =
-                    |known: Hit| (distance, item, face) < (known.distance, known.item, known.face);
+                    |known: Hit| (distance, item, face) < (known.distance, known.item.index, known.face);
                 if self.first.is_none_or(comes_first) {
                     self.first = Some(Hit {
-                        item,
+                        item: item.into(),
+                        key: u64::from(item.0),
                         face,
                         distance,
                         from_behind,

@@ -11,7 +11,7 @@
 
 use super::location::{Location, corners};
 use crate::geom::{Aabb, nearest_in};
-use crate::ids::{ItemId, PortalId, SectorId};
+use crate::ids::{ItemId, ItemIndex, PortalId, SectorId};
 use crate::scene::Scene;
 use glam::{DAffine3, DMat3, DVec3};
 use std::cmp::Reverse;
@@ -25,6 +25,8 @@ pub struct NearItem {
     pub sector: SectorId,
     /// The item.
     pub item: ItemId,
+    /// The key of the item.
+    pub key: u64,
     /// Length of the shortest path to its bounding box through open portals, in units of the space of the start. Up to
     /// 0.1 % too long if the path crosses portals.
     pub distance: f64,
@@ -115,7 +117,7 @@ struct Search<'a> {
     start: DVec3,
     radius: f64,
     chains: Vec<Chain>,
-    found: BTreeMap<(SectorId, ItemId), NearItem>,
+    found: BTreeMap<(SectorId, ItemIndex), NearItem>,
     searched: f64,
 }
 
@@ -323,7 +325,8 @@ impl Search<'_> {
             if distance <= self.radius && known.is_none_or(|known| distance < known) {
                 let near = NearItem {
                     sector: chain.sector,
-                    item,
+                    item: geometry.id_of(item),
+                    key: geometry.key(item),
                     distance,
                     crossed: crossed.clone(),
                 };

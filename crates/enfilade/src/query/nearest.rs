@@ -9,7 +9,7 @@
 use super::items::nearest_squared;
 use crate::geom::Step;
 use crate::geometry::Geometry;
-use crate::ids::ItemId;
+use crate::ids::{ItemId, ItemIndex};
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -19,6 +19,8 @@ use std::collections::BinaryHeap;
 pub struct NearestItem {
     /// The item.
     pub item: ItemId,
+    /// The key of the item.
+    pub key: u64,
     /// Distance from the point to the bounding box of the item, in scene units; 0 inside.
     pub distance: f64,
 }
@@ -60,11 +62,15 @@ impl Geometry {
         self.item_tree().walk(point.into(), |step| match step {
             Step::Node(bounds) => nearest_squared(bounds, point).sqrt() <= reach,
             Step::Thing(item) => {
-                let item = ItemId(item);
+                let item = ItemIndex(item);
                 let distance = nearest_squared(&self.item(item).bounds, point).sqrt();
                 if distance <= reach {
                     let full = best.len() == count;
-                    let one = NearestItem { item, distance };
+                    let one = NearestItem {
+                        item: self.id_of(item),
+                        key: self.key(item),
+                        distance,
+                    };
                     if !full {
                         best.push(one);
                     } else if let Some(mut last) = best.peek_mut().filter(|last| one < **last) {

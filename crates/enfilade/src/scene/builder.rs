@@ -3,7 +3,7 @@
 use super::locate::Boxes;
 use super::{Body, ErrorSubject, Exit, Light, Portal, Scene, SceneError, SceneSector};
 use crate::geom::{Transform, is_in_range};
-use crate::geometry::{Geometry, Opening};
+use crate::geometry::{Changes, Geometry, Opening};
 use crate::ids::{LightId, NestedId, OpeningId, PortalId, SectorId};
 use crate::method::Method;
 use crate::sector::Sector;
@@ -273,6 +273,7 @@ fn build_sector(pending: PendingSector, limit: u64) -> Result<SceneSector, Scene
                 body: Body::Custom(sector),
                 open_above: false,
                 builds: 0,
+                changes: Changes::default(),
             }
         }
         PendingSector::BuiltIn(name, geometry, method) => {
@@ -283,6 +284,7 @@ fn build_sector(pending: PendingSector, limit: u64) -> Result<SceneSector, Scene
                 body: Body::BuiltIn { method, sector },
                 open_above: false,
                 builds: 1,
+                changes: Changes::default(),
             }
         }
     })

@@ -6,11 +6,10 @@
 
 use super::{Body, Scene, SceneError};
 use crate::geom::{MAX_COORDINATE, Transform};
-use crate::geometry::{Changes, Placing, Unfit};
+use crate::geometry::{Changes, Geometry, ItemLabel, Unfit};
 use crate::ids::{ItemId, SectorId};
 use crate::mesh::Mesh;
 use crate::method::{EditStats, UnsuitedMethod};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -21,7 +20,6 @@ use thiserror::Error;
 #[must_use = "nothing changes before `finish`"]
 pub struct Edit<'a> {
     scene: &'a mut Scene,
-    changes: BTreeMap<SectorId, Changes>,
 }
 
 /// An error of an item change. The item stays unchanged, and the rest of the edit can continue.
@@ -39,36 +37,39 @@ pub enum EditError {
     /// The sector is custom, so the scene does not hold its items.
     #[error("sector `{0}` is custom; its items cannot be edited through the scene")]
     CustomSector(String),
-    /// The item does not exist, or was removed.
-    #[error("sector `{sector}` has no item {item}; it was removed or never existed")]
+    /// The item does not exist, or was removed. Another item may have its index by now.
+    #[error(
+        "sector `{sector}` has no item {} of generation {}; it was removed or never existed",
+        item.index.0, item.generation
+    )]
     NoSuchItem {
         /// The sector's name.
         sector: String,
         /// The requested item.
-        item: u32,
+        item: ItemId,
     },
     /// The transform of an item has a NaN.
-    #[error("the transform of item `{0}` contains NaN")]
-    NotFinite(String),
+    #[error("the transform of item {0} contains NaN")]
+    NotFinite(ItemLabel),
     /// The bounds or the transform of an item reach beyond [`MAX_COORDINATE`].
-    #[error("item `{0}` would reach beyond {MAX_COORDINATE:e} units; move it closer to the origin")]
-    TooFar(String),
+    #[error("item {0} would reach beyond {MAX_COORDINATE:e} units; move it closer to the origin")]
+    TooFar(ItemLabel),
     /// The mesh of an item has no faces.
-    #[error("the mesh of item `{0}` has no faces; remove the item instead")]
-    NoFaces(String),
+    #[error("the mesh of item {0} has no faces; remove the item instead")]
+    NoFaces(ItemLabel),
     /// The mesh of an item uses a material that the geometry of the sector does not have.
-    #[error("the mesh of item `{item}` uses material {material}, but its sector has only {materials}")]
+    #[error("the mesh of item {item} uses material {material}, but its sector has only {materials}")]
     NoSuchMaterial {
-        /// The item's name.
-        item: String,
+        /// The item.
+        item: ItemLabel,
         /// The material that its mesh uses.
         material: u32,
         /// The number of materials.
         materials: usize,
     },
     /// The sector would have more faces than 32-bit face numbers can address.
-    #[error("item `{0}` would bring its sector to 4 billion faces; use more sectors")]
-    TooManyFaces(String),
+    #[error("item {0} would bring its sector to 4 billion faces; use more sectors")]
+    TooManyFaces(ItemLabel),
 }
 
 impl Scene {
@@ -78,8 +79,9 @@ impl Scene {
     /// # use enfilade::*;
     /// # let mut scene = enfilade_scenes::built_in("two-rooms").expect("a scene").scene;
     /// # let hall = SectorId(0);
+    /// let lamp = scene.geometry(hall).expect("not a custom sector").id_of(ItemIndex(0));
     /// let mut edit = scene.edit();
-    /// edit.set_transform(hall, ItemId(0), Transform::translation([0.0, 1.0, 0.0]))?;
+    /// edit.set_transform(hall, lamp, Transform::translation([0.0, 1.0, 0.0]))?;
     /// let edited = edit.finish()?;
     /// assert_eq!((edited.items, edited.rebuilt), (1, 0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -91,10 +93,8 @@ impl Scene {
     /// of a sector whose data is shared, with a clone of the scene or another owner of the geometry, copies that data.
     #[doc(alias = "dynamic objects")]
     pub fn edit(&mut self) -> Edit<'_> {
-        Edit {
-            scene: self,
-            changes: BTreeMap::new(),
-        }
+        self.discard_changes();
+        Edit { scene: self }
     }
 }
 
@@ -104,8 +104,9 @@ impl Edit<'_> {
         self.scene
     }
 
-    /// Adds an item to a sector and returns its id: the lowest free number, such as that of an item removed in an
-    /// earlier edit. Items share a mesh if they pass the same [`Arc`]; a mesh that no item uses any more is dropped.
+    /// Adds an item to a sector and returns its id. It takes the lowest free index, such as that of an item removed in
+    /// an earlier edit, with a new generation, and its index as its key. Items share a mesh if they pass the same
+    /// [`Arc`]; a mesh that no item uses any more is dropped.
     ///
     /// # Errors
     /// Returns an [`EditError`] and adds nothing.
@@ -116,17 +117,15 @@ impl Edit<'_> {
         mesh: impl Into<Arc<Mesh>>,
         sector_from_item: Transform,
     ) -> Result<ItemId, EditError> {
-        let placing = Placing {
-            mesh: mesh.into(),
-            place: sector_from_item.columns(),
-            is_occluder: true,
-        };
-        let (scene, changes) = self.changes_of(sector)?;
-        let geometry = scene
-            .geometry(sector)
-            .ok_or_else(|| not_editable(scene, sector))?;
-        let added = changes.add(geometry, name, placing);
-        added.map_err(|unfit| edit_error(unfit, name.to_owned(), geometry.materials().len()))
+        let (_, geometry, changes) = self.parts(sector)?;
+        let added = changes.add(geometry, name, mesh.into(), sector_from_item.columns());
+        added.map_err(|unfit| {
+            let label = ItemLabel {
+                name: name.to_owned(),
+                key: u64::from(changes.next_index(geometry).0),
+            };
+            edit_error(unfit, label, geometry)
+        })
     }
 
     /// Removes an item from a sector.
@@ -134,7 +133,7 @@ impl Edit<'_> {
     /// # Errors
     /// Returns [`EditError::NoSuchSector`], [`EditError::CustomSector`] or [`EditError::NoSuchItem`] and removes nothing.
     pub fn remove(&mut self, sector: SectorId, item: ItemId) -> Result<(), EditError> {
-        self.change(sector, item, |_| None)
+        self.change(sector, item, |changes, geometry| changes.remove(geometry, item))
     }
 
     /// Replaces the transform of an item.
@@ -147,12 +146,33 @@ impl Edit<'_> {
         item: ItemId,
         sector_from_item: Transform,
     ) -> Result<(), EditError> {
-        self.change(sector, item, |was| {
-            Some(Placing {
-                place: sector_from_item.columns(),
-                ..was
-            })
+        let place = sector_from_item.columns();
+        self.change(sector, item, |changes, geometry| {
+            changes.set_transform(geometry, item, place)
         })
+    }
+
+    /// Replaces the transforms of many items of a sector: as [`Edit::set_transform`] for each, but faster.
+    ///
+    /// Replaces the contents of `refused` with the position in `transforms` of each item that could not be moved, and
+    /// the reason. Such an item stays where it was. Allocates nothing once the buffers of the scene have grown.
+    ///
+    /// # Errors
+    /// Returns [`EditError::NoSuchSector`] or [`EditError::CustomSector`] and moves nothing.
+    pub fn set_transforms(
+        &mut self,
+        sector: SectorId,
+        transforms: impl IntoIterator<Item = (ItemId, Transform)>,
+        refused: &mut Vec<(usize, EditError)>,
+    ) -> Result<(), EditError> {
+        refused.clear();
+        let (name, geometry, changes) = self.parts(sector)?;
+        for (number, (item, transform)) in transforms.into_iter().enumerate() {
+            if let Err(unfit) = changes.set_transform(geometry, item, transform.columns()) {
+                refused.push((number, refusal(unfit, name, item, geometry, changes)));
+            }
+        }
+        Ok(())
     }
 
     /// Replaces the mesh of an item and keeps its transform.
@@ -166,7 +186,9 @@ impl Edit<'_> {
         mesh: impl Into<Arc<Mesh>>,
     ) -> Result<(), EditError> {
         let mesh = mesh.into();
-        self.change(sector, item, |was| Some(Placing { mesh, ..was }))
+        self.change(sector, item, |changes, geometry| {
+            changes.set_mesh(geometry, item, mesh)
+        })
     }
 
     /// Sets whether an item is an occluder. Default: `true`, also for items that move. With `false`, every method
@@ -180,7 +202,19 @@ impl Edit<'_> {
         item: ItemId,
         is_occluder: bool,
     ) -> Result<(), EditError> {
-        self.change(sector, item, |was| Some(Placing { is_occluder, ..was }))
+        self.change(sector, item, |changes, geometry| {
+            changes.set_occluder(geometry, item, is_occluder)
+        })
+    }
+
+    /// Sets the key of an item; see [`GeometryBuilder::set_key`](crate::GeometryBuilder::set_key).
+    ///
+    /// # Errors
+    /// Returns [`EditError::NoSuchSector`], [`EditError::CustomSector`] or [`EditError::NoSuchItem`] and changes nothing.
+    pub fn set_key(&mut self, sector: SectorId, item: ItemId, key: u64) -> Result<(), EditError> {
+        self.change(sector, item, |changes, geometry| {
+            changes.set_key(geometry, item, key)
+        })
     }
 
     /// Applies all pending changes.
@@ -190,75 +224,70 @@ impl Edit<'_> {
     /// requirement of its method, and leaves
     /// the scene unchanged.
     pub fn finish(self) -> Result<EditStats, SceneError> {
-        let Edit { scene, mut changes } = self;
-        changes.retain(|_, changes| !changes.is_empty());
+        let scene = &mut *self.scene;
         let limit = scene.limit_bytes;
         let mut edited = EditStats::default();
-        let mut refused = None;
-        for (&sector, changes) in &mut changes {
-            match scene.exchange(sector, changes, limit) {
+        for sector in 0..scene.sectors.len() {
+            if scene.sectors[sector].changes.is_empty() {
+                continue;
+            }
+            match scene.exchange(sector, limit) {
                 Ok(done) => edited.add(&done),
                 Err(why) => {
-                    refused = Some((sector, why));
-                    break;
+                    for done in 0..sector {
+                        if !scene.sectors[done].changes.is_empty() {
+                            // The state before the edit was within the limit, so restoring it needs no limit.
+                            let _ = scene.exchange(done, u64::MAX);
+                        }
+                    }
+                    return Err(SceneError::unsuited(&scene.sectors[sector].name, why));
                 }
             }
         }
-        let Some((sector, why)) = refused else {
-            return Ok(edited);
-        };
-        for (&done, changes) in changes.range_mut(..sector) {
-            // The state before the edit was within the limit, so restoring it needs no limit.
-            let _ = scene.exchange(done, changes, u64::MAX);
-        }
-        Err(SceneError::unsuited(scene.sector_name(sector), why))
+        Ok(edited)
     }
 
     fn change(
         &mut self,
         sector: SectorId,
         item: ItemId,
-        change: impl FnOnce(Placing) -> Option<Placing>,
+        change: impl FnOnce(&mut Changes, &Geometry) -> Result<(), Unfit>,
     ) -> Result<(), EditError> {
-        let (scene, changes) = self.changes_of(sector)?;
-        let geometry = scene
-            .geometry(sector)
-            .ok_or_else(|| not_editable(scene, sector))?;
-        let changed = changes
-            .change(geometry, item, change)
-            .ok_or_else(|| EditError::NoSuchItem {
-                sector: scene.sector_name(sector).to_owned(),
-                item: item.0,
-            })?;
-        changed.map_err(|unfit| {
-            edit_error(
-                unfit,
-                changes.name(geometry, item).to_owned(),
-                geometry.materials().len(),
-            )
-        })
+        let (name, geometry, changes) = self.parts(sector)?;
+        change(changes, geometry).map_err(|unfit| refusal(unfit, name, item, geometry, changes))
     }
 
-    fn changes_of(&mut self, sector: SectorId) -> Result<(&Scene, &mut Changes), EditError> {
-        let sectors = self.scene.sector_count();
-        if sector.0 as usize >= sectors {
+    /// Returns the name, the geometry and the pending changes of a sector.
+    fn parts(&mut self, sector: SectorId) -> Result<(&str, &Geometry, &mut Changes), EditError> {
+        let sectors = self.scene.sectors.len();
+        let Some(placed) = self.scene.sectors.get_mut(sector.0 as usize) else {
             return Err(EditError::NoSuchSector {
                 sector: sector.0,
                 sectors,
             });
+        };
+        match &placed.body {
+            Body::BuiltIn { sector, .. } => Ok((&placed.name, sector.geometry(), &mut placed.changes)),
+            Body::Custom(_) => Err(EditError::CustomSector(placed.name.clone())),
         }
-        Ok((self.scene, self.changes.entry(sector).or_default()))
+    }
+}
+
+impl Drop for Edit<'_> {
+    fn drop(&mut self) {
+        self.scene.discard_changes();
     }
 }
 
 impl Scene {
-    fn exchange(
-        &mut self,
-        id: SectorId,
-        changes: &mut Changes,
-        limit: u64,
-    ) -> Result<EditStats, UnsuitedMethod> {
-        let placed = &mut self.sectors[id.0 as usize];
+    fn discard_changes(&mut self) {
+        for placed in &mut self.sectors {
+            placed.changes.clear();
+        }
+    }
+
+    fn exchange(&mut self, number: usize, limit: u64) -> Result<EditStats, UnsuitedMethod> {
+        let placed = &mut self.sectors[number];
         let Body::BuiltIn { method, sector } = &mut placed.body else {
             return Ok(EditStats::default());
         };
@@ -271,28 +300,34 @@ impl Scene {
             unreachable!("the sector was just built and is not shared");
         };
         let edited = own
-            .edit(changes, limit)
+            .edit(&mut placed.changes, limit)
             .map_err(|reason| method.unsuited(reason))?;
         placed.builds += edited.rebuilt;
         let space = placed.space();
-        self.boxes.change(id, space);
+        self.boxes.change(SectorId(number as u32), space);
         Ok(edited)
     }
 }
 
-fn not_editable(scene: &Scene, sector: SectorId) -> EditError {
-    EditError::CustomSector(scene.sector_name(sector).to_owned())
+/// Returns the error for a change of an item that was refused.
+fn refusal(unfit: Unfit, sector: &str, item: ItemId, geometry: &Geometry, changes: &Changes) -> EditError {
+    if unfit == Unfit::NoSuchItem {
+        let sector = sector.to_owned();
+        return EditError::NoSuchItem { sector, item };
+    }
+    edit_error(unfit, changes.label(geometry, item.index), geometry)
 }
 
-fn edit_error(unfit: Unfit, item: String, materials: usize) -> EditError {
+fn edit_error(unfit: Unfit, item: ItemLabel, geometry: &Geometry) -> EditError {
     match unfit {
+        Unfit::NoSuchItem => unreachable!("the item was found before"),
         Unfit::NotFinite => EditError::NotFinite(item),
         Unfit::TooFar => EditError::TooFar(item),
         Unfit::NoFaces => EditError::NoFaces(item),
         Unfit::NoSuchMaterial(material) => EditError::NoSuchMaterial {
             item,
             material,
-            materials,
+            materials: geometry.materials().len(),
         },
         Unfit::TooManyFaces => EditError::TooManyFaces(item),
     }

@@ -17,6 +17,8 @@ pub(super) struct Boxes {
     boxes: Vec<Aabb>,
     /// Sectors with unbounded boxes, which are not in the tree; sorted.
     unbounded: Vec<u32>,
+    /// Nodes of the tree that a change touched; scratch memory.
+    touched: Vec<u32>,
 }
 
 /// Returns the box to insert into the tree: the box itself, or an empty one if it is unbounded.
@@ -50,6 +52,7 @@ impl Boxes {
             unbounded: unbounded.map(|(number, _)| number).collect(),
             tree: Octree::build(&sorted, MAX_PER_LEAF),
             boxes,
+            touched: Vec::new(),
         }
     }
 
@@ -68,8 +71,9 @@ impl Boxes {
             Err(place) if is_unbounded => self.unbounded.insert(place, sector.0),
             _ => {}
         }
+        self.touched.clear();
         self.tree
-            .shift(sector.0, &tree_box(&was), &boxes, &mut Vec::new());
+            .shift(sector.0, &tree_box(&was), &boxes, &mut self.touched);
         self.tree.tidy(self.boxes.len(), &boxes);
     }
 

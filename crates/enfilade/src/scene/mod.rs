@@ -19,8 +19,8 @@ pub use light::{Light, LightShape};
 pub use portal::Portal;
 
 use crate::geom::{Aabb, Transform};
-use crate::geometry::Geometry;
-use crate::ids::{ItemId, OpeningId, PortalId, SectorId};
+use crate::geometry::{Changes, Geometry};
+use crate::ids::{ItemIndex, OpeningId, PortalId, SectorId};
 use crate::method::{EditableSector, Method, UnsuitedMethod};
 use crate::sector::{BuildStats, Sector};
 use crate::threads;
@@ -60,6 +60,8 @@ struct SceneSector {
     open_above: bool,
     /// Number of times its method was built.
     builds: u64,
+    /// The changes of an edit in progress; empty between edits, but keeps its buffers.
+    changes: Changes,
 }
 
 #[derive(Clone)]
@@ -320,7 +322,7 @@ impl Scene {
         match self.geometry(id) {
             Some(geometry) => geometry.triangle_count(),
             None => (0..own.item_count())
-                .map(|item| own.item_triangles(ItemId(item), &[]))
+                .map(|item| own.item_triangles(ItemIndex(item), &[]))
                 .sum(),
         }
     }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, Material};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::mesh::Attributes;
 use crate::sector::Ray;
 
@@ -205,7 +205,7 @@ fn what_places_carry_comes_to_the_corners_of_their_blocks() {
 #[test]
 fn blocks_are_called_by_their_row_and_column() {
     let geometry = geometry(&field([70, 40], |_, _| 0.0));
-    let names: Vec<&str> = (0..6).map(|item| geometry.name(ItemId(item))).collect();
+    let names: Vec<&str> = (0..6).map(|item| geometry.name(ItemIndex(item))).collect();
     let expected = [
         "ground 0 0",
         "ground 0 1",

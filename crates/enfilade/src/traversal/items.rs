@@ -4,12 +4,12 @@ use super::Visit;
 use crate::faces::Faces;
 use crate::geom::{Aabb, Enter, Step};
 use crate::geometry::Geometry;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::view::passage::{Passage, eye_in};
 use crate::view::region::Visibility;
 
 /// Emits the clusters of one item that may be visible, unless the item was emitted before.
-pub(crate) fn emit_item(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+pub(crate) fn emit_item(geometry: &Geometry, passage: &Passage, item: ItemIndex, visit: &mut impl Visit) {
     let mesh = geometry.mesh_of(item);
     let clusters = mesh.clusters();
     if clusters.is_empty() || !visit.first_time(item) {
@@ -49,7 +49,7 @@ pub(crate) fn emit_item(geometry: &Geometry, passage: &Passage, item: ItemId, vi
 }
 
 /// Emits a whole item without tests, unless it was emitted before; for an item within a fully visible box.
-pub(crate) fn emit_whole(geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+pub(crate) fn emit_whole(geometry: &Geometry, passage: &Passage, item: ItemIndex, visit: &mut impl Visit) {
     if visit.first_time(item) {
         let screen_from_item = passage.screen_from(&geometry.item(item).transform());
         visit.whole(geometry, item, &screen_from_item);

@@ -14,7 +14,7 @@ pub(crate) use queue::{begin, go_on};
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
 use glam::DAffine3;
@@ -37,23 +37,23 @@ pub trait Visit {
     fn go_back(&mut self) {}
 
     /// Returns `true` to accept this mesh node as a whole and skip its clusters. `region` is the node's screen region.
-    fn are_enough(&mut self, _item: ItemId, _node: u32, _region: &Region) -> bool {
+    fn are_enough(&mut self, _item: ItemIndex, _node: u32, _region: &Region) -> bool {
         false
     }
 
     /// Returns `true` if this item is visited for the first time in this traversal. An item may be in several nodes.
-    fn first_time(&mut self, item: ItemId) -> bool;
+    fn first_time(&mut self, item: ItemIndex) -> bool;
 
     /// Takes the next batch of faces.
     fn faces(&mut self, faces: &Faces);
 
     /// Takes one cluster of an item as the next batch. A receiver that does not need the faces saves looking them up.
-    fn cluster(&mut self, geometry: &Geometry, item: ItemId, cluster: u32, screen_from_item: &DAffine3) {
+    fn cluster(&mut self, geometry: &Geometry, item: ItemIndex, cluster: u32, screen_from_item: &DAffine3) {
         self.faces(&Faces::of_cluster(geometry, item, cluster, screen_from_item));
     }
 
     /// Takes all clusters of an item as the next batches.
-    fn whole(&mut self, geometry: &Geometry, item: ItemId, screen_from_item: &DAffine3) {
+    fn whole(&mut self, geometry: &Geometry, item: ItemIndex, screen_from_item: &DAffine3) {
         for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
             self.cluster(geometry, item, cluster, screen_from_item);
         }

@@ -13,7 +13,7 @@ use super::items::emit_openings;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::ranked::Ranked;
 use crate::view::passage::Passage;
 use crate::view::region::{BOXES, EightBoxes, Region, Visibility};
@@ -46,7 +46,7 @@ pub struct Queue {
     regions: Vec<Region>,
     /// Free slots of `regions`.
     free: Vec<u32>,
-    entered: Vec<(ItemId, DAffine3)>,
+    entered: Vec<(ItemIndex, DAffine3)>,
 }
 
 /// Object of a pending box. Boxes of equal depth come in this order, so that every traversal is deterministic.
@@ -118,7 +118,7 @@ pub(crate) fn go_on(
             Target::Node(node) => enter_node(tree, node, geometry, passage, queue, &wanted),
             Target::Item(item) => {
                 let region = queue.regions[region as usize];
-                enter_item(ItemId(item), &region, geometry, passage, queue, visit);
+                enter_item(ItemIndex(item), &region, geometry, passage, queue, visit);
             }
             Target::MeshNode { entered, node } => {
                 let (item, _) = queue.entered[entered as usize];
@@ -147,19 +147,19 @@ fn enter_node(
         .map(|child| (*tree.bounds(child), Target::Node(child)));
     queue.push_all(passage, &passage.screen_from_sector, children);
     for &item in tree.items(node).iter().filter(|&&item| wanted(item)) {
-        let placed = geometry.item(ItemId(item));
+        let placed = geometry.item(ItemIndex(item));
         let screen_from_item = passage.screen_from(&placed.transform());
         queue.push(
             passage,
             &screen_from_item,
-            &geometry.mesh_of(ItemId(item)).bounds(),
+            &geometry.mesh_of(ItemIndex(item)).bounds(),
             Target::Item(item),
         );
     }
 }
 
 fn enter_item(
-    item: ItemId,
+    item: ItemIndex,
     region: &Region,
     geometry: &Geometry,
     passage: &Passage,
@@ -314,7 +314,7 @@ mod tests {
             }
         }
 
-        fn first_time(&mut self, item: ItemId) -> bool {
+        fn first_time(&mut self, item: ItemIndex) -> bool {
             self.items.insert(item.0)
         }
 
@@ -354,7 +354,7 @@ mod tests {
                 // The transformed box of a mesh extends beyond the item's AABB, so an item whose AABB is beyond the
                 // limit may still be emitted if a node contains other items too.
                 let own = |item: u32| {
-                    let bounds = geometry.item(ItemId(item)).bounds;
+                    let bounds = geometry.item(ItemIndex(item)).bounds;
                     Region::of(&passage, &passage.screen_from_sector, &bounds)
                 };
                 let is_in = |(item, _): &&(u32, u32)| own(*item).is_some_and(|own| own.nearest >= farthest);

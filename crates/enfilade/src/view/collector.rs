@@ -1,7 +1,7 @@
 //! The output of one sector for one passage: items, openings and transparent samples.
 
 use crate::geometry::{Geometry, Owner, Owners};
-use crate::ids::{ItemId, OpeningId, PassageId};
+use crate::ids::{ItemIndex, OpeningId, PassageId};
 use crate::view::aperture::Rows;
 use crate::view::canvas::{Canvas, Span};
 use crate::view::visible::VisibleSet;
@@ -33,11 +33,11 @@ pub struct Collector {
 /// Scratch buffers of covers for reporting; reused from passage to passage.
 #[derive(Debug, Default)]
 pub(crate) struct ReportBuffers {
-    pub(crate) owners: Vec<(ItemId, u32)>,
+    pub(crate) owners: Vec<(ItemIndex, u32)>,
     /// Direct-mapped caches of the faces and clusters that `owners` already holds, indexed by their number modulo the
     /// size; a colliding entry replaces the old one. Faces are stored by the lower half of their samples' owner.
     pub(crate) faces: Vec<u32>,
-    pub(crate) clusters: Vec<(ItemId, u32)>,
+    pub(crate) clusters: Vec<(ItemIndex, u32)>,
     pub(crate) row: Vec<(u16, u16, Owner)>,
     pub(crate) spans: Vec<Span>,
 }
@@ -45,7 +45,7 @@ pub(crate) struct ReportBuffers {
 /// An item that may be visible, with its visible clusters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CollectedItem {
-    pub(crate) item: ItemId,
+    pub(crate) item: ItemIndex,
     /// Range of [`Collector::clusters`]; empty if the item has one cluster only, or the visible ones are unknown.
     pub(crate) clusters: [u32; 2],
 }
@@ -64,13 +64,13 @@ pub(crate) struct GlassSample {
     pub(crate) x: u16,
     /// Bits of the reversed depth; positive floats and their bits have the same order.
     pub(crate) rev_depth: u32,
-    pub(crate) item: ItemId,
+    pub(crate) item: ItemIndex,
     pub(crate) face: u32,
 }
 
 impl Collector {
     /// Reports an item that may be visible, with all its clusters. Report each item once.
-    pub fn item(&mut self, item: ItemId) {
+    pub fn item(&mut self, item: ItemIndex) {
         self.items.push(CollectedItem {
             item,
             clusters: [0, 0],
@@ -110,7 +110,7 @@ impl Collector {
     ///
     /// The viewer draws these samples far to near, after everything visible through the openings.
     #[inline]
-    pub fn glass(&mut self, x: u16, y: u16, rev_depth: f32, item: ItemId, face: u32) {
+    pub fn glass(&mut self, x: u16, y: u16, rev_depth: f32, item: ItemIndex, face: u32) {
         let same = |last: &GlassSample| last.item == item && last.face == face;
         if self.paints || !self.glass.last().is_some_and(same) {
             self.glass.push(GlassSample {
@@ -125,7 +125,7 @@ impl Collector {
 
     /// Returns the clusters of the reported items, sorted and without repeats if the items are; all clusters of an item
     /// that was reported as a whole.
-    pub(crate) fn clusters_of_items(&self, owners: &dyn Owners) -> impl Iterator<Item = (ItemId, u32)> {
+    pub(crate) fn clusters_of_items(&self, owners: &dyn Owners) -> impl Iterator<Item = (ItemIndex, u32)> {
         self.items.iter().flat_map(|seen| {
             let some = &self.clusters[seen.clusters[0] as usize..seen.clusters[1] as usize];
             let all = if some.is_empty() {
@@ -147,7 +147,7 @@ impl Collector {
             let start = self.clusters.len() as u32;
             self.clusters.extend_from_slice(set.clusters(item));
             self.items.push(CollectedItem {
-                item: item.item,
+                item: item.item.index,
                 clusters: [start, self.clusters.len() as u32],
             });
         }
@@ -238,7 +238,7 @@ impl Panes {
 }
 
 /// Reports (item, cluster) pairs, in any order and with repeats, as items with their clusters.
-pub(crate) fn report_owners(met: &mut Vec<(ItemId, u32)>, owners: &dyn Owners, seen: &mut Collector) {
+pub(crate) fn report_owners(met: &mut Vec<(ItemIndex, u32)>, owners: &dyn Owners, seen: &mut Collector) {
     met.sort_unstable();
     met.dedup();
     for same in met.chunk_by(|a, b| a.0 == b.0) {
@@ -264,7 +264,7 @@ pub(crate) struct FoundClusters {
 /// Clusters of one item that were found in succession.
 #[derive(Clone, Copy, Debug)]
 struct Run {
-    item: ItemId,
+    item: ItemIndex,
     clusters: [u32; 2],
     kind: RunKind,
 }
@@ -281,7 +281,7 @@ enum RunKind {
 }
 
 impl FoundClusters {
-    pub(crate) fn push(&mut self, item: ItemId, cluster: u32) {
+    pub(crate) fn push(&mut self, item: ItemIndex, cluster: u32) {
         let end = self.clusters.len() as u32;
         match self.runs.last_mut() {
             Some(last) if last.item == item && last.kind == RunKind::Each => last.clusters[1] += 1,
@@ -295,7 +295,7 @@ impl FoundClusters {
     }
 
     /// Adds the clusters of a node of the item's mesh, to be kept or removed together.
-    pub(crate) fn push_group(&mut self, item: ItemId, node: u32, clusters: &[u32]) {
+    pub(crate) fn push_group(&mut self, item: ItemIndex, node: u32, clusters: &[u32]) {
         let start = self.clusters.len() as u32;
         self.clusters.extend_from_slice(clusters);
         self.runs.push(Run {
@@ -306,7 +306,7 @@ impl FoundClusters {
     }
 
     /// Moves the runs of all items for which `wanted` returns `true` from `found` to `self`; clears `found`.
-    pub(crate) fn take_in(&mut self, found: &mut FoundClusters, mut wanted: impl FnMut(ItemId) -> bool) {
+    pub(crate) fn take_in(&mut self, found: &mut FoundClusters, mut wanted: impl FnMut(ItemIndex) -> bool) {
         for same in found.runs.chunk_by(|a, b| a.item == b.item) {
             if !wanted(same[0].item) {
                 continue;
@@ -323,7 +323,7 @@ impl FoundClusters {
         found.clusters.clear();
     }
 
-    pub(crate) fn push_whole(&mut self, item: ItemId) {
+    pub(crate) fn push_whole(&mut self, item: ItemIndex) {
         let end = self.clusters.len() as u32;
         self.runs.push(Run {
             item,
@@ -333,7 +333,7 @@ impl FoundClusters {
     }
 
     /// Removes the clusters for which `stays` returns `false`; groups and whole items are kept.
-    pub(crate) fn retain(&mut self, mut stays: impl FnMut(ItemId, u32) -> bool) {
+    pub(crate) fn retain(&mut self, mut stays: impl FnMut(ItemIndex, u32) -> bool) {
         let mut kept = 0;
         for run in &mut self.runs {
             let [first, end] = std::mem::replace(&mut run.clusters, [kept; 2]);
@@ -352,7 +352,7 @@ impl FoundClusters {
     }
 
     /// Removes the groups for which `stays` returns `false` for the item and the node.
-    pub(crate) fn retain_groups(&mut self, mut stays: impl FnMut(ItemId, u32) -> bool) {
+    pub(crate) fn retain_groups(&mut self, mut stays: impl FnMut(ItemIndex, u32) -> bool) {
         self.runs.retain(|run| match run.kind {
             RunKind::Group(node) => stays(run.item, node),
             RunKind::Each | RunKind::Whole => true,
@@ -386,7 +386,7 @@ impl FoundClusters {
 
 impl Owner {
     /// Returns the item of a face; `None` for an opening.
-    pub fn item(self) -> Option<ItemId> {
+    pub fn item(self) -> Option<ItemIndex> {
         match self {
             Owner::Face(item, _) => Some(item),
             Owner::Opening(_) => None,

@@ -1,6 +1,6 @@
 //! Buffers and temporal coherence of one viewer.
 
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::stats::Stats;
 use crate::view::aperture::Rows;
 use crate::view::collector::{GlassSample, ReportBuffers};
@@ -68,7 +68,7 @@ impl Marks {
     }
 
     /// Marks an item; returns `true` if it was not marked in this traversal.
-    pub(crate) fn first_time(&mut self, item: ItemId) -> bool {
+    pub(crate) fn first_time(&mut self, item: ItemIndex) -> bool {
         std::mem::replace(&mut self.last_met[item.0 as usize], self.walk) != self.walk
     }
 }
@@ -81,7 +81,7 @@ pub(crate) struct Recall {
     last: Vec<PassageRecord>,
     now: Vec<PassageRecord>,
     /// Empty lists for reuse.
-    spare: Vec<Vec<(ItemId, u32)>>,
+    spare: Vec<Vec<(ItemIndex, u32)>>,
 }
 
 /// The clusters that were visible through a passage, with the eye position and direction.
@@ -90,7 +90,7 @@ struct PassageRecord {
     eye: DVec3,
     back: DVec3,
     /// Sorted, without repeats.
-    clusters: Vec<(ItemId, u32)>,
+    clusters: Vec<(ItemIndex, u32)>,
 }
 
 impl Recall {
@@ -107,7 +107,7 @@ impl Recall {
     /// than it saves.
     ///
     /// `size` is the longest side of the sector. Return the list by [`Recall::give_back`] or [`Recall::remember`].
-    pub(crate) fn seen_last(&mut self, passage: &Passage, size: f32) -> Vec<(ItemId, u32)> {
+    pub(crate) fn seen_last(&mut self, passage: &Passage, size: f32) -> Vec<(ItemIndex, u32)> {
         const STEP: f64 = 0.02;
         const TURN: f64 = 0.8;
         let (eye, back) = passage.stance();
@@ -123,13 +123,13 @@ impl Recall {
     }
 
     /// Returns an empty list. Return it by [`Recall::give_back`] or [`Recall::remember`].
-    pub(crate) fn list(&mut self) -> Vec<(ItemId, u32)> {
+    pub(crate) fn list(&mut self) -> Vec<(ItemIndex, u32)> {
         let mut list = self.spare.pop().unwrap_or_default();
         list.clear();
         list
     }
 
-    pub(crate) fn give_back(&mut self, list: Vec<(ItemId, u32)>) {
+    pub(crate) fn give_back(&mut self, list: Vec<(ItemIndex, u32)>) {
         self.spare.push(list);
     }
 
@@ -137,8 +137,8 @@ impl Recall {
     pub(crate) fn remember(
         &mut self,
         passage: &Passage,
-        clusters: impl Iterator<Item = (ItemId, u32)>,
-        mut used: Vec<(ItemId, u32)>,
+        clusters: impl Iterator<Item = (ItemIndex, u32)>,
+        mut used: Vec<(ItemIndex, u32)>,
     ) {
         used.clear();
         used.extend(clusters);

@@ -31,6 +31,10 @@ pub struct VisibleItem {
     pub passage: PassageId,
     /// The item in the passage's sector.
     pub item: ItemId,
+    /// The key of the item ([`GeometryBuilder::set_key`](crate::GeometryBuilder::set_key),
+    /// [`Sector::item_key`](crate::Sector::item_key)).
+    #[doc(alias = "user data")]
+    pub key: u64,
     /// Longer side of the item's screen-space bounding rectangle, clipped to the aperture, in pixels. For an item of a
     /// custom sector the rectangle is that of [`Sector::item_bounds`](crate::Sector::item_bounds); 0 if the sector does
     /// not override that method.

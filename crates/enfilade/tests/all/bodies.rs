@@ -114,7 +114,7 @@ fn a_body_in_a_doorway_is_seen_in_both_rooms() {
                 let seen_in = |sector: u32| {
                     items.iter().any(|item| {
                         let at = viewer.visible().passage(item.passage).sector;
-                        at.0 == sector && item.item.0 == 1
+                        at.0 == sector && item.item.index.0 == 1
                     })
                 };
                 if in_doorway {

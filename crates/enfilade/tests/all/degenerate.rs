@@ -164,7 +164,7 @@ fn a_hundred_thousand_faces_in_one_plane_are_one_node_of_a_tree() {
         assert!(built.depth <= 1, "{method}: {}", built.depth);
         let mut viewer = Viewer::new();
         let set = viewer.look(&seen, &view);
-        assert_eq!(set.items()[0].item.0, 0, "{method}");
+        assert_eq!(set.items()[0].item.index.0, 0, "{method}");
         if method.contract() == Contract::Exact {
             assert_eq!(set.items().len(), 1, "{method}: only the lowest of ten is seen");
         }
@@ -208,7 +208,11 @@ fn items_without_faces_or_extent_are_never_seen_and_hide_nothing() {
             let mut viewer = Viewer::new();
             let set = viewer.look(&seen, &view);
             let geometry = scene.geometry(SectorId(0)).expect("a geometry");
-            let names: Vec<&str> = set.items().iter().map(|seen| geometry.name(seen.item)).collect();
+            let names: Vec<&str> = set
+                .items()
+                .iter()
+                .map(|seen| geometry.name(seen.item.index))
+                .collect();
             assert!(!names.contains(&"nothing"), "{method}: {names:?}");
             if method.contract() == Contract::Exact {
                 assert_eq!(names.len(), expected, "{method}: {names:?}");

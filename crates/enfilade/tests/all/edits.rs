@@ -1,8 +1,8 @@
 //! Edits: their effects and their errors.
 
 use enfilade::{
-    Aabb, EditError, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
-    SceneError, SectorId, Transform, View, Viewer,
+    Aabb, EditError, GeometryBuilder, ItemId, ItemIndex, Location, Material, MaterialId, Mesh, Method, Ray,
+    Scene, SceneBuilder, SceneError, SectorId, Transform, View, Viewer,
 };
 use std::sync::Arc;
 
@@ -32,11 +32,18 @@ fn hall(method: Method) -> Scene {
     scene.build().expect("a hall")
 }
 
+/// Returns the id of an item that was in the hall from the beginning.
+fn original(index: u32) -> ItemId {
+    ItemIndex(index).into()
+}
+
 fn seen(viewer: &mut Viewer, scene: &Scene) -> Vec<String> {
     let view = View::new([0.0, 0.3, 0.0], [0.0, 0.3, -4.0], VIEW);
     let geometry = scene.geometry(HALL).expect("ours");
     let items = viewer.look(scene, &view).items().iter();
-    items.map(|item| geometry.name(item.item).to_owned()).collect()
+    items
+        .map(|item| geometry.name(item.item.index).to_owned())
+        .collect()
 }
 
 #[test]
@@ -48,8 +55,8 @@ fn what_is_removed_is_not_seen_and_its_number_goes_to_the_next_that_comes() {
         let (mut scene, mut viewer) = (hall(method), Viewer::new());
         assert_eq!(seen(&mut viewer, &scene), ["wall", "left", "middle", "right"]);
         let mut edit = scene.edit();
-        edit.remove(HALL, ItemId(1)).expect("it is there");
-        edit.remove(HALL, ItemId(2)).expect("it is there");
+        edit.remove(HALL, original(1)).expect("it is there");
+        edit.remove(HALL, original(2)).expect("it is there");
         assert_eq!(edit.finish().expect("little").items, 2);
         assert_eq!(seen(&mut viewer, &scene), ["wall", "right"], "{method}");
         assert_eq!(scene.item_count(), 2);
@@ -58,7 +65,10 @@ fn what_is_removed_is_not_seen_and_its_number_goes_to_the_next_that_comes() {
         let [first, second, third] =
             ["a", "b", "c"].map(|name| edit.add(HALL, name, leaf(), there).expect("it fits"));
         edit.finish().expect("little");
-        assert_eq!([first, second, third], [ItemId(1), ItemId(2), ItemId(4)]);
+        assert_eq!(
+            [first, second, third].map(|id| (id.index.0, id.generation)),
+            [(1, 1), (2, 2), (4, 3)]
+        );
         assert!(seen(&mut viewer, &scene).contains(&"a".to_owned()), "{method}");
         assert_eq!(scene.item_count(), 5);
     }
@@ -69,7 +79,7 @@ fn an_edit_that_is_dropped_changes_nothing() {
     let mut scene = hall(Method::HierarchicalZ);
     let before = scene.geometry(HALL).expect("ours").items().to_vec();
     let mut edit = scene.edit();
-    edit.remove(HALL, ItemId(1)).expect("it is there");
+    edit.remove(HALL, original(1)).expect("it is there");
     edit.add(HALL, "new", leaf(), Transform::IDENTITY)
         .expect("it fits");
     drop(edit);
@@ -85,8 +95,8 @@ fn a_copy_of_a_scene_stays_as_it_was() {
         let mut scene = hall(method);
         let (copy, geometry) = (scene.clone(), scene.geometry(HALL).expect("ours").clone());
         let mut edit = scene.edit();
-        edit.remove(HALL, ItemId(1)).expect("it is there");
-        edit.set_transform(HALL, ItemId(2), Transform::translation([0.0, 50.0, 0.0]))
+        edit.remove(HALL, original(1)).expect("it is there");
+        edit.set_transform(HALL, original(2), Transform::translation([0.0, 50.0, 0.0]))
             .expect("it may");
         edit.finish().expect("little");
         assert_eq!(seen(&mut Viewer::new(), &scene), ["wall", "right"], "{method}");
@@ -136,8 +146,8 @@ fn meshes_live_as_long_as_an_item_is_a_copy_of_them() {
         let mut edit = scene.edit();
         let there = Transform::translation([0.0, round as f32 * 0.01, -3.0]);
         for item in 1..4 {
-            edit.set_mesh(HALL, ItemId(item), leaf()).expect("it fits");
-            edit.set_transform(HALL, ItemId(item), there).expect("it may");
+            edit.set_mesh(HALL, original(item), leaf()).expect("it fits");
+            edit.set_transform(HALL, original(item), there).expect("it may");
         }
         edit.finish().expect("little");
     }
@@ -152,24 +162,25 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
     let mut scene = hall(Method::HierarchicalZ);
     let before = scene.geometry(HALL).expect("ours").items().to_vec();
     let mut edit = scene.edit();
-    let item = ItemId(2);
+    edit.set_key(HALL, original(2), 77).expect("it is there");
+    let item = original(2);
     let at = |x: f32| Transform::translation([x, 0.0, 0.0]);
     let says = |refused: Result<(), EditError>, message: &str| {
         assert_eq!(refused.expect_err(message).to_string(), message);
     };
     says(
         edit.set_transform(HALL, item, at(f32::NAN)),
-        "the transform of item `middle` contains NaN",
+        "the transform of item `middle` (key 77) contains NaN",
     );
     for far in [1e30, -1e30, f32::INFINITY] {
         says(
             edit.set_transform(HALL, item, at(far)),
-            "item `middle` would reach beyond 1e12 units; move it closer to the origin",
+            "item `middle` (key 77) would reach beyond 1e12 units; move it closer to the origin",
         );
     }
     says(
         edit.set_mesh(HALL, item, Mesh::new(&[]).expect("nothing")),
-        "the mesh of item `middle` has no faces; remove the item instead",
+        "the mesh of item `middle` (key 77) has no faces; remove the item instead",
     );
     let of_gold = Mesh::triangles(
         &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
@@ -179,15 +190,15 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
     .expect("a triangle");
     says(
         edit.add(HALL, "coin", of_gold, at(0.0)).map(|_| ()),
-        "the mesh of item `coin` uses material 7, but its sector has only 1",
+        "the mesh of item `coin` (key 4) uses material 7, but its sector has only 1",
     );
     says(
         edit.add(HALL, "ghost", leaf(), at(f32::NAN)).map(|_| ()),
-        "the transform of item `ghost` contains NaN",
+        "the transform of item `ghost` (key 4) contains NaN",
     );
     says(
-        edit.remove(HALL, ItemId(9)),
-        "sector `hall` has no item 9; it was removed or never existed",
+        edit.remove(HALL, original(9)),
+        "sector `hall` has no item 9 of generation 0; it was removed or never existed",
     );
     says(
         edit.remove(SectorId(3), item),
@@ -198,7 +209,7 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
 
     let mut edit = scene.edit();
     edit.remove(HALL, item).expect("once");
-    let twice = "sector `hall` has no item 2; it was removed or never existed";
+    let twice = "sector `hall` has no item 2 of generation 0; it was removed or never existed";
     says(edit.remove(HALL, item), twice);
     edit.finish().expect("little");
     let mut edit = scene.edit();
@@ -218,11 +229,14 @@ fn an_edit_that_needs_too_much_memory_is_undone_in_every_sector() {
     let mut scene = builder.build().expect("small enough");
     let before = [open, tree].map(|id| scene.geometry(id).expect("ours").items().to_vec());
     let mut edit = scene.edit();
-    edit.remove(open, ItemId(1)).expect("it is there");
+    edit.remove(open, original(1)).expect("it is there");
+    let mut last = None;
     for i in 0..2000_u16 {
         let there = Transform::translation([f32::from(i), 0.0, 0.0]);
-        edit.add(tree, "more", leaf(), there)
-            .expect("one by one they fit");
+        last = Some(
+            edit.add(tree, "more", leaf(), there)
+                .expect("one by one they fit"),
+        );
     }
     let refused = edit.finish().expect_err("a BSP tree of two thousand leaves");
     assert!(
@@ -239,6 +253,12 @@ fn an_edit_that_needs_too_much_memory_is_undone_in_every_sector() {
             .all(|item| item.bounds == Aabb::EMPTY)
     );
     assert_eq!(seen(&mut Viewer::new(), &scene).len(), 4);
+    let mut edit = scene.edit();
+    let added = edit
+        .add(tree, "one", leaf(), Transform::IDENTITY)
+        .expect("it fits");
+    assert!(last.is_some_and(|refused| refused.generation < added.generation));
+    edit.finish().expect("little");
 }
 
 #[test]
@@ -258,7 +278,7 @@ fn a_mesh_too_large_for_its_occluders_to_be_found_is_refused() {
         let corners: Vec<u32> = triangles.flat_map(|i| [i, i + 1, i + side]).collect();
         let sheet = Mesh::triangles(&positions, &corners, MaterialId(0)).expect("a sheet");
         let mut edit = scene.edit();
-        edit.set_mesh(HALL, ItemId(2), sheet).expect("it may be");
+        edit.set_mesh(HALL, original(2), sheet).expect("it may be");
         let refused = edit.finish().expect_err("the limit is small");
         assert!(
             matches!(refused, SceneError::Unsuited { .. }),
@@ -274,8 +294,8 @@ fn a_set_of_the_scene_before_can_still_be_asked() {
     seen(&mut viewer, &scene);
     let before = viewer.visible().triangle_count(&scene);
     let mut edit = scene.edit();
-    edit.remove(HALL, ItemId(0)).expect("it is there");
-    edit.remove(HALL, ItemId(3)).expect("it is there");
+    edit.remove(HALL, original(0)).expect("it is there");
+    edit.remove(HALL, original(3)).expect("it is there");
     edit.finish().expect("little");
     assert_eq!(viewer.visible().triangle_count(&scene), before - 2);
     assert_eq!(viewer.visible().blend_order(&scene), []);
@@ -321,4 +341,85 @@ fn an_eye_above_an_open_hall_is_in_it_also_after_edits_and_within_another_scene(
     outer.add("cloud", geometry(80.0), Method::ZBuffer);
     outer.nest(&scene);
     assert_eq!(name(&outer.build().expect("sound")), "hall");
+}
+
+#[test]
+fn an_id_never_names_another_item() {
+    let there = Transform::translation([0.0, 0.0, -3.0]);
+    for method in [Method::ZBuffer, Method::Masked, Method::BspFront] {
+        let (mut scene, mut viewer) = (hall(method), Viewer::new());
+        let first = original(2);
+        let mut edit = scene.edit();
+        edit.remove(HALL, first).expect("it is there");
+        edit.finish().expect("little");
+        let discarded = scene
+            .edit()
+            .add(HALL, "discarded", leaf(), there)
+            .expect("it fits");
+        let mut edit = scene.edit();
+        let guest = edit.add(HALL, "guest", leaf(), there).expect("it fits");
+        edit.finish().expect("little");
+        assert_eq!([discarded.index, guest.index], [first.index; 2]);
+
+        for mut scene in [scene.clone(), scene] {
+            for stale in [first, discarded] {
+                assert_eq!(scene.geometry(HALL).expect("ours").index_of(stale), None);
+                let refused = scene.edit().set_transform(HALL, stale, there);
+                assert!(matches!(refused, Err(EditError::NoSuchItem { item, .. }) if item == stale));
+            }
+            seen(&mut viewer, &scene);
+            let ids = viewer.visible().items().iter().map(|seen| seen.item);
+            let ids: Vec<ItemId> = ids.collect();
+            assert_eq!(ids, [original(0), original(1), guest, original(3)], "{method}");
+            let mut edit = scene.edit();
+            ids.into_iter()
+                .for_each(|id| edit.remove(HALL, id).expect("it is there"));
+            edit.finish().expect("little");
+            assert_eq!(scene.item_count(), 0);
+        }
+    }
+}
+
+#[test]
+fn the_key_of_an_item_comes_with_every_answer_about_it() {
+    let mut builder = GeometryBuilder::new([Material::opaque([0.5; 3])]);
+    let mesh = builder.mesh(leaf());
+    let ids = [0.0, 1.0].map(|x| builder.item("leaf", mesh, Transform::translation([x, 0.0, -4.0])));
+    builder.set_key(ids[1], 1 << 40);
+    let geometry = builder.build().expect("sound");
+    let mut scene = Scene::single(geometry, Method::HierarchicalZ).expect("small");
+    let mut edit = scene.edit();
+    let there = Transform::translation([-1.0, 0.0, -4.0]);
+    let added = edit.add(HALL, "added", leaf(), there).expect("it fits");
+    edit.set_key(HALL, added, 7).expect("it is there");
+    let unmoved = edit.set_transform(HALL, added, Transform::translation([f32::NAN; 3]));
+    assert!(matches!(unmoved, Err(EditError::NotFinite(label)) if label.key == 7));
+    edit.finish().expect("little");
+
+    let known = [(ids[0], 0), (ids[1], 1 << 40), (added, 7)];
+    let mut viewer = Viewer::new();
+    seen(&mut viewer, &scene);
+    let visible = viewer.visible().items().iter().map(|seen| (seen.item, seen.key));
+    assert!(visible.eq(known));
+    let geometry = scene.geometry(HALL).expect("ours");
+    let mut nearest = Vec::new();
+    for ((id, key), x) in known.into_iter().zip([0.0, 1.0, -1.0]) {
+        let ray = Ray {
+            origin: [x, 0.1, 0.0],
+            direction: [0.0, 0.0, -1.0],
+        };
+        assert_eq!(
+            geometry.cast(&ray).map(|hit| (hit.item, hit.key)),
+            Some((id, key))
+        );
+        let position = [x, 0.0, -4.0];
+        geometry.nearest_items(position, 1, 1.0, &mut nearest);
+        assert_eq!((nearest[0].item, nearest[0].key), (id, key));
+        let location = Location {
+            sector: HALL,
+            position,
+        };
+        let near = scene.near(location, 0.1).items;
+        assert_eq!((near[0].item, near[0].key), (id, key));
+    }
 }

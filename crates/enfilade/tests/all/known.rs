@@ -2,7 +2,7 @@
 
 use enfilade::laws::OwnerPicture;
 use enfilade::{
-    Contract, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Owner, Scene, SceneBuilder,
+    Contract, GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, Owner, Scene, SceneBuilder,
     Transform, View, Viewer, ViewerOptions,
 };
 
@@ -106,7 +106,7 @@ fn where_faces_coincide_the_lower_item_is_seen_whatever_comes_first() {
                 Viewer::new().draw(&scene, &ahead(), &mut picture);
                 let owner = picture.owner([50, 50]);
                 assert!(
-                    matches!(owner, Some(Owner::Face(ItemId(0), _))),
+                    matches!(owner, Some(Owner::Face(ItemIndex(0), _))),
                     "{method} of {halves:?}, slanted by {slant}: {owner:?}"
                 );
             }
@@ -117,7 +117,7 @@ fn where_faces_coincide_the_lower_item_is_seen_whatever_comes_first() {
                     .look(&scene, &ahead())
                     .items()
                     .iter()
-                    .any(|seen| seen.item == ItemId(0));
+                    .any(|seen| seen.item == ItemIndex(0).into());
                 assert!(found, "{method} of {halves:?}, slanted by {slant}");
             }
         }
@@ -146,12 +146,12 @@ fn what_was_found_before_the_wall_that_hides_it_is_taken_back() {
             occluders: Some(0),
             ..ViewerOptions::default()
         });
-        let items: Vec<ItemId> = viewer
+        let items: Vec<ItemIndex> = viewer
             .look(&scene, &ahead())
             .items()
             .iter()
-            .map(|seen| seen.item)
+            .map(|seen| seen.item.index)
             .collect();
-        assert_eq!(items, [ItemId(1)], "{method}");
+        assert_eq!(items, [ItemIndex(1)], "{method}");
     }
 }

@@ -181,8 +181,8 @@ fn rays_meet_it_where_they_meet_the_same_heights_as_a_geometry() {
             );
             assert_eq!((met.item, met.from_behind), (expected.item, expected.from_behind));
             let [surface, known] = [
-                large.surface(met.item, met.face),
-                geometry.surface(expected.item, expected.face),
+                large.surface(met.item.index, met.face),
+                geometry.surface(expected.item.index, expected.face),
             ];
             assert_eq!(surface.color, known.color);
             let turned: f32 = (0..3).map(|axis| surface.normal[axis] * known.normal[axis]).sum();

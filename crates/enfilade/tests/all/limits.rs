@@ -2,9 +2,9 @@
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    ConvexPolygon, GeometryBuilder, GeometryError, HeightField, HeightFieldError, Light, Limits, Location,
-    MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Method, MoveResult, PortalId, Ray, RayCast,
-    RayEnd, Scene, SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer,
+    ConvexPolygon, GeometryBuilder, GeometryError, HeightField, HeightFieldError, ItemLabel, Light, Limits,
+    Location, MAX_COORDINATE, Material, MaterialId, Mesh, MeshError, Method, MoveResult, PortalId, Ray,
+    RayCast, RayEnd, Scene, SceneBuilder, SceneError, SectorId, Transform, View, ViewError, Viewer,
     geom::PolygonError,
 };
 use enfilade_walk::Capsule;
@@ -211,10 +211,11 @@ fn coordinates_beyond_the_bound_are_refused_wherever_they_come_in() {
         let mut room = GeometryBuilder::new([Material::opaque([0.5; 3])]);
         let mesh = room.mesh(triangle(x).expect("in range"));
         room.item("beacon", mesh, at);
-        assert_eq!(
-            room.build().err(),
-            Some(GeometryError::TooFar("beacon".to_owned()))
-        );
+        let label = ItemLabel {
+            name: "beacon".to_owned(),
+            key: 0,
+        };
+        assert_eq!(room.build().err(), Some(GeometryError::TooFar(label)));
     }
 
     let mut scene = loop_of(2.0);

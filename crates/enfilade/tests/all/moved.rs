@@ -1,21 +1,24 @@
 //! A camera that moves slightly costs as much as a still one plus the geometry that has appeared.
 
-use enfilade::{ItemId, Method, Scene, Viewer};
+use enfilade::{ItemIndex, Method, Scene, Viewer};
 use enfilade_scenes::built_in;
 use std::collections::BTreeMap;
 
 /// Number of triangles of each cluster visible in the last look.
-fn clusters(viewer: &Viewer, scene: &Scene) -> BTreeMap<(u32, ItemId, u32), u64> {
+fn clusters(viewer: &Viewer, scene: &Scene) -> BTreeMap<(u32, ItemIndex, u32), u64> {
     let set = viewer.visible();
     let mut all = BTreeMap::new();
     for item in set.items() {
         let sector = set.passage(item.passage).sector;
-        let mesh = scene.geometry(sector).expect("of ours").mesh_of(item.item);
+        let mesh = scene.geometry(sector).expect("of ours").mesh_of(item.item.index);
         let only = [0];
         let seen = set.clusters(item);
         for &cluster in if seen.is_empty() { &only[..] } else { seen } {
             let faces = mesh.clusters()[cluster as usize].faces.clone();
-            all.insert((sector.0, item.item, cluster), u64::from(faces.end - faces.start));
+            all.insert(
+                (sector.0, item.item.index, cluster),
+                u64::from(faces.end - faces.start),
+            );
         }
     }
     all

@@ -3,7 +3,7 @@
 //! A scene cannot contain itself: [`SceneBuilder::nest`] takes a scene that is already built.
 
 use enfilade::{
-    Aabb, Canvas, Collector, Contract, ConvexPolygon, Geometry, GeometryBuilder, Hit, ItemId, Light,
+    Aabb, Canvas, Collector, Contract, ConvexPolygon, Geometry, GeometryBuilder, Hit, ItemIndex, Light,
     Material, MaterialId, Memory, Mesh, Method, Opening, OpeningId, Passage, PortalEnd, PortalId, Ray, Scene,
     SceneBuilder, SceneError, Sector, SectorId, Surface, Transform, Unsuited, ViewerOptions,
 };
@@ -248,7 +248,7 @@ impl Sector for Void {
     fn cast(&self, _ray: &Ray) -> Option<Hit> {
         None
     }
-    fn surface(&self, _item: ItemId, _face: u32) -> Surface {
+    fn surface(&self, _item: ItemIndex, _face: u32) -> Surface {
         unreachable!("it has no faces")
     }
 }

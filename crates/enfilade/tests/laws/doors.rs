@@ -2,7 +2,7 @@
 
 use crate::subject::{SIZE, drawn, limits, names, subject, viewer};
 use enfilade::laws::Reference;
-use enfilade::{Contract, Geometry, GeometryBuilder, ItemId, OpeningId, Transform};
+use enfilade::{Contract, Geometry, GeometryBuilder, ItemIndex, OpeningId, Transform};
 use enfilade_scenes::BuiltIn;
 use std::sync::Arc;
 
@@ -162,7 +162,7 @@ fn with_raised_drops(still: &Geometry, up: f32) -> Geometry {
         .map(|mesh| geometry.mesh(Arc::clone(mesh)))
         .collect();
     for (number, item) in (0..).zip(still.items()) {
-        let name = still.name(ItemId(number));
+        let name = still.name(ItemIndex(number));
         let up = if name.starts_with("Fountain: drop") {
             up
         } else {

@@ -3,7 +3,7 @@
 use crate::subject::{SIZE, Subject, drawn, limits, names, subject, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{
-    Contract, Geometry, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
+    Contract, Geometry, GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
     SectorId, Transform, View, Viewer,
 };
 use enfilade_scenes::{Random, random_edits};
@@ -13,7 +13,7 @@ use std::sync::{Arc, LazyLock};
 fn afresh(geometry: &Geometry) -> Geometry {
     let mut builder = GeometryBuilder::new(geometry.materials());
     builder.textures(geometry.textures());
-    for number in (0..geometry.items().len() as u32).map(ItemId) {
+    for number in (0..geometry.items().len() as u32).map(ItemIndex) {
         if geometry.holds(number) {
             let item = geometry.item(number);
             let mesh = builder.mesh(Arc::clone(&geometry.meshes()[item.mesh.0 as usize]));
@@ -207,7 +207,7 @@ fn a_thing_that_was_turned_and_flattened_is_seen_where_it_looks_over_a_wall() {
             {
                 let mut scene = scene.with_method(method, u64::MAX).expect("small");
                 let mut edit = scene.edit();
-                let placed = edit.set_transform(SectorId(0), ItemId(0), there);
+                let placed = edit.set_transform(SectorId(0), ItemIndex(0), there);
                 placed.expect("it is there");
                 edit.finish().expect("no more than before");
                 let truth = Reference::new(&scene).see(&scene, &view, &limits());

@@ -4,7 +4,7 @@ use crate::subject::{LIMIT, limits, subject};
 use crate::the_laws_hold;
 use enfilade::laws::Contestants;
 use enfilade::{
-    Aabb, Attributes, ConvexPolygon, GeometryBuilder, ItemId, MAX_COORDINATE, Mesh, Part, SceneBuilder,
+    Aabb, Attributes, ConvexPolygon, GeometryBuilder, ItemIndex, MAX_COORDINATE, Mesh, Part, SceneBuilder,
     SectorId, Transform, View,
 };
 use enfilade_scenes::{BuiltIn, Camera};
@@ -61,9 +61,9 @@ fn moved(built: &BuiltIn, scale: f32, shift: [f32; 3]) -> BuiltIn {
         let mut builder = GeometryBuilder::new(geometry.materials());
         builder.textures(geometry.textures());
         for (number, item) in (0..).zip(geometry.items()) {
-            let mesh = builder.mesh(scaled(geometry.mesh_of(ItemId(number)), scale));
+            let mesh = builder.mesh(scaled(geometry.mesh_of(ItemIndex(number)), scale));
             let there_from_item = there_from_here * item.transform() * back_to_size;
-            builder.item(geometry.name(ItemId(number)), mesh, there_from_item);
+            builder.item(geometry.name(ItemIndex(number)), mesh, there_from_item);
         }
         for opening in geometry.openings() {
             let corners = opening.outline.corners().iter();

@@ -1,7 +1,7 @@
 //! Transparency: visible sets report how to blend.
 
 use crate::subject::{Subject, subjects, viewer};
-use enfilade::{Canvas, Contract, ItemId, Owner, Passage, PassageId, Span, Viewer};
+use enfilade::{Canvas, Contract, ItemIndex, Owner, Passage, PassageId, Span, Viewer};
 use enfilade_scenes::{Group, SCENES};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,8 +19,8 @@ fn with_glass() -> impl Iterator<Item = &'static Subject> {
 /// Returns pairs of items whose glass was painted directly over the other's, at any sample.
 struct Over {
     passage: PassageId,
-    last: BTreeMap<(u16, u16), (PassageId, ItemId)>,
-    pairs: BTreeSet<[(PassageId, ItemId); 2]>,
+    last: BTreeMap<(u16, u16), (PassageId, ItemIndex)>,
+    pairs: BTreeSet<[(PassageId, ItemIndex); 2]>,
 }
 
 impl Canvas for Over {
@@ -67,7 +67,7 @@ fn an_engine_that_blends_items_is_told_their_order() {
             };
             let set = viewer.draw(scene, &camera.view(size), &mut over);
             let order = set.blend_order(scene);
-            let place = |(passage, item): (PassageId, ItemId)| {
+            let place = |(passage, item): (PassageId, ItemIndex)| {
                 order
                     .iter()
                     .position(|glass| (glass.passage, glass.item) == (passage, item))

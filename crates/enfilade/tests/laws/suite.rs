@@ -3,7 +3,7 @@
 use crate::subject::{limits, subject};
 use enfilade::laws::{Law, check_custom};
 use enfilade::{
-    Aabb, Canvas, Collector, Contract, Hit, ItemId, Memory, Method, Opening, OpeningId, Passage, Ray,
+    Aabb, Canvas, Collector, Contract, Hit, ItemIndex, Memory, Method, Opening, OpeningId, Passage, Ray,
     SceneBuilder, Sector, SectorId, Surface, View, ViewerOptions,
 };
 
@@ -63,7 +63,7 @@ impl Sector for Faulty {
             self.sound.gather(passage, memory, seen);
         }
         if self.fault == Fault::ListsTooMuch {
-            (1000..2000).for_each(|number| seen.item(ItemId(number)));
+            (1000..2000).for_each(|number| seen.item(ItemIndex(number)));
         }
     }
     fn draw(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector, canvas: &mut dyn Canvas) {
@@ -72,7 +72,7 @@ impl Sector for Faulty {
         }
         self.sound.draw(passage, memory, seen, canvas);
         if self.fault == Fault::PaintsGlass {
-            seen.glass(60, 30, 1e6, ItemId(0), 0);
+            seen.glass(60, 30, 1e6, ItemIndex(0), 0);
         }
         if self.fault == Fault::PaintsTwice {
             let mut again = Collector::default();
@@ -82,7 +82,7 @@ impl Sector for Faulty {
     fn cast(&self, ray: &Ray) -> Option<Hit> {
         self.sound.cast(ray)
     }
-    fn surface(&self, item: ItemId, face: u32) -> Surface {
+    fn surface(&self, item: ItemIndex, face: u32) -> Surface {
         self.sound.surface(item, face)
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::convex::{keeps_its_contract, view};
 use enfilade::{
-    Alpha, ConvexPolygon, Geometry, GeometryBuilder, HeightField, ItemId, Material, MaterialId, Mesh, Method,
-    Scene, SceneBuilder, SceneError, SectorId, Transform, Unsuited, View,
+    Alpha, ConvexPolygon, Geometry, GeometryBuilder, HeightField, ItemIndex, Material, MaterialId, Mesh,
+    Method, Scene, SceneBuilder, SceneError, SectorId, Transform, Unsuited, View,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -204,7 +204,7 @@ fn what_has_no_ground_and_ground_that_was_moved_are_refused() {
         .expect("it is there");
     edit.finish().expect("what stands on the ground may move");
     let mut edit = scene.edit();
-    edit.set_transform(SectorId(0), ItemId(1), Transform::translation([3.0, 1.0, 0.0]))
+    edit.set_transform(SectorId(0), ItemIndex(1), Transform::translation([3.0, 1.0, 0.0]))
         .expect("it is there");
     let refused = edit.finish().expect_err("the ground stays");
     assert!(matches!(refused, SceneError::Unsuited { .. }), "{refused}");

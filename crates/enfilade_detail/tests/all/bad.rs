@@ -1,7 +1,7 @@
 //! Sources that fail: their items keep their boxes, the error is reported once, and later looks work.
 
 use crate::world::{Ball, HALL, at, empty, settle, square, straight};
-use enfilade::{Aabb, ItemId, MaterialId, Mesh, Method, SectorId, Transform, Viewer};
+use enfilade::{Aabb, ItemIndex, MaterialId, Mesh, Method, SectorId, Transform, Viewer};
 use enfilade_detail::{DetailError, DetailOptions, DetailSource, Details};
 use std::error::Error;
 use std::sync::Arc;
@@ -102,7 +102,10 @@ fn a_source_that_fails_leaves_its_item_its_box() {
             assert!(told[0].1 == odd && told[0].2.contains(why), "{told:?}");
             let geometry = scene.geometry(HALL).expect("ours");
             assert_eq!(
-                (geometry.mesh_of(odd).face_count(), geometry.item(odd).is_occluder),
+                (
+                    geometry.mesh_of(odd.index).face_count(),
+                    geometry.item(odd.index).is_occluder
+                ),
                 (24, false)
             );
             assert!(details.level(HALL, ball).flatten().is_some());
@@ -154,8 +157,8 @@ fn sources_that_do_not_know_their_size_are_refused() {
     );
     assert!(matches!(add([0.0, 1.0], SectorId(9)), Err(DetailError::Edit(_))));
     let source: Arc<dyn DetailSource> = Arc::new(SOUND);
-    for nowhere in [(SectorId(9), ItemId(0)), (HALL, ItemId(5))] {
-        let adopted = details.adopt(&mut scene, [(nowhere.0, nowhere.1, source.clone())]);
+    for nowhere in [(SectorId(9), ItemIndex(0)), (HALL, ItemIndex(5))] {
+        let adopted = details.adopt(&mut scene, [(nowhere.0, nowhere.1.into(), source.clone())]);
         assert!(matches!(adopted, Err(DetailError::Edit(_))));
     }
     assert_eq!(scene.item_count(), 0);
@@ -179,7 +182,7 @@ fn errors_that_make_no_sense_lead_to_the_finest_level_and_hide_nothing() {
             .expect("it fits");
         settle(&mut details, &mut scene, &mut viewer, &straight());
         assert_eq!(details.level(HALL, item), Some(Some(63)));
-        assert!(!scene.geometry(HALL).expect("ours").item(item).is_occluder);
+        assert!(!scene.geometry(HALL).expect("ours").item(item.index).is_occluder);
     }
 }
 
@@ -207,14 +210,18 @@ fn what_somebody_else_removes_or_changes_is_theirs() {
     details.refine(&mut scene, &[set]).expect("it fits");
     settle(&mut details, &mut scene, &mut viewer, &straight());
     let geometry = scene.geometry(HALL).expect("ours");
-    let faces = items.map(|item| geometry.mesh_of(item).face_count());
+    let faces = items.map(|item| geometry.mesh_of(item.index).face_count());
     assert!(faces[0] == 2 && faces[1] == 2 && faces[2] > 24, "{faces:?}");
     // A forgotten item keeps its level.
     details.forget(HALL, items[2]);
     assert_eq!(details.level(HALL, items[2]), None);
     settle(&mut details, &mut scene, &mut viewer, &straight());
     assert_eq!(
-        scene.geometry(HALL).expect("ours").mesh_of(items[2]).face_count(),
+        scene
+            .geometry(HALL)
+            .expect("ours")
+            .mesh_of(items[2].index)
+            .face_count(),
         faces[2]
     );
 }

@@ -110,7 +110,8 @@ fn what_the_eye_or_a_door_stands_in_is_seen_though_no_side_of_its_box_is() {
         let wall = edit
             .add(study, "wall", wall_at(-5.0), Transform::IDENTITY)
             .expect("it fits");
-        edit.remove(HALL, enfilade::ItemId(0)).expect("it is there");
+        edit.remove(HALL, enfilade::ItemIndex(0).into())
+            .expect("it is there");
         edit.remove(HALL, around_eye).expect("it is there");
         edit.finish().expect("little");
         details
@@ -124,7 +125,7 @@ fn what_the_eye_or_a_door_stands_in_is_seen_though_no_side_of_its_box_is() {
             .expect("it fits");
         settle(&mut details, &mut scene, &mut viewer, &straight());
         assert_eq!(below.builds(), 1, "{method}");
-        assert!(scene.geometry(study).expect("ours").holds(wall));
+        assert!(scene.geometry(study).expect("ours").holds(wall.index));
     }
 }
 
@@ -217,7 +218,10 @@ fn only_the_exact_level_hides_what_is_behind_it() {
         let mut near = View::new([0.0, 0.0, -2.9], [0.0, 0.0, -4.0], [960, 720]);
         near.fov_y = 1.5;
         settle(&mut details, &mut scene, &mut viewer, &near);
-        assert_eq!(details.level(HALL, enfilade::ItemId(0)), Some(Some(Ball::FINEST)));
+        assert_eq!(
+            details.level(HALL, enfilade::ItemIndex(0).into()),
+            Some(Some(Ball::FINEST))
+        );
         assert_eq!(
             names(&scene, viewer.visible()),
             ["ball"],
@@ -334,5 +338,8 @@ fn an_adopted_item_is_what_it_was_again_when_it_is_near() {
         [Some(Some(Ball::FINEST)); 2]
     );
     // An item that was no occluder before is none now.
-    assert_eq!(items.map(|item| geometry.item(item).is_occluder), [true, false]);
+    assert_eq!(
+        items.map(|item| geometry.item(item.index).is_occluder),
+        [true, false]
+    );
 }

@@ -162,7 +162,7 @@ pub(crate) fn names(scene: &Scene, set: &VisibleSet) -> Vec<String> {
         .iter()
         .map(|item| {
             let geometry = scene.geometry(set.passage(item.passage).sector).expect("ours");
-            geometry.name(item.item).to_owned()
+            geometry.name(item.item.index).to_owned()
         })
         .collect();
     names.sort();

@@ -85,7 +85,7 @@ fn glass_before_nothing_shows_the_sky_through_it() {
     for (scene, gone) in [(&mut glazed, &[0][..]), (&mut bare, &[0, 1])] {
         let mut edit = scene.edit();
         for &item in gone {
-            edit.remove(hall, enfilade::ItemId(item))
+            edit.remove(hall, enfilade::ItemIndex(item).into())
                 .expect("an existing item");
         }
         edit.finish().expect("within the memory limit");

@@ -58,7 +58,7 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
     };
     let cast = scene.cast(sector, &ray);
     let RayEnd::Face(hit) = cast.end else { return None };
-    let surface = scene.sector(cast.sector).surface(hit.item, hit.face);
+    let surface = scene.sector(cast.sector).surface(hit.item.index, hit.face);
     // One-sided faces are invisible from behind, and the ray passes through glass.
     if hit.from_behind || surface.alpha != enfilade::Alpha::Opaque {
         return None;
@@ -77,7 +77,11 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
         normal
     };
     let light = lamplight.at(cast.sector, point.into(), normal.into())?;
-    Some((light.into(), surface.color, (cast.sector.0, hit.item.0, hit.face)))
+    Some((
+        light.into(),
+        surface.color,
+        (cast.sector.0, hit.item.index.0, hit.face),
+    ))
 }
 
 /// Returns the ray direction at an offset from a pixel's centre, in pixels.

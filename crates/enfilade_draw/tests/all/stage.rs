@@ -130,9 +130,9 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<RayHit> {
     let eye = DVec3::from(view.eye.map(f64::from));
     let point = moved(eye + direction * cast.distance);
     let geometry = scene.geometry(cast.sector)?;
-    let mesh = geometry.mesh_of(hit.item);
+    let mesh = geometry.mesh_of(hit.item.index);
     let corners = mesh.face(hit.face);
-    let item = geometry.item(hit.item).transform();
+    let item = geometry.item(hit.item.index).transform();
     let place = |i: usize| {
         let [x, y, z] = mesh.positions()[corners[i] as usize].map(f64::from);
         let columns = item.columns().map(|c| DVec3::from(c.map(f64::from)));
@@ -147,7 +147,7 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<RayHit> {
         place: [0, 1].map(|axis| {
             carried[0][axis] * (1.0 - second - third) + carried[1][axis] * second + carried[2][axis] * third
         }),
-        face: (cast.sector, hit.item.0, hit.face),
+        face: (cast.sector, hit.item.index.0, hit.face),
     })
 }
 

@@ -59,7 +59,7 @@ pub(crate) fn house_in_a_valley(folder: &Path, methods: [Method; 2], size: [u32;
         .expect("few faces");
     for (geometry, elsewhere) in [(&mut outside, &ONLY_INSIDE[..]), (&mut inside, &ONLY_OUTSIDE[..])] {
         for (number, item) in (0..).zip(house.items()) {
-            let name = house.name(enfilade::ItemId(number));
+            let name = house.name(enfilade::ItemIndex(number));
             if elsewhere.iter().any(|beginning| name.starts_with(beginning)) {
                 continue;
             }

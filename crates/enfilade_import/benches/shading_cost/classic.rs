@@ -6,7 +6,7 @@
 //! Shares no code with the engine's; where two faces are equally near the first stays, and glass is seen.
 
 use crate::common::{Lens, SIZE, dye};
-use enfilade::{Alpha, Geometry, ItemId, Owner};
+use enfilade::{Alpha, Geometry, ItemIndex, Owner};
 use glam::DVec3;
 
 /// The classic z-buffer: a reversed depth at each sample, and nothing else.
@@ -36,7 +36,7 @@ impl Classic {
         self.rev_depth.fill(0.0);
         self.writes = 0;
         for hides in [true, false] {
-            for item in (0..geometry.items().len() as u32).map(ItemId) {
+            for item in (0..geometry.items().len() as u32).map(ItemIndex) {
                 self.item(geometry, item, lens, hides, shade);
             }
         }
@@ -45,7 +45,7 @@ impl Classic {
     fn item(
         &mut self,
         geometry: &Geometry,
-        id: ItemId,
+        id: ItemIndex,
         lens: &Lens,
         hides: bool,
         shade: &mut impl FnMut(usize, usize, u32),

@@ -16,7 +16,7 @@ mod common;
 
 use classic::Classic;
 use common::{Lens, Place, ROOMS, SIZE, drawn_once, dye, folder, in_turn, median_of, open};
-use enfilade::{Canvas, ItemId, Method, Owner, Passage, PassageId, Span, Viewer};
+use enfilade::{Canvas, ItemIndex, Method, Owner, Passage, PassageId, Span, Viewer};
 use std::hint::black_box;
 
 const ROUNDS: usize = 3;
@@ -220,7 +220,7 @@ fn time(place: &Place) -> [Vec<f64>; 4] {
 /// Shading time of one sample of spans, in nanoseconds.
 fn ns_per_sample() -> f64 {
     let mut shader = Shader::new();
-    let owner = Owner::Face(ItemId(7), 11);
+    let owner = Owner::Face(ItemIndex(7), 11);
     let spans = [Span {
         x0: 0,
         x1: SIZE[0] as u16,

@@ -252,8 +252,8 @@ fn warn_of_surfaces(surfaces: &[Surface], used: &BTreeSet<u32>, warnings: &mut W
 /// Replaces the item in a geometry error by its node.
 fn name_the_node(why: BrokenRule, document: &Document, placed: &[SceneNode], names: &Names) -> BrokenRule {
     let (name, rule): (_, fn(String) -> BrokenRule) = match &why {
-        BrokenRule::Geometry(GeometryError::NotFinite(name)) => (name, BrokenRule::NodeNotFinite),
-        BrokenRule::Geometry(GeometryError::TooFar(name)) => (name, BrokenRule::NodeTooFar),
+        BrokenRule::Geometry(GeometryError::NotFinite(item)) => (&item.name, BrokenRule::NodeNotFinite),
+        BrokenRule::Geometry(GeometryError::TooFar(item)) => (&item.name, BrokenRule::NodeTooFar),
         _ => return why,
     };
     let is_meant =

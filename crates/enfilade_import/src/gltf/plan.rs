@@ -271,13 +271,13 @@ impl<'d> Plan<'d> {
             match assets.instances.of(placed.node) {
                 None => {
                     let item = builder.item(&name, *mesh, placed.world);
-                    nodes.add(item, placed.node, id);
+                    nodes.add(item.index, placed.node, id);
                 }
                 Some(instances) => {
                     for (number, &node_from_instance) in instances.iter().enumerate() {
                         let name = names.instance(&name, placed.node, number);
                         let item = builder.item(&name, *mesh, placed.world * node_from_instance);
-                        nodes.add(item, placed.node, id);
+                        nodes.add(item.index, placed.node, id);
                     }
                 }
             }

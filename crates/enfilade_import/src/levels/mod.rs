@@ -131,7 +131,7 @@ pub fn details_of(
         let Some(geometry) = scene.geometry(sector) else {
             continue;
         };
-        for number in (0..geometry.items().len() as u32).map(enfilade::ItemId) {
+        for number in (0..geometry.items().len() as u32).map(enfilade::ItemIndex) {
             let mesh = &geometry.meshes()[geometry.item(number).mesh.0 as usize];
             if mesh.face_count() > 0 && mesh.triangle_count() >= least_triangles {
                 let address = Arc::as_ptr(mesh).addr();

@@ -1,6 +1,6 @@
 //! Invariants of the palace: item counts, closed rooms, joined doors, determinism.
 
-use enfilade::{Aabb, Geometry, ItemId, Method, Scene, SectorId, Transform};
+use enfilade::{Aabb, Geometry, ItemIndex, Method, Scene, SectorId, Transform};
 use enfilade_scenes::{BuiltIn, built_in};
 use std::collections::{BTreeSet, HashMap};
 
@@ -132,7 +132,7 @@ fn windows_look_into_the_garden_and_the_garden_into_the_windows() {
 fn every_thing_has_a_name_of_its_own() {
     let scene = palace().scene;
     let names: BTreeSet<&str> = rooms(&scene)
-        .flat_map(|(_, _, geometry)| (0..geometry.items().len()).map(|i| geometry.name(ItemId(i as u32))))
+        .flat_map(|(_, _, geometry)| (0..geometry.items().len()).map(|i| geometry.name(ItemIndex(i as u32))))
         .collect();
     assert_eq!(names.len(), scene.item_count());
 }
@@ -228,12 +228,12 @@ fn every_room_is_closed_but_for_its_openings() {
         };
         let mut pieces = 0;
         for number in 0..geometry.items().len() as u32 {
-            if !geometry.name(ItemId(number)).contains("shell") {
+            if !geometry.name(ItemIndex(number)).contains("shell") {
                 continue;
             }
             pieces += 1;
-            assert_eq!(geometry.item(ItemId(number)).transform(), Transform::IDENTITY);
-            let mesh = geometry.mesh_of(ItemId(number));
+            assert_eq!(geometry.item(ItemIndex(number)).transform(), Transform::IDENTITY);
+            let mesh = geometry.mesh_of(ItemIndex(number));
             for face in 0..mesh.face_count() {
                 let corners: Vec<[f32; 3]> = mesh
                     .face(face)

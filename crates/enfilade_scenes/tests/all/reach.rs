@@ -172,7 +172,7 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
     };
     let named = |scene: &Scene, sector: SectorId, name: &str| {
         let geometry = scene.geometry(sector).expect("a sector with geometry");
-        let mut items = (0..geometry.items().len() as u32).map(enfilade::ItemId);
+        let mut items = (0..geometry.items().len() as u32).map(enfilade::ItemIndex);
         let item = items
             .find(|&item| geometry.name(item) == name)
             .expect("an existing item");
@@ -183,7 +183,7 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
     assert!(all.windows(2).all(|pair| pair[0].distance <= pair[1].distance));
     let found = all
         .iter()
-        .find(|near| near.sector == there && near.item == left_box)
+        .find(|near| near.sector == there && near.item == left_box.into())
         .expect("a path within range");
     assert_eq!(found.crossed.len(), 1);
     let nearest: Vec3 = Vec3::from(place.position)
@@ -207,7 +207,7 @@ fn what_is_behind_a_door_is_near_by_the_way_through_it_and_not_when_it_is_closed
     let within = |radius: f64| {
         let near = scene.near(place, radius as f32).items;
         near.iter()
-            .any(|near| near.sector == there && near.item == left_box)
+            .any(|near| near.sector == there && near.item == left_box.into())
     };
     assert!(within(found.distance + 1e-3) && !within(found.distance - 1e-3));
     ids.iter().for_each(|&id| scene.set_open(id, false));

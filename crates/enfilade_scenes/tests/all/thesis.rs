@@ -3,7 +3,9 @@
 //! They are reimplemented here in a few lines, with a ray per sample as the reference, so that the figures are verified
 //! independently of the methods. Then the methods are tested against the same table.
 
-use enfilade::{Canvas, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer};
+use enfilade::{
+    Canvas, Geometry, ItemIndex, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Viewer,
+};
 use enfilade_scenes::{BuiltIn, Camera, Group, figures};
 use glam::{DMat3, DVec3};
 
@@ -119,7 +121,7 @@ fn polygons(figure: &BuiltIn) -> Vec<Vec<DVec3>> {
         })
     };
     (0..geometry.items().len() as u32)
-        .map(ItemId)
+        .map(ItemIndex)
         .flat_map(polygons_of)
         .collect()
 }

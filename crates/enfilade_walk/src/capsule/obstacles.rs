@@ -10,7 +10,7 @@
 use super::body::Body;
 use enfilade::geom::{Step, nearest_points};
 use enfilade::{
-    Aabb, ConvexPolygon, Geometry, ItemId, Location, OpeningId, PortalId, Scene, SectorId, Transform,
+    Aabb, ConvexPolygon, Geometry, ItemIndex, Location, OpeningId, PortalId, Scene, SectorId, Transform,
 };
 use glam::{DAffine3, DVec3};
 
@@ -106,7 +106,7 @@ impl Obstacles {
             max: max.map(f32::next_up),
         };
         let there = here.placed(&here_from_there.inverse());
-        geometry.items_in_box(&there, |item: ItemId| {
+        geometry.items_in_box(&there, |item: ItemIndex| {
             let here_from_item = *here_from_there * DAffine3::from(geometry.item(item).transform());
             let mesh = geometry.mesh_of(item);
             mesh.walk([0.0; 3], |step| match step {

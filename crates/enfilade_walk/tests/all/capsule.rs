@@ -48,7 +48,7 @@ fn room() -> Scene {
 
 /// Returns the faces of a geometry in sector space.
 fn faces(geometry: &Geometry) -> Vec<[DVec3; 3]> {
-    let items = (0..geometry.items().len() as u32).map(enfilade::ItemId);
+    let items = (0..geometry.items().len() as u32).map(enfilade::ItemIndex);
     items
         .flat_map(|item| {
             let placed = affine(&geometry.item(item).transform());

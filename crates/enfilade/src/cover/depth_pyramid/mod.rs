@@ -328,7 +328,7 @@ mod tests {
     use crate::geom::Transform;
     use crate::geometry::{GeometryBuilder, Material};
     use crate::ids::SectorId;
-    use crate::ids::{ItemId, MaterialId};
+    use crate::ids::{ItemIndex, MaterialId};
     use crate::mesh::Mesh;
     use crate::view::View;
 
@@ -355,7 +355,7 @@ mod tests {
         let mut cover = DepthPyramid::default();
         cover.clear(&passage, false);
         for item in 0..geometry.items().len() as u32 {
-            let faces = Faces::of_cluster(&geometry, ItemId(item), 0, &passage.screen_from_sector);
+            let faces = Faces::of_cluster(&geometry, ItemIndex(item), 0, &passage.screen_from_sector);
             cover.add(&faces, &passage, &mut Stats::default(), None);
         }
         cover

@@ -33,7 +33,7 @@ impl Bvh {
         let mut least = f64::INFINITY;
         let mut best = InsertPosition::Beside(top);
         // Nodes, and the cost added to all their ancestors.
-        let mut pending: SmallVec<[(u32, f64); 32]> = SmallVec::new();
+        let mut pending: SmallVec<[(u32, f64); 64]> = SmallVec::new();
         pending.push((top, 0.0));
         let mut visited = 0;
         while let Some((node, above)) = pending.pop() {

@@ -34,6 +34,8 @@ pub(crate) struct Bvh {
     /// First nodes of free pairs, and first slots of removed leaves.
     free_pairs: Vec<u32>,
     free_slots: Vec<u32>,
+    /// Whether a node has to be refitted, while primitives are moved.
+    stale: Vec<bool>,
     few: u32,
     /// Number of primitives in the tree.
     count: usize,
@@ -74,6 +76,7 @@ impl Bvh {
             leaves: vec![0; count],
             free_pairs: Vec::new(),
             free_slots: Vec::new(),
+            stale: Vec::new(),
             few,
             count: solid.len(),
             changes: 0,
@@ -160,9 +163,13 @@ impl Bvh {
 
     /// Refits a node's AABB to its primitives and children.
     fn fit(&mut self, node: u32, boxes: &impl Fn(u32) -> Aabb) {
-        let own = self.things(node).iter().map(|&thing| boxes(thing));
-        let below = self.children(node).map(|child| *self.bounds(child));
-        self.nodes[node as usize].bounds = own.chain(below).fold(Aabb::EMPTY, |sum, held| sum.union(&held));
+        let children = self.children(node);
+        self.nodes[node as usize].bounds = if children.is_empty() {
+            let own = self.things(node).iter();
+            own.fold(Aabb::EMPTY, |sum, &thing| sum.union(&boxes(thing)))
+        } else {
+            self.bounds(children.start).union(self.bounds(children.start + 1))
+        };
     }
 
     /// Allocates two adjacent nodes.
@@ -172,6 +179,13 @@ impl Bvh {
             self.parents.push(0);
             self.nodes.len() as u32 - 2
         })
+    }
+
+    /// Frees two adjacent nodes.
+    fn free(&mut self, pair: u32) {
+        // Their area is 0 then, for `cost_now`.
+        self.nodes[pair as usize..pair as usize + 2].fill(Node::EMPTY);
+        self.free_pairs.push(pair);
     }
 
     /// Allocates the slots of a leaf.
@@ -197,14 +211,12 @@ impl Bvh {
     /// Returns the SAH cost: the sum of box areas weighted by the number of children and primitives, relative to the
     /// root's area.
     fn cost_now(&self) -> f64 {
-        let mut pending: Vec<u32> = self.root().into_iter().collect();
-        let mut cost = 0.0;
-        while let Some(node) = pending.pop() {
-            cost +=
-                self.bounds(node).half_area() * (self.children(node).len() + self.things(node).len()) as f64;
-            pending.extend(self.children(node));
-        }
-        cost / self.root().map_or(1.0, |root| self.bounds(root).half_area())
+        let tests = |node: &Node| if node.things == 0 { 2 } else { node.things };
+        let costs = self
+            .nodes
+            .iter()
+            .map(|node| node.bounds.half_area() * f64::from(tests(node)));
+        costs.sum::<f64>() / self.root().map_or(1.0, |root| self.bounds(root).half_area())
     }
 }
 

@@ -2,11 +2,12 @@
 //!
 //! A primitive that leaves its leaf's AABB is removed and inserted again where that costs least. Leaves with few
 //! primitives are merged, and on the way up tree rotations reduce the area of boxes. That keeps the tree about as good
-//! as a rebuilt one; it is rebuilt only if that was not enough.
+//! as a rebuilt one; it is rebuilt only if that was not enough. The leaves that keep their primitives are refitted
+//! together, at the end, so that boxes high up in the tree are computed once for many moves.
 //! Source: Catto, Dynamic Bounding Volume Hierarchies, GDC 2019 (removal by the sibling); Kopta, Ize, Spjut, Brunvand,
 //!     Davis, Kensler, Fast, Effective BVH Updates for Animated Scenes, I3D 2012 (rotations).
-//! Cost: O(depth) for a primitive that stays in its leaf, plus a search for the best position ([`super::choose`]) for
-//!     one that does not.
+//! Cost: O(depth) at most for a primitive that stays in its leaf, plus a search for the best position
+//!     ([`super::choose`]) for one that does not.
 //! Boxes are refitted as tightly as after building, so traversal tests no more nodes than necessary.
 
 use super::choose::{InsertPosition, split_leaf};
@@ -21,7 +22,7 @@ const MAX_COST_RATIO: f64 = 2.0;
 
 /// One in this many changes reinserts the primitive although it could stay in its leaf. All primitives of a leaf can
 /// drift apart, or away from it, so slowly that none ever leaves its box.
-const REINSERT_PERIOD: usize = 16;
+const REINSERT_PERIOD: usize = 64;
 
 /// A primitive stays in its leaf if the leaf's area grows by at most this factor.
 const MAX_GROWTH: f64 = 1.5;
@@ -68,15 +69,31 @@ impl Bvh {
         }
     }
 
-    /// Moves a primitive from its old AABB `was` to its current one. An empty old AABB inserts it, an empty current one
-    /// removes it. Other arguments as for [`Bvh::insert`].
+    /// Moves primitives from their old AABBs, given with them, to their current ones. An empty old AABB inserts a
+    /// primitive, an empty current one removes it. Other arguments as for [`Bvh::insert`].
     pub(crate) fn shift(
         &mut self,
-        thing: u32,
-        was: &Aabb,
+        moved: impl Iterator<Item = (u32, Aabb)> + Clone,
         boxes: &impl Fn(u32) -> Aabb,
         touched: &mut Vec<u32>,
     ) {
+        for (thing, was) in moved.clone() {
+            self.shift_one(thing, &was, boxes, touched);
+        }
+        self.stale.resize(self.nodes.len(), false);
+        for (thing, _) in moved {
+            let mut next = self.leaf_of(thing);
+            while let Some(node) =
+                next.filter(|&node| !std::mem::replace(&mut self.stale[node as usize], true))
+            {
+                next = self.parent(node);
+            }
+        }
+        self.refit(boxes, touched);
+    }
+
+    /// Moves a primitive. The AABB of a leaf that keeps it may be too large then, and those above it too small.
+    fn shift_one(&mut self, thing: u32, was: &Aabb, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
         let now = boxes(thing);
         // For a primitive that was not in the tree, `leaves` may still name a leaf that is no longer its own.
         let leaf = self.leaf_of(thing).filter(|_| !was.is_empty());
@@ -92,7 +109,7 @@ impl Bvh {
         let stays = !self.changes.is_multiple_of(REINSERT_PERIOD) && grown <= MAX_GROWTH * held.half_area();
         if stays || self.count == 1 {
             self.nodes[leaf as usize].bounds = held.union(&now);
-            return self.climb(leaf, leaf, boxes, touched);
+            return;
         }
         let Some(mut top) = self.take(thing, leaf, touched) else {
             return;
@@ -222,7 +239,7 @@ impl Bvh {
         let sibling = pair + u32::from(leaf == pair);
         self.nodes[parent as usize] = self.nodes[sibling as usize];
         self.relink(parent);
-        self.free_pairs.push(pair);
+        self.free(pair);
         touched.push(parent);
         Some(self.parent(parent).unwrap_or(parent))
     }
@@ -245,6 +262,24 @@ impl Bvh {
             }
             touched.push(node);
             next = self.parent(node);
+        }
+    }
+
+    /// Refits all stale nodes, each once.
+    fn refit(&mut self, boxes: &impl Fn(u32) -> Aabb, touched: &mut Vec<u32>) {
+        let mut next = touched.len();
+        touched.extend(self.root());
+        let first = next;
+        while let Some(&node) = touched.get(next) {
+            let stale = self.children(node).filter(|&child| self.stale[child as usize]);
+            touched.extend(stale);
+            next += 1;
+        }
+        // Children come after their parents.
+        for &node in touched[first..].iter().rev() {
+            self.stale[node as usize] = false;
+            self.merge(node);
+            self.fit(node, boxes);
         }
     }
 
@@ -283,7 +318,7 @@ impl Bvh {
         let from = right.first as usize..(right.first + right.things) as usize;
         self.things.copy_within(from, (left.first + left.things) as usize);
         self.free_slots.push(right.first);
-        self.free_pairs.push(pair);
+        self.free(pair);
         self.nodes[node as usize] = Node {
             bounds,
             first: left.first,

@@ -2,7 +2,7 @@
 
 use crate::geom::{ConvexPolygon, Run, Runs};
 use crate::geometry::{BakedCells, CellSide, Geometry, Leaf, MovedItem, Opening, Room};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use glam::DVec3;
 
 /// Maximum number of faces for which an item's cells are found face by face; above it, by the AABBs of its clusters.
@@ -46,7 +46,7 @@ impl ItemCells {
             cells: vec![Run::EMPTY; geometry.items().len()],
             search: CellSearch::default(),
         };
-        for item in (0..geometry.items().len() as u32).map(ItemId) {
+        for item in (0..geometry.items().len() as u32).map(ItemIndex) {
             item_cells.search.of_item(cells, geometry, item);
             item_cells.put(item);
             if item_cells.bytes() > limit_bytes {
@@ -84,7 +84,7 @@ impl ItemCells {
     }
 
     /// Adds an item to the lists of the cells that were found.
-    fn put(&mut self, item: ItemId) {
+    fn put(&mut self, item: ItemIndex) {
         self.cells[item.0 as usize] = self.lists.put(&self.search.found);
         for &cell in &self.search.found {
             self.lists.push(&mut self.items[cell as usize], item.0);
@@ -124,7 +124,7 @@ impl CellSearch {
 
     /// Finds the cells of an item: none if it has no faces, and only the one after the last if it counts as being
     /// everywhere.
-    fn of_item(&mut self, cells: &BakedCells, geometry: &Geometry, item: ItemId) {
+    fn of_item(&mut self, cells: &BakedCells, geometry: &Geometry, item: ItemIndex) {
         self.begin(cells);
         let mesh = geometry.mesh_of(item);
         if mesh.face_count() == 0 {

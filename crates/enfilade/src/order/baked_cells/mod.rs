@@ -13,7 +13,7 @@ mod start;
 use super::{Order, Unsorted, Visit};
 use crate::faces::{FaceSource, Faces};
 use crate::geometry::{BakedCells, Geometry, MovedItem, Room};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use crate::sector::{BuildStats, Requirement};
 use crate::traversal::{emit_item, emit_openings};
 use crate::unsuited::Unsuited;
@@ -137,7 +137,7 @@ impl Order for BakedCellsOrder {
         if !self.mark(geometry, passage, scratch) {
             emit_openings(geometry, passage, visit);
             for item in 0..geometry.items().len() as u32 {
-                emit_item(geometry, passage, ItemId(item), visit);
+                emit_item(geometry, passage, ItemIndex(item), visit);
             }
             return;
         }
@@ -158,7 +158,7 @@ impl Order for BakedCellsOrder {
             }
         });
         for &item in self.item_cells.everywhere() {
-            emit_item(geometry, passage, ItemId(item), visit);
+            emit_item(geometry, passage, ItemIndex(item), visit);
         }
         for (word, &cells) in scratch.seen.iter().enumerate() {
             let mut left = cells;
@@ -166,7 +166,7 @@ impl Order for BakedCellsOrder {
                 let cell = 64 * word as u32 + left.trailing_zeros();
                 left &= left - 1;
                 for &item in self.item_cells.in_cell(cell) {
-                    emit_item(geometry, passage, ItemId(item), visit);
+                    emit_item(geometry, passage, ItemIndex(item), visit);
                 }
             }
         }

@@ -23,7 +23,7 @@ use super::beside_sorted::{emit_opening, emit_openings_at_eye};
 use super::{FarToNear, Order, Visit};
 use crate::faces::Faces;
 use crate::geometry::{Alpha, Geometry, MovedItem};
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 use crate::sector::Requirement;
 use crate::traversal::{box_visibility, emit_openings, may_be_visible};
 use crate::unsuited::Unsuited;
@@ -41,7 +41,7 @@ pub struct ConvexCell {
     /// Openings whose fronts point outward, each with the index of its plane.
     openings: Vec<(OpeningId, u32)>,
     /// Clusters that contain coplanar overlapping faces, sorted.
-    overlapping: Vec<(ItemId, u32)>,
+    overlapping: Vec<(ItemIndex, u32)>,
     /// By item: whether any of its faces is an occluder.
     occluders: Vec<bool>,
 }
@@ -50,7 +50,7 @@ pub struct ConvexCell {
 #[derive(Clone, Copy, Debug)]
 struct Outside {
     plane: u32,
-    item: ItemId,
+    item: ItemIndex,
     cluster: u32,
     /// First face number, and one past the last.
     faces: [u32; 2],
@@ -83,7 +83,7 @@ impl Order for ConvexCell {
     fn build(geometry: &Geometry, limit_bytes: u64) -> Result<ConvexCell, Unsuited> {
         let mut walls = Walls::new(geometry, limit_bytes);
         walls.take_openings()?;
-        for item in (0..geometry.items().len() as u32).map(ItemId) {
+        for item in (0..geometry.items().len() as u32).map(ItemIndex) {
             walls.take_item(item)?;
         }
         Ok(walls.cell)
@@ -112,7 +112,7 @@ impl Order for ConvexCell {
 
     fn visit(&self, geometry: &Geometry, passage: &Passage, _scratch: &mut (), visit: &mut impl Visit) {
         emit_openings(geometry, passage, visit);
-        for item in (0..geometry.items().len() as u32).rev().map(ItemId) {
+        for item in (0..geometry.items().len() as u32).rev().map(ItemIndex) {
             self.emit_item(geometry, passage, item, visit);
         }
         let eye = DVec3::from(passage.eye());
@@ -126,7 +126,7 @@ impl Order for ConvexCell {
 
 impl ConvexCell {
     /// Emits the clusters of an item that may be visible, the last one first.
-    fn emit_item(&self, geometry: &Geometry, passage: &Passage, item: ItemId, visit: &mut impl Visit) {
+    fn emit_item(&self, geometry: &Geometry, passage: &Passage, item: ItemIndex, visit: &mut impl Visit) {
         let mesh = geometry.mesh_of(item);
         let clusters = mesh.clusters();
         if clusters.is_empty() || !visit.first_time(item) {
@@ -180,7 +180,7 @@ impl ConvexCell {
 /// Emits faces one by one, the last one first: among coplanar faces the lowest is painted over the others.
 fn emit_backwards(
     geometry: &Geometry,
-    item: ItemId,
+    item: ItemIndex,
     faces: [u32; 2],
     screen_from_item: &DAffine3,
     visit: &mut impl Visit,
@@ -191,7 +191,7 @@ fn emit_backwards(
 }
 
 /// Returns the indices of an item's clusters whose faces are occluders.
-fn occluder_clusters(geometry: &Geometry, item: ItemId) -> impl Iterator<Item = u32> + '_ {
+fn occluder_clusters(geometry: &Geometry, item: ItemIndex) -> impl Iterator<Item = u32> + '_ {
     let clusters = (0_u32..).zip(geometry.mesh_of(item).clusters());
     let hide =
         clusters.filter(move |(_, cluster)| geometry.material_of(item, cluster).alpha == Alpha::Opaque);

@@ -15,7 +15,7 @@
 use super::{Plane, occluder_clusters};
 use crate::geom::{Aabb, Step};
 use crate::geometry::{Alpha, Geometry, Owner};
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 use glam::{DAffine3, DVec3};
 
 /// All occluders of a geometry, openings included, and the tolerance of plane tests.
@@ -52,7 +52,7 @@ impl<'a> SupportPlanes<'a> {
     pub(super) fn new(geometry: &'a Geometry) -> SupportPlanes<'a> {
         let openings = geometry.openings().iter().map(|opening| opening.outline.bounds());
         let mut bounds = openings.fold(Aabb::EMPTY, |sum, hole| sum.union(&hole));
-        for item in (0..geometry.items().len() as u32).map(ItemId) {
+        for item in (0..geometry.items().len() as u32).map(ItemIndex) {
             let placed = geometry.item(item).transform();
             for cluster in occluder_clusters(geometry, item) {
                 let corners = geometry.mesh_of(item).clusters()[cluster as usize]
@@ -225,7 +225,7 @@ impl<'a> SupportPlanes<'a> {
         geometry.item_tree().walk(eye, |step| match step {
             Step::Node(bounds) => farthest.may_be_in(bounds, plane),
             Step::Thing(item) => {
-                let item = ItemId(item);
+                let item = ItemIndex(item);
                 if farthest.may_be_in(&geometry.item(item).bounds, plane) {
                     self.farthest_of(item, plane, &mut farthest);
                 }
@@ -235,7 +235,7 @@ impl<'a> SupportPlanes<'a> {
         farthest.found
     }
 
-    fn farthest_of(&self, item: ItemId, plane: &Plane, farthest: &mut FarthestCorner) {
+    fn farthest_of(&self, item: ItemIndex, plane: &Plane, farthest: &mut FarthestCorner) {
         let mesh = self.geometry.mesh_of(item);
         let sector_from_item: DAffine3 = self.geometry.item(item).transform().0;
         // The same plane in item space; its normal has the length by which lengths grow.
@@ -269,7 +269,7 @@ impl<'a> SupportPlanes<'a> {
     /// Tests the corners of one face; `plane` is in item space.
     fn farthest_of_face(
         &self,
-        item: ItemId,
+        item: ItemIndex,
         face: u32,
         sector_from_item: &DAffine3,
         plane: &Plane,

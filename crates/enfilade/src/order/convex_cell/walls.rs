@@ -4,7 +4,7 @@ use super::overlap::any_overlap;
 use super::support::{Corner, SupportPlanes};
 use super::{ConvexCell, Outside, Plane, occluder_clusters};
 use crate::geometry::{Geometry, Owner};
-use crate::ids::{ItemId, OpeningId};
+use crate::ids::{ItemIndex, OpeningId};
 use crate::order::Order;
 use crate::unsuited::{NotConvex, Unsuited};
 use glam::DVec3;
@@ -83,7 +83,7 @@ impl<'a> Walls<'a> {
     }
 
     /// Finds a plane for each occluder face of an item.
-    pub(super) fn take_item(&mut self, item: ItemId) -> Result<(), Unsuited> {
+    pub(super) fn take_item(&mut self, item: ItemIndex) -> Result<(), Unsuited> {
         for cluster in occluder_clusters(self.geometry, item) {
             self.cell.occluders[item.0 as usize] = true;
             self.take_cluster(item, cluster)?;
@@ -98,7 +98,7 @@ impl<'a> Walls<'a> {
         Ok(())
     }
 
-    fn take_cluster(&mut self, item: ItemId, number: u32) -> Result<(), Unsuited> {
+    fn take_cluster(&mut self, item: ItemIndex, number: u32) -> Result<(), Unsuited> {
         let geometry = self.geometry;
         let mesh = geometry.mesh_of(item);
         let cluster = &mesh.clusters()[number as usize];
@@ -175,7 +175,7 @@ impl<'a> Walls<'a> {
         Ok(Some((self.recent.len() - 1, area)))
     }
 
-    fn show_outside(&mut self, recent: usize, item: ItemId, cluster: u32, face: u32) {
+    fn show_outside(&mut self, recent: usize, item: ItemIndex, cluster: u32, face: u32) {
         let plane = self.plane_index(recent);
         match self.cell.outside.last_mut() {
             Some(last)

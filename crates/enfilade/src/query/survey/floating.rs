@@ -6,7 +6,7 @@
 
 use super::{CLEARANCE, SurveyView, Surveyor, TRIES};
 use crate::geometry::Geometry;
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use glam::DVec3;
 
 /// Minimum distance of an eye from all faces, relative to the geometry's size.
@@ -33,7 +33,7 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<SurveyView> {
         let Some(&(sector, geometry)) = home else {
             continue;
         };
-        let Some(place) = place_in_the_open(surveyor, geometry, ItemId(item as u32)) else {
+        let Some(place) = place_in_the_open(surveyor, geometry, ItemIndex(item as u32)) else {
             continue;
         };
         let eye = place.as_vec3().to_array();
@@ -56,7 +56,7 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<SurveyView> {
 }
 
 /// Returns a random point on the free segment from a face of an item to the next surface.
-fn place_in_the_open(surveyor: &mut Surveyor, geometry: &Geometry, item: ItemId) -> Option<DVec3> {
+fn place_in_the_open(surveyor: &mut Surveyor, geometry: &Geometry, item: ItemIndex) -> Option<DVec3> {
     let mesh = geometry.mesh_of(item);
     if mesh.face_count() == 0 {
         return None;

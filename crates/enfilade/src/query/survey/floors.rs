@@ -8,7 +8,7 @@
 //! Cost: O(faces + columns covered by them), at most [`MAX_COLUMNS`] columns and [`MAX_PARTS`] parts of faces.
 
 use crate::geometry::{Alpha, Geometry};
-use crate::ids::ItemId;
+use crate::ids::ItemIndex;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -234,7 +234,7 @@ type Polygon = SmallVec<[DVec3; 8]>;
 
 /// Calls `take` with every triangle that is not alpha-blended, in the geometry's space.
 fn each_triangle(geometry: &Geometry, mut take: impl FnMut([DVec3; 3])) {
-    for item in (0..geometry.items().len() as u32).map(ItemId) {
+    for item in (0..geometry.items().len() as u32).map(ItemIndex) {
         let mesh = geometry.mesh_of(item);
         let transform = geometry.item(item).transform();
         for cluster in mesh.clusters() {

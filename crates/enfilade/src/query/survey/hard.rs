@@ -2,7 +2,7 @@
 
 use super::{SurveyView, direction};
 use crate::geometry::Geometry;
-use crate::ids::{ItemId, SectorId};
+use crate::ids::{ItemIndex, SectorId};
 use crate::random::SplitMix;
 use crate::scene::Scene;
 use glam::DVec3;
@@ -91,7 +91,7 @@ fn in_opening(geometry: &Geometry, dice: &mut SplitMix) -> Option<[DVec3; 2]> {
 /// Returns an eye on a vertex, on an edge or in the plane of a face, and a target in that plane or in a random
 /// direction.
 fn at_face(geometry: &Geometry, dice: &mut SplitMix, place: FacePart) -> Option<[DVec3; 2]> {
-    let item = ItemId(dice.below(geometry.items().len()) as u32);
+    let item = ItemIndex(dice.below(geometry.items().len()) as u32);
     let mesh = geometry.mesh_of(item);
     if mesh.face_count() == 0 {
         return None;

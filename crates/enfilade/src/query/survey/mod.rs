@@ -21,7 +21,7 @@ use super::cast::line_of;
 use super::ray::RayEnd;
 use crate::geom::{Aabb, Step, nearest_points};
 use crate::geometry::Geometry;
-use crate::ids::{ItemId, SectorId};
+use crate::ids::{ItemIndex, SectorId};
 use crate::random::SplitMix;
 use crate::scene::Scene;
 use crate::sector::{Hit, Ray};
@@ -262,7 +262,7 @@ impl<'a> Surveyor<'a> {
     ///
     /// Steep rays downwards count only if hardly any others hit: the ground of many cities goes on below closed
     /// buildings, and shows its front inside.
-    fn cast_around(&self, geometry: &Geometry, eye: DVec3, mut met: impl FnMut(ItemId)) -> [u32; 2] {
+    fn cast_around(&self, geometry: &Geometry, eye: DVec3, mut met: impl FnMut(ItemIndex)) -> [u32; 2] {
         let [mut others, mut steep] = [[0, 0]; 2];
         for direction in (0..DIRECTIONS).map(spread) {
             if let Some(hit) = self.budget.cast(geometry, eye, direction) {
@@ -272,7 +272,7 @@ impl<'a> Surveyor<'a> {
                     &mut others
                 };
                 *seen = [seen[0] + u32::from(!hit.from_behind), seen[1] + 1];
-                met(hit.item);
+                met(hit.item.index);
             }
         }
         if others[1] >= ENOUGH_HITS {
@@ -392,7 +392,7 @@ impl<'a> Surveyor<'a> {
         place: DVec3,
         direction: DVec3,
         far: f64,
-    ) -> Option<(f64, (SectorId, ItemId))> {
+    ) -> Option<(f64, (SectorId, ItemIndex))> {
         if self.budget.is_spent() {
             return None;
         }
@@ -403,7 +403,7 @@ impl<'a> Surveyor<'a> {
         };
         let cast = self.scene.cast_until(sector, &ray, far);
         match cast.end {
-            RayEnd::Face(hit) => Some((cast.distance, (cast.sector, hit.item))),
+            RayEnd::Face(hit) => Some((cast.distance, (cast.sector, hit.item.index))),
             _ => None,
         }
     }

@@ -5,8 +5,8 @@ mod deep;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    BakedCells, Geometry, GeometryBuilder, ItemId, Limits, Method, Scene, SceneBuilder, SectorId, Transform,
-    View, Viewer,
+    BakedCells, Geometry, GeometryBuilder, ItemIndex, Limits, Method, Scene, SceneBuilder, SectorId,
+    Transform, View, Viewer,
 };
 use enfilade_scenes::{BuiltIn, Random, built_in, random_house};
 use std::sync::Arc;
@@ -52,7 +52,7 @@ fn names(scene: &Scene, view: &View) -> Vec<String> {
     let mut viewer = Viewer::new();
     let items = viewer.look(scene, view).items().iter();
     items
-        .map(|seen| format!("{} {}", seen.item.0, geometry.name(seen.item)))
+        .map(|seen| format!("{} {}", seen.item.index.0, geometry.name(seen.item.index)))
         .collect()
 }
 
@@ -61,7 +61,7 @@ fn with_cells(geometry: &Geometry, cells: Option<Arc<BakedCells>>) -> Geometry {
     let mut builder = GeometryBuilder::new(geometry.materials());
     for (number, item) in geometry.items().iter().enumerate() {
         let mesh = builder.mesh(Arc::clone(&geometry.meshes()[item.mesh.0 as usize]));
-        builder.item(geometry.name(ItemId(number as u32)), mesh, item.transform());
+        builder.item(geometry.name(ItemIndex(number as u32)), mesh, item.transform());
     }
     for opening in geometry.openings() {
         builder.opening(&opening.name, opening.outline.clone());
@@ -176,7 +176,7 @@ fn a_room_behind_a_door_shows_what_is_seen_through_it_and_not_what_its_eye_would
         .items()
         .iter()
         .filter(|seen| seen.passage.0 as usize == behind);
-    let names: Vec<&str> = items.map(|seen| geometry.name(seen.item)).collect();
+    let names: Vec<&str> = items.map(|seen| geometry.name(seen.item.index)).collect();
     assert!(names.iter().any(|name| name.starts_with("d ")), "{names:?}");
     assert!(!names.iter().any(|name| name.starts_with("f ")), "{names:?}");
 }
@@ -184,12 +184,12 @@ fn a_room_behind_a_door_shows_what_is_seen_through_it_and_not_what_its_eye_would
 /// Moves, adds and removes free-standing items, also into walls and out of the house.
 fn edit_what_stands_free(scene: &mut Scene, count: usize, random: &mut Random) -> u64 {
     let geometry = Arc::clone(scene.geometry(HOUSE).expect("ours"));
-    let is_free = |item: &ItemId| {
+    let is_free = |item: &ItemIndex| {
         let name = geometry.name(*item);
         geometry.holds(*item) && ["box", "ball", "pillar"].iter().any(|free| name.ends_with(free))
     };
-    let free: Vec<ItemId> = (0..geometry.items().len() as u32)
-        .map(ItemId)
+    let free: Vec<ItemIndex> = (0..geometry.items().len() as u32)
+        .map(ItemIndex)
         .filter(is_free)
         .collect();
     let bounds = geometry.bounds();
@@ -212,8 +212,8 @@ fn edit_what_stands_free(scene: &mut Scene, count: usize, random: &mut Random) -
             0 => edit
                 .add(HOUSE, geometry.name(item), Arc::clone(mesh), place)
                 .map(|_| ()),
-            1 if free.len() > 12 => edit.remove(HOUSE, item),
-            _ => edit.set_transform(HOUSE, item, place),
+            1 if free.len() > 12 => edit.remove(HOUSE, geometry.id_of(item)),
+            _ => edit.set_transform(HOUSE, geometry.id_of(item), place),
         };
     }
     let done = edit.finish().expect("little");
@@ -247,7 +247,7 @@ fn a_thing_that_stands_nowhere_is_always_looked_at_and_one_that_is_gone_never() 
     let BuiltIn { scene, .. } = random_house(1);
     let mut scene = by_cells(&scene);
     let geometry = Arc::clone(scene.geometry(HOUSE).expect("ours"));
-    let ball = (0..geometry.items().len() as u32).map(ItemId);
+    let ball = (0..geometry.items().len() as u32).map(ItemIndex);
     let ball = ball
         .into_iter()
         .find(|&item| geometry.name(item) == "room 0 ball")
@@ -255,7 +255,8 @@ fn a_thing_that_stands_nowhere_is_always_looked_at_and_one_that_is_gone_never() 
     let middle = geometry.item(ball).bounds.center();
     let above = Transform::translation([0.0, 8.0, 0.0]) * geometry.item(ball).transform();
     let mut edit = scene.edit();
-    edit.set_transform(HOUSE, ball, above).expect("it is there");
+    edit.set_transform(HOUSE, ball.into(), above)
+        .expect("it is there");
     edit.finish().expect("little");
     let eye = [middle[0] + 1.0, 9.0, middle[2]];
     // Also from inside the house, limited only by boxes: rows say nothing about items outside all cells.
@@ -266,7 +267,7 @@ fn a_thing_that_stands_nowhere_is_always_looked_at_and_one_that_is_gone_never() 
         assert!(names(&scene, &view).contains(&name), "from {eye:?}");
     }
     let mut edit = scene.edit();
-    edit.remove(HOUSE, ball).expect("it is there");
+    edit.remove(HOUSE, ball.into()).expect("it is there");
     edit.finish().expect("little");
     let view = View::new(eye, middle, SIZE);
     assert!(

@@ -31,7 +31,7 @@ fn stops(geometry: &Geometry, [from, to]: [&Aabb; 2], line: [[f32; 3]; 2], hits:
     geometry.cast_all(&ray, 1.0, hits);
     let leaves = within(from, line).map_or(0.0, |[_, leave]| leave);
     let enters = within(to, line).map_or(1.0, |[enter, _]| enter);
-    let opaque = |hit: &&Hit| geometry.surface(hit.item, hit.face).alpha == Alpha::Opaque;
+    let opaque = |hit: &&Hit| geometry.surface(hit.item.index, hit.face).alpha == Alpha::Opaque;
     let distances = hits.iter().filter(opaque).map(|hit| hit.distance);
     distances.filter(|&at| leaves < at && at < enters).collect()
 }

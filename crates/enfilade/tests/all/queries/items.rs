@@ -1,16 +1,16 @@
 //! Items in boxes, spheres and frusta, and the nearest items.
 
 use super::{QUESTIONS, about, affine, geometries, length};
-use enfilade::{Aabb, Geometry, ItemId, NearestItem, View, Viewer};
+use enfilade::{Aabb, Geometry, ItemIndex, NearestItem, View, Viewer};
 use enfilade_scenes::{Random, built_in};
 use glam::DVec3;
 
-fn all(geometry: &Geometry) -> impl Iterator<Item = ItemId> {
-    (0..geometry.items().len() as u32).map(ItemId)
+fn all(geometry: &Geometry) -> impl Iterator<Item = ItemIndex> {
+    (0..geometry.items().len() as u32).map(ItemIndex)
 }
 
 /// Returns the ids of the items that a query finds, and checks that there are no duplicates.
-fn found(ask: impl FnOnce(&mut dyn FnMut(ItemId))) -> Vec<ItemId> {
+fn found(ask: impl FnOnce(&mut dyn FnMut(ItemIndex))) -> Vec<ItemIndex> {
     let mut items = Vec::new();
     ask(&mut |item| items.push(item));
     items.sort_unstable();
@@ -48,7 +48,7 @@ fn the_items_in_a_box_are_those_whose_boxes_meet_it() {
                     bounds.max[0] = touched.max[0] + half[0];
                 }
             }
-            let expected: Vec<ItemId> = all(&geometry)
+            let expected: Vec<ItemIndex> = all(&geometry)
                 .filter(|&item| geometry.item(item).bounds.meets(&bounds))
                 .collect();
             let items = found(|visit| geometry.items_in_box(&bounds, visit));
@@ -69,18 +69,18 @@ fn the_items_in_a_sphere_are_those_whose_boxes_are_within_its_radius() {
             let center = about(&mut chance, &whole);
             let radius = length(&mut chance, whole.longest_side());
             let square = f64::from(radius) * f64::from(radius);
-            let within = |&item: &ItemId| {
+            let within = |&item: &ItemIndex| {
                 let off = distance(&geometry.item(item).bounds, center);
                 off < f64::INFINITY && off * off <= square
             };
             // If the rounding of the square root decides, either result is correct.
-            let close = |&item: &ItemId| {
+            let close = |&item: &ItemIndex| {
                 (distance(&geometry.item(item).bounds, center) - f64::from(radius)).abs()
                     <= 1e-12 * f64::from(radius)
             };
-            let expected: Vec<ItemId> = all(&geometry).filter(within).collect();
+            let expected: Vec<ItemIndex> = all(&geometry).filter(within).collect();
             let items = found(|visit| geometry.items_in_sphere(center, radius, visit));
-            let differs = |item: &&ItemId| items.contains(item) != expected.contains(item);
+            let differs = |item: &&ItemIndex| items.contains(item) != expected.contains(item);
             let wrong: Vec<_> = all(&geometry).collect();
             let wrong = if items == expected {
                 Vec::new()
@@ -104,14 +104,17 @@ fn the_nearest_items_are_the_first_of_all_by_distance() {
             let point = about(&mut chance, &whole);
             let count = [1, 3, 10, usize::MAX][chance.below(4)];
             let radius = [length(&mut chance, whole.longest_side()), f32::INFINITY][chance.below(2)];
-            let mut expected: Vec<(f64, ItemId)> = all(&geometry)
+            let mut expected: Vec<(f64, ItemIndex)> = all(&geometry)
                 .map(|item| (distance(&geometry.item(item).bounds, point), item))
                 .filter(|&(distance, _)| distance < f64::INFINITY && distance <= f64::from(radius))
                 .collect();
             expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             expected.truncate(count);
             geometry.nearest_items(point, count, radius, &mut nearest);
-            let found: Vec<_> = nearest.iter().map(|near| (near.distance, near.item)).collect();
+            let found: Vec<_> = nearest
+                .iter()
+                .map(|near| (near.distance, near.item.index))
+                .collect();
             assert_eq!(found, expected, "@{name}, {count} within {radius} of {point:?}");
         }
     }
@@ -220,7 +223,7 @@ fn a_visible_set_counts_what_is_in_its_frustum_by_the_same_rule() {
             let geometry = scene.geometry(passage.sector).expect("ours");
             let items = found(|visit| geometry.items_in_frustum(&view, visit));
             assert_eq!(set.in_frustum(&scene).0, items.len(), "@{name}");
-            assert!(set.items().iter().all(|seen| items.contains(&seen.item)));
+            assert!(set.items().iter().all(|seen| items.contains(&seen.item.index)));
         }
     }
 }
@@ -230,7 +233,7 @@ fn questions_that_make_no_sense_find_nothing() {
     let geometry = geometries().next().expect("a palace").1;
     const NAN: f32 = f32::NAN;
     let whole = geometry.bounds();
-    let nothing = |items: Vec<ItemId>| assert_eq!(items, []);
+    let nothing = |items: Vec<ItemIndex>| assert_eq!(items, []);
     let inside_out = Aabb {
         min: whole.max,
         max: whole.min,

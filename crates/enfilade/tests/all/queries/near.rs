@@ -2,7 +2,7 @@
 
 use enfilade::laws::chains;
 use enfilade::{
-    ConvexPolygon, Geometry, GeometryBuilder, ItemId, Location, Material, MaterialId, Mesh, Method,
+    ConvexPolygon, Geometry, GeometryBuilder, ItemIndex, Location, Material, MaterialId, Mesh, Method,
     NearItems, PortalId, Scene, SceneBuilder, SectorId, Transform,
 };
 use enfilade_scenes::{Random, built_in, random_scene};
@@ -37,7 +37,7 @@ fn samples(outline: &ConvexPolygon) -> Vec<DVec3> {
 
 /// Compares with the shortest paths to items over samples of all openings, by all chains of a few portals: a sampled
 /// path is never shorter than the shortest, and hardly longer.
-fn sampled(scene: &Scene, place: Location) -> BTreeMap<(SectorId, ItemId), f64> {
+fn sampled(scene: &Scene, place: Location) -> BTreeMap<(SectorId, ItemIndex), f64> {
     let mut all = BTreeMap::new();
     for (chain, to) in chains(scene, place.sector, MAX_CROSSED) {
         let Some(geometry) = scene.geometry(to) else {
@@ -62,7 +62,7 @@ fn sampled(scene: &Scene, place: Location) -> BTreeMap<(SectorId, ItemId), f64> 
             reached = samples(&opening.outline).into_iter().map(beyond).collect();
             scale *= portal.there_from_here.scale();
         }
-        for item in (0..geometry.items().len() as u32).map(ItemId) {
+        for item in (0..geometry.items().len() as u32).map(ItemIndex) {
             let bounds = geometry.item(item).bounds;
             let [min, max] = [bounds.min, bounds.max].map(point);
             let lengths = (reached.iter())
@@ -89,7 +89,7 @@ fn agrees(name: &str, scene: &Scene, place: Location, radius: f32) -> usize {
     );
     let mut found = BTreeMap::new();
     for item in &near.items {
-        let before = found.insert((item.sector, item.item), item);
+        let before = found.insert((item.sector, item.item.index), item);
         assert!(before.is_none(), "@{name}: {item:?} is listed twice");
     }
     let sampled = sampled(scene, place);

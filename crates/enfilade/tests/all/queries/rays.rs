@@ -1,13 +1,13 @@
 //! Rays: the first hit and all hits.
 
 use super::{QUESTIONS, about, affine, geometries, triangles};
-use enfilade::{Geometry, Hit, ItemId, Ray};
+use enfilade::{Geometry, Hit, ItemIndex, Ray};
 use enfilade_scenes::Random;
 use glam::{DAffine3, DVec3};
 
 /// A triangle in item space, and its item and face.
 struct Face {
-    item: ItemId,
+    item: ItemIndex,
     face: u32,
     corners: [DVec3; 3],
 }
@@ -20,12 +20,12 @@ struct All {
 
 impl All {
     fn of(geometry: &Geometry) -> All {
-        let items = || (0..geometry.items().len() as u32).map(ItemId);
-        let back = |item: ItemId| {
+        let items = || (0..geometry.items().len() as u32).map(ItemIndex);
+        let back = |item: ItemIndex| {
             let placed = affine(&geometry.item(item).transform());
             (placed.matrix3.determinant() != 0.0).then(|| placed.inverse())
         };
-        let of_item = |item: ItemId| {
+        let of_item = |item: ItemIndex| {
             triangles(geometry.mesh_of(item)).map(move |(face, corners)| Face { item, face, corners })
         };
         All {
@@ -38,9 +38,9 @@ impl All {
     }
 
     /// Returns all hits of a ray: distance, closeness to an edge, and face.
-    fn hits(&self, ray: &Ray) -> Vec<(f64, f64, ItemId, u32)> {
+    fn hits(&self, ray: &Ray) -> Vec<(f64, f64, ItemIndex, u32)> {
         let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
-        let mut local = (ItemId(u32::MAX), origin, direction);
+        let mut local = (ItemIndex(u32::MAX), origin, direction);
         let mut hits = Vec::new();
         for Face {
             item,
@@ -121,7 +121,7 @@ fn a_ray_meets_first_what_is_nearest_of_all_faces() {
                 Some(hit) => {
                     let known = hits
                         .iter()
-                        .find(|known| (known.2, known.3) == (hit.item, hit.face));
+                        .find(|known| (known.2, known.3) == (hit.item.index, hit.face));
                     let known = known.unwrap_or_else(|| panic!("@{name}: {ray:?} does not meet {hit:?}"));
                     assert!(
                         (known.0 - hit.distance).abs() <= slack,
@@ -196,13 +196,14 @@ fn all_hits_are_all_that_any_face_meets() {
                 assert!(
                     found
                         .iter()
-                        .any(|known| (known.item, known.face) == (hit.2, hit.3)),
+                        .any(|known| (known.item, known.face) == (hit.2.into(), hit.3)),
                     "@{name}: {ray:?} misses {hit:?}"
                 );
             }
             for known in &found {
                 assert!(
-                    hits.iter().any(|hit| (known.item, known.face) == (hit.2, hit.3)),
+                    hits.iter()
+                        .any(|hit| (known.item, known.face) == (hit.2.into(), hit.3)),
                     "@{name}: {ray:?} meets {known:?}"
                 );
             }

@@ -6,7 +6,7 @@ mod worlds;
 use crate::subject::{SIZE, drawn, limits, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{
-    GeometryBuilder, ItemId, MaterialId, Method, Owner, Scene, SceneBuilder, SectorId, Transform, View,
+    GeometryBuilder, ItemIndex, MaterialId, Method, Owner, Scene, SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -211,14 +211,14 @@ fn from_outside_a_double_sided_box_shows_the_sides_that_are_near() {
     let (_, scene) = double_sided_box();
     let outside = view(SectorId(0), DVec3::new(3.0, 4.0, 5.0), DVec3::ZERO, 0.1);
     let mut viewer = viewer();
-    let items: Vec<ItemId> = viewer
+    let items: Vec<ItemIndex> = viewer
         .look(&scene, &outside)
         .items()
         .iter()
         .map(|seen| seen.item)
         .collect();
     // The sides at +x, +y and +z, and no side that they hide.
-    assert_eq!(items, [0, 2, 4].map(ItemId));
+    assert_eq!(items, [0, 2, 4].map(ItemIndex));
     assert_eq!(keeps_its_contract(&scene, &[outside], "outside"), 3);
     let inside = view(
         SectorId(0),
@@ -266,11 +266,11 @@ fn of_faces_in_one_plane_the_lowest_is_seen_in_one_mesh_and_over_items() {
             let mesh = builder.mesh(polygons(&[square(size)], false, MaterialId(0)));
             builder.item("square", mesh, Transform::IDENTITY);
         }
-        assert_eq!(middle(builder), Some(Owner::Face(ItemId(0), 0)), "{sizes:?}");
+        assert_eq!(middle(builder), Some(Owner::Face(ItemIndex(0), 0)), "{sizes:?}");
         let mut builder = GeometryBuilder::new(materials());
         let mesh = builder.mesh(polygons(&sizes.map(square), false, MaterialId(0)));
         builder.item("squares", mesh, Transform::IDENTITY);
-        assert_eq!(middle(builder), Some(Owner::Face(ItemId(0), 0)), "{sizes:?}");
+        assert_eq!(middle(builder), Some(Owner::Face(ItemIndex(0), 0)), "{sizes:?}");
     }
 }
 

@@ -3,7 +3,7 @@
 use super::worlds::{Dress, Solid, materials, place, polygons};
 use super::{alone, keeps_its_contract, view};
 use enfilade::{
-    FaceName, Geometry, GeometryBuilder, ItemId, MaterialId, Mesh, Method, NotConvex, SceneBuilder,
+    FaceName, Geometry, GeometryBuilder, ItemIndex, MaterialId, Mesh, Method, NotConvex, SceneBuilder,
     SceneError, SectorId, Transform, Unsuited, UnsuitedMethod,
 };
 use enfilade_scenes::Random;
@@ -26,8 +26,8 @@ fn corners_of(geometry: &Geometry, name: &FaceName) -> Vec<DVec3> {
     let FaceName::OfItem { number, face, .. } = name else {
         panic!("{name} is an opening");
     };
-    let item = geometry.item(ItemId(*number));
-    let mesh = geometry.mesh_of(ItemId(*number));
+    let item = geometry.item(ItemIndex(*number));
+    let mesh = geometry.mesh_of(ItemIndex(*number));
     let corners = mesh
         .face(*face)
         .iter()
@@ -181,8 +181,8 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
     assert_eq!(keeps_its_contract(&scene, &[ahead], "with a ghost"), seen + 1);
     // The cell stays convex if a wall is removed, or moved within its plane.
     let mut edit = scene.edit();
-    edit.remove(SectorId(0), ItemId(5)).expect("it is there");
-    edit.set_transform(SectorId(0), ItemId(4), Transform::scaling([0.5, 0.5, 1.0]))
+    edit.remove(SectorId(0), ItemIndex(5)).expect("it is there");
+    edit.set_transform(SectorId(0), ItemIndex(4), Transform::scaling([0.5, 0.5, 1.0]))
         .expect("it is there");
     assert_eq!(edit.finish().expect("still convex").rebuilt, 1);
     keeps_its_contract(&scene, &[ahead], "without a wall");

@@ -165,7 +165,7 @@ fn quaternions_turn_instances() {
     file.json["nodes"][0]["extensions"] =
         json!({ "EXT_mesh_gpu_instancing": { "attributes": { "ROTATION": turns } } });
     let import = reads(&file);
-    let place = import.rooms[0].geometry.item(enfilade::ItemId(0)).transform();
+    let place = import.rooms[0].geometry.item(enfilade::ItemIndex(0)).transform();
     let tip = place.point([1.0, 0.0, 0.0]);
     assert!(
         (0..3).all(|axis| (tip[axis] - [-1.0, 0.0, 0.0][axis]).abs() < 1e-3),

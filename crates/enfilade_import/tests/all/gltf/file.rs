@@ -1,6 +1,6 @@
 //! A small glTF writer, and helpers for what was read.
 
-use enfilade::ItemId;
+use enfilade::ItemIndex;
 use enfilade_import::{Import, ReadOptions, read_bytes};
 use serde_json::{Value, json};
 
@@ -232,7 +232,7 @@ pub(crate) fn triangles(import: &Import) -> Vec<String> {
     let geometry = &import.rooms[0].geometry;
     let mut lines = Vec::new();
     for number in 0..geometry.items().len() as u32 {
-        let item = ItemId(number);
+        let item = ItemIndex(number);
         let mesh = geometry.mesh_of(item);
         let place = geometry.item(item).transform();
         for face in 0..mesh.face_count() {

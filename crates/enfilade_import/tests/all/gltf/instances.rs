@@ -65,7 +65,9 @@ fn names_of_instances_are_nobody_elses() {
     file.json["nodes"][3]["extensions"] = file.json["nodes"][0]["extensions"].clone();
     let import = reads(&file);
     let geometry = &import.rooms[0].geometry;
-    let names: Vec<&str> = (0..6).map(|item| geometry.name(enfilade::ItemId(item))).collect();
+    let names: Vec<&str> = (0..6)
+        .map(|item| geometry.name(enfilade::ItemIndex(item)))
+        .collect();
     assert_eq!(
         names,
         [

@@ -1,7 +1,7 @@
 //! Tests node transforms, item names and cameras.
 
 use super::file::{File, reads, triangles, warnings};
-use enfilade::ItemId;
+use enfilade::ItemIndex;
 use enfilade_import::Import;
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ fn forest(nodes: Value) -> File {
 fn names(import: &Import) -> Vec<&str> {
     let geometry = &import.rooms[0].geometry;
     (0..geometry.items().len() as u32)
-        .map(|item| geometry.name(ItemId(item)))
+        .map(|item| geometry.name(ItemIndex(item)))
         .collect()
 }
 
@@ -277,7 +277,7 @@ fn items_know_their_nodes_and_what_other_programs_call_these() {
         .rooms
         .iter()
         .flat_map(|room| {
-            let items = (0..room.geometry.items().len() as u32).map(ItemId);
+            let items = (0..room.geometry.items().len() as u32).map(ItemIndex);
             items.map(|item| {
                 let (node, id) = (room.nodes.node(item), room.nodes.id(item));
                 format!("{} {node:?} {}", room.geometry.name(item), id.unwrap_or("-"))

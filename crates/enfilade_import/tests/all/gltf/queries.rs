@@ -1,6 +1,6 @@
 //! Compares queries on real scenes with brute force.
 
-use enfilade::{Aabb, Geometry, Hit, ItemId, Method, Ray, survey};
+use enfilade::{Aabb, Geometry, Hit, ItemIndex, Method, Ray, survey};
 use enfilade_import::{ReadOptions, read};
 use enfilade_scenes::Random;
 use glam::{DAffine3, DMat3, DVec3};
@@ -12,8 +12,8 @@ const QUESTIONS: usize = 10_000;
 /// Of these every triangle is gone through for each.
 const RAYS: usize = 300;
 
-fn all(geometry: &Geometry) -> impl Iterator<Item = ItemId> {
-    (0..geometry.items().len() as u32).map(ItemId)
+fn all(geometry: &Geometry) -> impl Iterator<Item = ItemIndex> {
+    (0..geometry.items().len() as u32).map(ItemIndex)
 }
 
 fn distance(bounds: &Aabb, point: [f32; 3]) -> f64 {
@@ -41,19 +41,19 @@ fn boxes_and_nearest(file: &str, geometry: &Geometry) {
         assert!(expected.eq(found), "{file}, {bounds:?}");
 
         geometry.nearest_items(middle, 8, f32::INFINITY, &mut nearest);
-        let mut expected: Vec<(f64, ItemId)> = all(geometry)
+        let mut expected: Vec<(f64, ItemIndex)> = all(geometry)
             .filter(|&item| !geometry.item(item).bounds.is_empty())
             .map(|item| (distance(&geometry.item(item).bounds, middle), item))
             .collect();
         expected.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         expected.truncate(8);
-        let found = nearest.iter().map(|near| (near.distance, near.item));
+        let found = nearest.iter().map(|near| (near.distance, near.item.index));
         assert!(found.eq(expected), "{file}, {middle:?}");
     }
 }
 
 /// Every triangle where it stands, with its item.
-fn triangles(geometry: &Geometry) -> Vec<(ItemId, [DVec3; 3])> {
+fn triangles(geometry: &Geometry) -> Vec<(ItemIndex, [DVec3; 3])> {
     let mut triangles = Vec::new();
     for item in all(geometry) {
         let columns = geometry.item(item).sector_from_item;
@@ -80,7 +80,7 @@ fn triangles(geometry: &Geometry) -> Vec<(ItemId, [DVec3; 3])> {
 }
 
 /// Returns the nearest definite hit of a ray, well within a triangle's edges, and the nearest possible one.
-fn first(triangles: &[(ItemId, [DVec3; 3])], ray: &Ray) -> [f64; 2] {
+fn first(triangles: &[(ItemIndex, [DVec3; 3])], ray: &Ray) -> [f64; 2] {
     let [origin, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
     let mut nearest = [f64::INFINITY; 2];
     for (_, corners) in triangles {

@@ -1,7 +1,7 @@
 //! Rooms, portals and mirrors that authors marked, by names and by extras.
 
 use super::file::{File, reads, warnings};
-use enfilade::{ItemId, Method, Portal, SectorId};
+use enfilade::{ItemIndex, Method, Portal, SectorId};
 use enfilade_import::{Import, ReadOptions, read_bytes};
 use serde_json::{Value, json};
 
@@ -79,7 +79,7 @@ pub(crate) fn ways(import: &Import) -> Vec<String> {
 fn items(import: &Import, room: usize) -> Vec<&str> {
     let geometry = &import.rooms[room].geometry;
     (0..geometry.items().len() as u32)
-        .map(|item| geometry.name(ItemId(item)))
+        .map(|item| geometry.name(ItemIndex(item)))
         .collect()
 }
 

@@ -40,7 +40,7 @@ fn real_scenes_have_as_many_items_and_triangles_as_their_makers_say() {
         let import = read(&path, &flat).unwrap_or_else(|error| panic!("{error}"));
         let geometry = &import.rooms[0].geometry;
         let names: HashSet<&str> = (0..geometry.items().len() as u32)
-            .map(|item| geometry.name(enfilade::ItemId(item)))
+            .map(|item| geometry.name(enfilade::ItemIndex(item)))
             .collect();
         assert_eq!(
             names.len(),

@@ -3,7 +3,7 @@
 use super::file::{File, png, reads, warnings};
 use super::grid::Grid;
 use super::rooms::house;
-use enfilade::{ItemId, Mesh, Method, Scene, SectorId, View, Viewer};
+use enfilade::{ItemIndex, Mesh, Method, Scene, SectorId, View, Viewer};
 use enfilade_draw::{Exposure, Settings, Stage};
 use enfilade_import::Import;
 use serde_json::json;
@@ -23,7 +23,7 @@ fn plain(file: &File) -> File {
 fn triangles(import: &Import) -> Vec<Vec<Vec<u32>>> {
     let geometry = &import.rooms[0].geometry;
     let mut all = Vec::new();
-    for item in (0..geometry.items().len() as u32).map(ItemId) {
+    for item in (0..geometry.items().len() as u32).map(ItemIndex) {
         let mesh: &Mesh = geometry.mesh_of(item);
         let columns = geometry.item(item).sector_from_item;
         for face in 0..mesh.face_count() {
@@ -67,7 +67,7 @@ fn horizon(import: &Import) -> Scene {
 fn names(import: &Import) -> Vec<&str> {
     let geometry = &import.rooms[0].geometry;
     (0..geometry.items().len() as u32)
-        .map(|item| geometry.name(ItemId(item)))
+        .map(|item| geometry.name(ItemIndex(item)))
         .collect()
 }
 
@@ -130,7 +130,7 @@ fn a_grid_that_was_turned_before_it_was_exported_is_one_within_rounding() {
     horizon(&import);
     let geometry = &import.rooms[0].geometry;
     assert_eq!(geometry.triangle_count(), 2 * 8 * 6);
-    let mesh = geometry.mesh_of(ItemId(0));
+    let mesh = geometry.mesh_of(ItemIndex(0));
     for position in &grid.positions {
         let off = |other: &[f32; 3]| {
             (0..3)
@@ -263,7 +263,7 @@ fn a_hill_that_is_flat_shaded_stays_so() {
     let file = painted(&grid, normal);
     let [with, without] = [&file, &plain(&file)].map(reads);
     let corner_of_one_face = [0.0, 0.0, 0.0];
-    let mesh = with.rooms[0].geometry.mesh_of(ItemId(0));
+    let mesh = with.rooms[0].geometry.mesh_of(ItemIndex(0));
     let own = |place: &[f32; 3], normal: &[f32; 3]| {
         *normal == [0.0; 3] || *place == corner_of_one_face || place[2] == 4.0
     };
@@ -299,7 +299,7 @@ fn terrain_stands_in_its_room_beside_other_things() {
     assert_eq!(names(&import), ["ground 0 0", "hill-terrain.001 0 0", "hut"]);
     // `extras` take precedence over the name.
     assert_eq!(
-        (import.rooms.len(), import.rooms[2].geometry.name(ItemId(0))),
+        (import.rooms.len(), import.rooms[2].geometry.name(ItemIndex(0))),
         (3, "yard-terrain")
     );
     assert_eq!(warnings(&import), [""; 0]);

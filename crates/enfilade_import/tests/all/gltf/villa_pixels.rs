@@ -1,8 +1,8 @@
 //! Which node owns each pixel of a villa, against another renderer: cut-outs by texel, glass seen through.
 
 use enfilade::{
-    Alpha, Canvas, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Texture, View,
-    Viewer, Wrap,
+    Alpha, Canvas, Geometry, ItemIndex, Method, Owner, Passage, PassageId, Scene, SectorId, Span, Texture,
+    View, Viewer, Wrap,
 };
 use enfilade_import::{ReadOptions, read};
 use glam::{DMat3, DVec3};
@@ -18,7 +18,7 @@ const SIZE: [u32; 2] = [640, 360];
 struct Pixels<'a> {
     geometry: &'a Geometry,
     passage: Option<Passage>,
-    owners: Vec<(Option<ItemId>, BTreeSet<ItemId>)>,
+    owners: Vec<(Option<ItemIndex>, BTreeSet<ItemIndex>)>,
 }
 
 impl Canvas for Pixels<'_> {
@@ -48,7 +48,7 @@ impl Canvas for Pixels<'_> {
 
 impl Pixels<'_> {
     /// Whether a transparent surface also owns a pixel; `None` in a hole.
-    fn is_there(&self, (item, face): (ItemId, u32), at: [u16; 2]) -> Option<bool> {
+    fn is_there(&self, (item, face): (ItemIndex, u32), at: [u16; 2]) -> Option<bool> {
         let mesh = self.geometry.mesh_of(item);
         let material = self.geometry.material(&mesh.clusters()[mesh.cluster_of(face)]);
         let coverage = || match material.texture {
@@ -66,7 +66,7 @@ impl Pixels<'_> {
     }
 
     /// Returns the texture coordinates at the centre of a pixel.
-    fn place(&self, (item, face): (ItemId, u32), at: [u16; 2]) -> [f64; 2] {
+    fn place(&self, (item, face): (ItemIndex, u32), at: [u16; 2]) -> [f64; 2] {
         let passage = self.passage.as_ref().expect("it was entered");
         let [eye, way] = passage
             .ray(at.map(|place| f64::from(place) + 0.5))
@@ -112,7 +112,7 @@ fn owned(scene: &Scene, view: &View) -> BTreeMap<String, [i64; 2]> {
     };
     Viewer::new().draw(scene, view, &mut pixels);
     let mut counts = BTreeMap::new();
-    let mut count = |item: Option<ItemId>, least: i64| {
+    let mut count = |item: Option<ItemIndex>, least: i64| {
         let name = item.map_or("sky", |item| geometry.name(item));
         let name = name.split('#').next().unwrap_or_default();
         // The blocks of its terrain are items.
@@ -137,11 +137,11 @@ fn without_originals(mut scene: Scene) -> Scene {
     let geometry = Arc::clone(scene.geometry(SectorId(0)).expect("one room"));
     let mut edit = scene.edit();
     for name in ["Plant-leaves#284", "Plant-pot#285"] {
-        let mut items = (0..geometry.items().len() as u32).map(ItemId);
+        let mut items = (0..geometry.items().len() as u32).map(ItemIndex);
         let original = items
             .find(|&item| geometry.name(item) == name)
             .expect("an original");
-        edit.remove(SectorId(0), original).expect("it is there");
+        edit.remove(SectorId(0), original.into()).expect("it is there");
     }
     edit.finish().expect("less than before");
     scene

@@ -1,6 +1,6 @@
 //! Files in a folder, and helpers for what was read.
 
-use enfilade::{ItemId, Material};
+use enfilade::{ItemIndex, Material};
 use enfilade_import::{Import, ImportError, ReadOptions, read, read_bytes};
 use std::path::Path;
 
@@ -38,7 +38,7 @@ pub(crate) fn reads_among(files: &[(&str, &[u8])]) -> Import {
 pub(crate) fn names(import: &Import) -> Vec<&str> {
     let geometry = &import.rooms[0].geometry;
     (0..geometry.items().len() as u32)
-        .map(|item| geometry.name(ItemId(item)))
+        .map(|item| geometry.name(ItemIndex(item)))
         .collect()
 }
 
@@ -59,7 +59,7 @@ pub(crate) struct Corner {
 /// The triangles of an item with what they are made of, the corner of the least position first, then round; in no order.
 pub(crate) fn triangles(import: &Import, item: u32) -> Vec<([Corner; 3], Material)> {
     let geometry = &import.rooms[0].geometry;
-    let mesh = geometry.mesh_of(ItemId(item));
+    let mesh = geometry.mesh_of(ItemIndex(item));
     (0..mesh.face_count())
         .map(|face| {
             let cluster = &mesh.clusters()[mesh.cluster_of(face)];

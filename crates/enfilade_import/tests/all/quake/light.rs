@@ -1,7 +1,7 @@
 //! Lightmaps: what compilers have computed is what is drawn.
 
 use super::little::{Format, Little};
-use enfilade::{Geometry, ItemId, Material};
+use enfilade::{Geometry, ItemIndex, Material};
 use enfilade_import::{Import, ReadOptions, WarningKind, read_bytes};
 
 fn read(map: &Little) -> Import {
@@ -14,7 +14,7 @@ type Corner = ([f32; 3], [u8; 4]);
 /// The corners of each triangle with a lightmap.
 fn lit_triangles(geometry: &Geometry) -> Vec<Vec<Corner>> {
     let mut triangles = Vec::new();
-    for item in (0..geometry.items().len() as u32).map(ItemId) {
+    for item in (0..geometry.items().len() as u32).map(ItemIndex) {
         let mesh = geometry.mesh_of(item);
         for cluster in mesh.clusters() {
             let Material { texture, unlit, .. } = geometry.materials()[cluster.material.0 as usize];

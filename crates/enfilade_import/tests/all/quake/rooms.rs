@@ -24,7 +24,7 @@ fn seen(scene: &Scene, eye: [f32; 3], toward: [f32; 3]) -> Vec<String> {
     let mut names: Vec<String> = set
         .items()
         .iter()
-        .map(|item| geometry.name(item.item).to_owned())
+        .map(|item| geometry.name(item.item.index).to_owned())
         .collect();
     names.sort();
     names
@@ -44,7 +44,7 @@ fn a_map_has_an_item_for_each_room_and_one_for_its_door() {
         let import = imported(&Little::new(format).bytes());
         let geometry = &import.rooms[0].geometry;
         let names: Vec<&str> = (0..geometry.items().len() as u32)
-            .map(|item| geometry.name(enfilade::ItemId(item)))
+            .map(|item| geometry.name(enfilade::ItemIndex(item)))
             .collect();
         let [first, second] = rooms_of(format);
         assert_eq!(names, [first, second, "func_door#3"], "{format:?}");
@@ -172,7 +172,7 @@ fn a_bent_face_is_cut_into_triangles_without_a_crack() {
     face[100..104].copy_from_slice(&3i32.to_le_bytes());
     let import = imported(&little.bytes());
     let geometry = &import.rooms[0].geometry;
-    let door = geometry.mesh_of(enfilade::ItemId(2));
+    let door = geometry.mesh_of(enfilade::ItemIndex(2));
     assert_eq!(door.triangle_count(), 2 * 16 * 8);
     // Each edge inside is that of two triangles, by the bits of its ends.
     let mut edges = std::collections::HashMap::new();

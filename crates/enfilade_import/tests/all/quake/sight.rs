@@ -3,7 +3,7 @@
 use super::maps::{maps, pairs_of, read as read_prt};
 use super::rooms::imported;
 use enfilade::{
-    Canvas, CellSide, Geometry, ItemId, Method, Owner, Passage, PassageId, Scene, SectorId, Span, View,
+    Canvas, CellSide, Geometry, ItemIndex, Method, Owner, Passage, PassageId, Scene, SectorId, Span, View,
     Viewer, survey,
 };
 use enfilade_import::{Import, ReadOptions, read, with_visibility};
@@ -19,7 +19,7 @@ const PLACES: usize = 24;
 const MANY_PLACES: usize = 300;
 
 /// The owner of each sample, and the way into the map.
-struct Samples(Vec<Option<(ItemId, u32)>>, Option<Passage>);
+struct Samples(Vec<Option<(ItemIndex, u32)>>, Option<Passage>);
 
 impl Canvas for Samples {
     fn enter(&mut self, _id: PassageId, passage: &Passage) {
@@ -258,7 +258,7 @@ fn a_map_of_16_bits_is_the_same_as_one_of_32() {
     assert_eq!(plain.lights, wide.lights);
     let [wide, plain] = [wide, plain].map(|import| std::sync::Arc::clone(&import.rooms[0].geometry));
     assert_eq!(wide.items().len(), plain.items().len());
-    for item in (0..wide.items().len() as u32).map(ItemId) {
+    for item in (0..wide.items().len() as u32).map(ItemIndex) {
         assert_eq!(wide.name(item), plain.name(item));
         assert_eq!(wide.mesh_of(item).positions(), plain.mesh_of(item).positions());
     }

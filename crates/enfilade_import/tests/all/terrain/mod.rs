@@ -121,7 +121,7 @@ fn blocks_are_items_and_the_file_names_the_room() {
     let room = &import.rooms[0];
     assert_eq!((import.rooms.len(), &*room.name), (1, "hill"));
     assert_eq!(room.geometry.items().len(), 1);
-    assert_eq!(room.geometry.name(enfilade::ItemId(0)), "block 0 0");
+    assert_eq!(room.geometry.name(enfilade::ItemIndex(0)), "block 0 0");
     assert_eq!(room.geometry.triangle_count(), 4);
     assert_eq!(room.geometry.bounds().max, [20.0, 600.0, 20.0]);
 }

@@ -5,7 +5,7 @@ use crate::chance::Dice;
 use crate::cover::Cover;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, Material};
-use crate::ids::{ItemId, MaterialId, SectorId};
+use crate::ids::{ItemIndex, MaterialId, SectorId};
 use crate::mesh::Mesh;
 use crate::view::View;
 use crate::view::aperture::CellRoom;
@@ -67,7 +67,7 @@ fn covered(geometry: &Geometry, cells: [u32; 2]) -> (CellArray, Passage) {
     let (mut known, mut surface) = (CellArray::default(), CoarseCoverage::default());
     known.clear_cells(&passage);
     surface.clear(&passage);
-    for item in (0..geometry.items().len() as u32).map(ItemId) {
+    for item in (0..geometry.items().len() as u32).map(ItemIndex) {
         let screen_from_item = passage.screen_from(&geometry.item(item).transform());
         for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
             let faces = Faces::of_cluster(geometry, item, cluster, &screen_from_item);
@@ -113,7 +113,7 @@ fn a_wall_of_many_clusters_and_items_has_no_crack() {
     let lower = sheet(60, bumpy, |_, y| y >= 30);
     let upper = sheet(60, bumpy, |_, y| y < 30);
     let geometry = geometry(&[lower, upper], false);
-    assert!(geometry.mesh_of(ItemId(0)).clusters().len() > 4);
+    assert!(geometry.mesh_of(ItemIndex(0)).clusters().len() > 4);
     for cells in [[320, 180], [160, 90], [97, 53], [64, 36], [20, 11], [5, 3]] {
         let (known, _) = covered(&geometry, cells);
         let open = known
@@ -212,7 +212,7 @@ fn what_covers_a_cell_is_at_every_place_in_it_and_no_farther() {
 /// Returns the visible triangles as (X, Y, W).
 fn on_screen(geometry: &Geometry, passage: &Passage, double_sided: bool) -> Vec<[DVec3; 3]> {
     let mut all = Vec::new();
-    for item in (0..geometry.items().len() as u32).map(ItemId) {
+    for item in (0..geometry.items().len() as u32).map(ItemIndex) {
         let mesh = geometry.mesh_of(item);
         let at = |corner: u32| {
             let position = mesh.positions()[corner as usize].map(f64::from);

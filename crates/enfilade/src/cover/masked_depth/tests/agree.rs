@@ -5,7 +5,7 @@ use crate::cover::{DepthBuffer, Paints};
 use crate::faces::Faces;
 use crate::geom::Transform;
 use crate::geometry::{Geometry, GeometryBuilder, Material};
-use crate::ids::{ItemId, MaterialId};
+use crate::ids::{ItemIndex, MaterialId};
 use crate::mesh::{Attributes, Mesh, Part};
 use crate::raster::{Band, Raster, Sink, Triangle};
 use crate::view::collector::Collector;
@@ -46,7 +46,7 @@ fn lost(corners: &[[f32; 3]], passage: &Passage) -> (Vec<bool>, Polygon, usize) 
     let geometry = builder.build().expect("one sound face");
     let [width, height] = passage.size.map(|side| side as usize);
     let mut held = SampleMask(vec![false; width * height], width);
-    let faces = Faces::of_cluster(&geometry, ItemId(0), 0, &passage.screen_from_sector);
+    let faces = Faces::of_cluster(&geometry, ItemIndex(0), 0, &passage.screen_from_sector);
     Raster::default().run(&faces, passage, &mut held, &mut Stats::default());
     let corners: Vec<DVec3> = corners
         .iter()
@@ -164,7 +164,7 @@ fn whatever_a_depth_buffer_shows_is_seen_past_the_faces_that_it_took() {
         let mut dice = Dice::new(seed);
         let geometry = triangles(&mut dice, 40);
         let passage = passage([[77, 43], [200, 120]][seed as usize % 2]);
-        let items = (0..geometry.items().len() as u32).map(ItemId);
+        let items = (0..geometry.items().len() as u32).map(ItemIndex);
         let faces = |item| Faces::of_cluster(&geometry, item, 0, &passage.screen_from_sector);
         let (mut stats, mut seen) = (Stats::default(), Collector::default());
         let mut exact = DepthBuffer::default();
@@ -176,7 +176,7 @@ fn whatever_a_depth_buffer_shows_is_seen_past_the_faces_that_it_took() {
             cover.hide_batch(&faces(item), &passage, &mut stats);
         }
         exact.finish(&geometry, &passage, &mut seen, None);
-        let owners: BTreeSet<ItemId> = seen.items.iter().map(|item| item.item).collect();
+        let owners: BTreeSet<ItemIndex> = seen.items.iter().map(|item| item.item).collect();
         for item in items {
             let bounds = geometry.mesh_of(item).bounds();
             let region = Region::of(&passage, &passage.screen_from_sector, &bounds);

@@ -11,8 +11,8 @@ impl DynamicTree for Bvh {
         Bvh::build(bounds, FEW)
     }
 
-    fn shift(&mut self, thing: u32, was: &Aabb, bounds: &[Aabb], touched: &mut Vec<u32>) {
-        self.shift(thing, was, &|thing| bounds[thing as usize], touched);
+    fn shift(&mut self, moved: &[(u32, Aabb)], bounds: &[Aabb], touched: &mut Vec<u32>) {
+        self.shift(moved.iter().copied(), &|thing| bounds[thing as usize], touched);
     }
 
     fn tidy(&mut self, bounds: &[Aabb]) -> bool {

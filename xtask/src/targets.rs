@@ -59,7 +59,10 @@ impl Target {
         };
         let triple = self.triple();
         install(triple)?;
-        let flags_of = format!("CARGO_TARGET_{}_RUSTFLAGS", triple.to_uppercase().replace('-', "_"));
+        let flags_of = format!(
+            "CARGO_TARGET_{}_RUSTFLAGS",
+            triple.to_uppercase().replace('-', "_")
+        );
         succeed(
             Command::new(env!("CARGO"))
                 .args(command)

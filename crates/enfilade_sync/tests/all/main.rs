@@ -1,8 +1,8 @@
 //! A world that changes, mirrored, against a scene that is built anew from what is in the world.
 
 use enfilade::*;
-use enfilade_scenes::Random;
 use enfilade_sync::{Changes, Entity, Mirror, Representation, Spawn, VisibleKeys};
+use fastrand::Rng;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -52,21 +52,25 @@ fn rooms(items: &[(&Spawn, Arc<Mesh>)]) -> Scene {
     scene.build().expect("two rooms")
 }
 
-fn a_place(random: &mut Random, sector: SectorId) -> Transform {
-    let z = random.between(0.4, 5.0);
-    let z = if sector == HALL { z } else { -z };
-    let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(random.between(0.0, 3.0)));
-    Transform::translation([random.between(-3.0, 3.0), 0.0, z]) * turn
+fn between(random: &mut Rng, low: f32, high: f32) -> f32 {
+    low + (high - low) * random.f32()
 }
 
-fn a_spawn(random: &mut Random, key: u64, mesh: u64) -> Spawn {
-    let sector = random.pick(&[HALL, STUDY]);
+fn a_place(random: &mut Rng, sector: SectorId) -> Transform {
+    let z = between(random, 0.4, 5.0);
+    let z = if sector == HALL { z } else { -z };
+    let turn = Transform::rotation([0.0, 1.0, 0.0], f64::from(between(random, 0.0, 3.0)));
+    Transform::translation([between(random, -3.0, 3.0), 0.0, z]) * turn
+}
+
+fn a_spawn(random: &mut Rng, key: u64, mesh: u64) -> Spawn {
+    let sector = [HALL, STUDY][random.usize(..2)];
     Spawn {
         entity: Entity { key, sector },
         mesh,
         bounds: BOUNDS,
         transform: a_place(random, sector),
-        is_occluder: !random.once_in(4),
+        is_occluder: random.u8(..4) > 0,
     }
 }
 
@@ -76,7 +80,7 @@ fn keys_of(set: &VisibleSet) -> BTreeSet<u64> {
 
 #[test]
 fn a_world_that_changes_shows_what_a_scene_built_anew_shows() {
-    let mut random = Random::new(1);
+    let mut random = Rng::with_seed(1);
     let (mut scene, mut mirror) = (rooms(&[]), Mirror::new());
     for key in MESHES.into_iter().filter(|&key| key != LATE && key != ABSENT) {
         mirror.set_mesh(key, Some(mesh(key)));
@@ -88,25 +92,25 @@ fn a_world_that_changes_shows_what_a_scene_built_anew_shows() {
         if frame == 20 {
             mirror.set_mesh(LATE, Some(mesh(LATE)));
         }
-        let [mut spawned, mut moved, mut despawned] = [vec![], vec![], vec![]];
+        let (mut spawned, mut moved, mut despawned) = (vec![], vec![], vec![]);
         let mut touched = BTreeSet::new();
         while touched.len() < 50 {
             let living: Vec<u64> = world.keys().copied().collect();
-            let key = match living.is_empty() || random.once_in(3) {
-                true => random.bits(),
-                false => random.pick(&living),
+            let key = match living.is_empty() || random.u8(..3) == 0 {
+                true => random.u64(..),
+                false => living[random.usize(..living.len())],
             };
             if !touched.insert(key) {
                 continue;
             }
             match world.get_mut(&key) {
                 None => {
-                    let mesh = random.pick(&MESHES);
+                    let mesh = MESHES[random.usize(..MESHES.len())];
                     let spawn = a_spawn(&mut random, key, mesh);
                     spawned.push(spawn);
                     world.insert(key, spawn);
                 }
-                Some(spawn) if random.once_in(2) => {
+                Some(spawn) if random.bool() => {
                     spawn.transform = a_place(&mut random, spawn.entity.sector);
                     moved.push((spawn.entity, spawn.transform));
                 }
@@ -133,7 +137,11 @@ fn a_world_that_changes_shows_what_a_scene_built_anew_shows() {
             .map(|spawn| (spawn, mesh(spawn.mesh)))
             .collect();
         let built_anew = rooms(&items);
-        let view = View::new([random.between(-2.5, 2.5), 1.0, 3.0], [0.0, 1.0, -1.0], SIZE);
+        let view = View::new(
+            [between(&mut random, -2.5, 2.5), 1.0, 3.0],
+            [0.0, 1.0, -1.0],
+            SIZE,
+        );
         let expected = keys_of(Viewer::new().look(&built_anew, &view));
         seen += expected.len();
 

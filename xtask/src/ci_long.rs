@@ -14,12 +14,13 @@ pub(crate) struct Args {
     views: usize,
 }
 
-/// Runs the other commands and the ignored tests, each in its own process, so that a crash fails only its step.
+/// Runs other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
-    let steps: [&[&str]; 5] = [
+    let steps: [&[&str]; 6] = [
         &["xtask", "fuzz-scenes", &scenes],
         &["xtask", "verify", "--views", &views, "--strict-views", &views],
+        &["xtask", "targets", "wasm", "wasm-simd128", "aarch64"],
         &["test", "--release", "--workspace", "--", "--ignored"],
         // Makes LODs by the C++ meshoptimizer, which also checks our decoder.
         &[

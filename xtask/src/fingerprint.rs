@@ -1,16 +1,13 @@
 //! Regression fingerprint: visible sets and picture hashes of every method on every scene, to compare before and after a
 //! change that must not alter results.
 //!
-//! Writes one line per scene, method and view. Each method keeps its viewer from view to view, so temporal coherence is
-//! covered too.
+//! Writes one line per scene, method and view.
 #![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
 use crate::verify::{open, scenes};
 use anyhow::{Context, Result, ensure};
-use enfilade::{Camera, Method, Viewer, VisibleSet, survey};
-use enfilade_draw::{Settings, Stage};
-use std::collections::BTreeMap;
-use std::fmt::Write;
+use conformance::fingerprint;
+use enfilade::{SurveyView, View, survey};
 use std::path::PathBuf;
 
 #[derive(clap::Args)]
@@ -42,19 +39,25 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let mut lines = Vec::new();
     for name in scenes(&args.scenes)? {
         println!("{name}");
-        fingerprint(&name, args, &mut lines).with_context(|| name.clone())?;
+        of_scene(&name, args, &mut lines).with_context(|| name.clone())?;
     }
     let text = lines.iter().map(|line| format!("{line}\n")).collect::<String>();
     std::fs::write(&args.file, text).with_context(|| args.file.display().to_string())?;
     println!("{} lines written to {}", lines.len(), args.file.display());
     let Some(earlier) = earlier else { return Ok(()) };
+    compare(&earlier, &lines)?;
+    println!("identical");
+    Ok(())
+}
+
+/// Fails if two fingerprints differ, and prints the first lines that do.
+pub(crate) fn compare(earlier: &str, now: &[String]) -> Result<()> {
     let earlier: Vec<&str> = earlier.lines().collect();
-    let different = differences(&earlier, &lines);
+    let different = differences(&earlier, now);
     for line in different.iter().take(SHOWN) {
         println!("{line}");
     }
     ensure!(different.is_empty(), "{} lines differ", different.len());
-    println!("identical");
     Ok(())
 }
 
@@ -73,105 +76,19 @@ fn differences(earlier: &[&str], now: &[String]) -> Vec<String> {
 }
 
 /// Appends the lines of one scene.
-fn fingerprint(name: &str, args: &Args, lines: &mut Vec<String>) -> Result<()> {
+fn of_scene(name: &str, args: &Args, lines: &mut Vec<String>) -> Result<()> {
     let scene = open(name)?;
     // The file's name alone, so that fingerprints do not depend on the folder.
     let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let places = survey(&scene, args.views).views;
     ensure!(!places.is_empty(), "the survey finds no camera position");
-    for method in Method::ALL {
-        let Ok(scene) = scene.with_method(method, Method::DEFAULT_LIMIT) else {
-            lines.push(format!("{name} {method}: unsuited"));
-            continue;
-        };
-        let stage = Stage::new(&scene);
-        let mut viewer = Viewer::new();
-        for (number, place) in places.iter().enumerate() {
-            let camera = Camera {
-                sector: Some(place.sector),
-                ..Camera::new(place.eye, place.toward)
-            };
-            let view = camera.view([args.size[0], args.size[1]]).expect("a valid view");
-            let picture = stage.draw(&mut viewer, &scene, &view, &Settings::default());
-            let mut sum = Sum::new();
-            sum.add_bytes(picture.image.as_raw());
-            let set = viewer.visible();
-            lines.push(format!(
-                "{name} {method} view {number}: picture {:016x}, set {:016x}, {}",
-                sum.0,
-                sum_of(set),
-                items_of(set)
-            ));
-        }
-    }
+    let view_from = |place: &SurveyView| {
+        let view = View::new(place.eye, place.toward, [args.size[0], args.size[1]]);
+        view.expect("a view of the survey").in_sector(place.sector)
+    };
+    let views: Vec<View> = places.iter().map(view_from).collect();
+    fingerprint(name, &scene, &views, lines);
     Ok(())
-}
-
-/// Formats the items of a set by sector, as ranges of item indices: `0: 3-5 9; 2: 0`.
-fn items_of(set: &VisibleSet) -> String {
-    let mut by_sector: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for item in set.items() {
-        let sector = set.passage(item.passage).sector;
-        by_sector.entry(sector.0).or_default().push(item.item.index.0);
-    }
-    let mut text = format!("{} items in {} passages", set.items().len(), set.passages().len());
-    if !set.complete() {
-        text.push_str(", not complete");
-    }
-    for (sector, mut items) in by_sector {
-        items.sort_unstable();
-        items.dedup();
-        _ = write!(text, "; {sector}:");
-        for run in items.chunk_by(|a, b| a + 1 == *b) {
-            _ = match run {
-                [one] => write!(text, " {one}"),
-                [first, .., last] => write!(text, " {first}-{last}"),
-                [] => Ok(()),
-            };
-        }
-    }
-    text
-}
-
-/// Hashes a visible set: passages, items and clusters, in order.
-fn sum_of(set: &VisibleSet) -> u64 {
-    let mut sum = Sum::new();
-    for passage in set.passages() {
-        sum.add(passage.parent.map_or(u64::MAX, |parent| parent.0.into()));
-        sum.add(passage.portal.map_or(u64::MAX, |portal| portal.0.into()));
-        sum.add(passage.sector.0.into());
-        sum.add(passage.crossings.into());
-        sum.add(passage.z_near.to_bits().into());
-    }
-    for item in set.items() {
-        sum.add(item.passage.0.into());
-        sum.add(item.item.index.0.into());
-        sum.add(item.size_px.into());
-        sum.add(item.blends.into());
-        for &cluster in set.clusters(item) {
-            sum.add(cluster.into());
-        }
-    }
-    sum.0
-}
-
-/// FNV-1a (Fowler, Noll, Vo), 64 bits.
-struct Sum(u64);
-
-impl Sum {
-    fn new() -> Sum {
-        Sum(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn add(&mut self, number: u64) {
-        self.add_bytes(&number.to_le_bytes());
-    }
-
-    fn add_bytes(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `public-api`, `ci-long`, `charts`, `lines` and
-//! `scenes`.
+//! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `targets`, `public-api`, `ci-long`, `charts`,
+//! `lines` and `scenes`.
 #![forbid(unsafe_code)]
 
 mod charts;
@@ -9,6 +9,7 @@ mod fuzz_scenes;
 mod lines;
 mod public_api;
 mod scenes;
+mod targets;
 mod verify;
 
 use clap::Parser;
@@ -23,9 +24,11 @@ enum Task {
     FuzzScenes(fuzz_scenes::Args),
     /// Writes the visible sets and picture hashes of all methods to a file, and compares it with an earlier one
     Fingerprint(fingerprint::Args),
+    /// Runs the laws on other targets (WebAssembly, aarch64) and compares visible sets and pictures with this machine's
+    Targets(targets::Args),
     /// Compares the public API of the libraries, signatures included, with the committed listings
     PublicApi(public_api::Args),
-    /// Runs what is too long for `.ci/run`: both of the above, and the tests that are ignored elsewhere; takes hours
+    /// Runs what is too long for `.ci/run`: the above, and the tests that are ignored elsewhere; takes hours
     CiLong(ci_long::Args),
     /// Measures every method on every scene, and draws the book's charts of it; takes half an hour
     Charts(charts::Args),
@@ -43,6 +46,7 @@ fn main() -> anyhow::Result<()> {
         Task::Verify(args) => verify::run(&args),
         Task::FuzzScenes(args) => fuzz_scenes::run(&args),
         Task::Fingerprint(args) => fingerprint::run(&args),
+        Task::Targets(args) => targets::run(&args),
         Task::PublicApi(args) => public_api::run(&args),
         Task::CiLong(args) => ci_long::run(&args),
         Task::Charts(args) => charts::run(&args),

@@ -20,12 +20,13 @@ pub(crate) struct Args {
 }
 
 /// The libraries whose API is listed, each in its `public-api.txt`.
-const CRATES: [&str; 6] = [
+const CRATES: [&str; 7] = [
     "enfilade",
     "enfilade_bake",
     "enfilade_detail",
     "enfilade_draw",
     "enfilade_import",
+    "enfilade_sync",
     "enfilade_walk",
 ];
 
@@ -82,13 +83,14 @@ pub(crate) fn run_as_rustdoc() -> Result<bool> {
     Ok(true)
 }
 
-struct Workspace {
-    root: PathBuf,
-    target: PathBuf,
+/// Folders of the workspace.
+pub(crate) struct Workspace {
+    pub(crate) root: PathBuf,
+    pub(crate) target: PathBuf,
 }
 
 impl Workspace {
-    fn read() -> Result<Self> {
+    pub(crate) fn read() -> Result<Self> {
         let metadata = Command::new(env!("CARGO"))
             .args(["metadata", "--no-deps", "--format-version", "1"])
             .stderr(Stdio::inherit())

@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // The depths of the last view: the darker, the nearer.
     for row in buffer.depth().chunks(160).step_by(6) {
-        let shade = |&depth: &f32| b" .:-=+*#%@"[((depth * 250.0) as usize).min(9)] as char;
+        let shade = |&depth: &f32| b" .:-=+*#%@"[((depth * 150.0) as usize).min(9)] as char;
         println!("{}", row.iter().step_by(2).map(shade).collect::<String>());
     }
     Ok(())

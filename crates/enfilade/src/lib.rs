@@ -44,6 +44,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! An engine that keeps its own scene can use the [`OcclusionBuffer`] alone: it draws occluders and tests boxes.
+//!
 //! A method is an [order] (which nodes and faces come next) times a [cover] (what is already hidden). Each
 //! states its [`Contract`]; the feature `laws` adds the reference that every method can be tested
 //! against. Looking cannot fail and does no I/O; inconsistent input is rejected when a mesh, a geometry or a scene is

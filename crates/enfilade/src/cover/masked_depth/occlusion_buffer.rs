@@ -42,8 +42,8 @@ use fearless_simd::prelude::*;
 /// Nothing that a sample of the view can show is reported hidden, if all occluders are opaque on the screen. Samples
 /// are the pixel centres of [`View::size`]. At a lower resolution than the screen's, the guarantee holds for the fewer
 /// samples: something that shows through a gap or past an edge by less than the distance of two samples may be reported
-/// hidden. The buffer is fast enough for the resolution of the screen; half of it on each side saves about half the
-/// time.
+/// hidden. The buffer is fast enough for the resolution of the screen; half of it on each side halves the time of draws,
+/// not of tests.
 ///
 /// The other direction is not guaranteed: a hidden box may be reported visible, because the buffer keeps two depths for
 /// each 8×4 samples, and a box or a sphere is more than what is in it. Equal depths count as visible.
@@ -51,8 +51,8 @@ use fearless_simd::prelude::*;
 /// # Conventions
 /// Space is that of the view: right-handed, in scene units. Depth is reversed, 1 / distance along the view direction:
 /// larger is nearer, 0 is infinitely far; there is no far plane. What is nearer than [`View::z_near`] is clipped: it
-/// neither hides nor is visible. A box that reaches through the near plane is tested by its other part, and is visible
-/// if the eye is in it. Faces are counter-clockwise seen from their front, and single-sided unless
+/// neither hides nor is visible. A box that crosses the near plane counts as near as it can be inside the view; around
+/// the eye it is visible. Faces are counter-clockwise seen from their front, and single-sided unless
 /// [`OccluderMesh::double_sided`] is set.
 ///
 /// # Threads

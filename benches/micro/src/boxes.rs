@@ -1,7 +1,7 @@
 //! Rows that test boxes against a filled depth buffer.
 
 use super::ceilings::Ceiling;
-use super::screen::{BACKDROP, Screen};
+use super::screen::{BACKDROP, Screen, are_visible};
 use super::shapes::{FAR, NEAR, RandomNumbers};
 use super::truth::{ErrorCounts, SUB_TILE};
 use super::{Verification, Workload};
@@ -23,7 +23,7 @@ pub(super) fn sub_tiles(&Rect { x0, y0, x1, y1 }: &Rect) -> u64 {
 /// Boxes, as screen rectangles with their maximum reversed depth.
 pub(super) struct Boxes {
     rects: Vec<(Rect, f32)>,
-    seen: Vec<bool>,
+    seen: Vec<u64>,
     visible: bool,
 }
 
@@ -42,8 +42,8 @@ impl Boxes {
 impl Boxes {
     fn new(rects: Vec<Rect>, nearest: f64, visible: bool) -> Boxes {
         Boxes {
+            seen: vec![0; rects.len().div_ceil(64)],
             rects: rects.into_iter().map(|rect| (rect, nearest as f32)).collect(),
-            seen: Vec::new(),
             visible,
         }
     }
@@ -57,7 +57,7 @@ impl Workload for Boxes {
     fn run(&mut self, screen: &mut Screen) -> f64 {
         let start = Instant::now();
         for _ in 0..PASSES {
-            screen.filled.sees_rects(&self.rects, &mut self.seen);
+            screen.filled.test_rects(&self.rects, &mut self.seen);
             black_box(&self.seen);
         }
         start.elapsed().as_secs_f64()
@@ -89,11 +89,11 @@ impl Workload for Boxes {
 }
 
 /// Tests rectangles, and compares the results with the truth.
-fn tested(screen: &Screen, rects: &[(Rect, f32)], seen: &mut Vec<bool>) -> ErrorCounts {
-    screen.filled.sees_rects(rects, seen);
+fn tested(screen: &Screen, rects: &[(Rect, f32)], seen: &mut [u64]) -> ErrorCounts {
+    screen.filled.test_rects(rects, seen);
     let mut errors = ErrorCounts::default();
-    for (&(rect, nearest), seen) in rects.iter().zip(seen) {
-        errors.add(screen.filled_truth.check_rect(&rect, nearest, !*seen));
+    for (&(rect, nearest), seen) in rects.iter().zip(are_visible(seen, rects.len())) {
+        errors.add(screen.filled_truth.check_rect(&rect, nearest, !seen));
     }
     errors
 }

@@ -5,8 +5,7 @@ use super::screen::Screen;
 use super::shapes::Shapes;
 use super::truth::Truth;
 use super::{SUB_TILE_BYTES, Verification, Workload};
-use enfilade::cover::Hides;
-use enfilade::{OccluderMesh, Stats};
+use enfilade::{OccluderMesh, Transform};
 use std::time::Instant;
 
 /// Faces that are rasterized into an empty depth buffer.
@@ -43,12 +42,11 @@ impl Workload for Faces {
     }
 
     fn run(&mut self, screen: &mut Screen) -> f64 {
-        let mut stats = Stats::default();
         // Clearing the buffer is not part of the cost of a face.
-        screen.cover.clear(&screen.passage);
+        screen.cover.begin(&screen.view);
         let start = Instant::now();
         for _ in 0..self.passes {
-            screen.cover.hide_mesh(&self.mesh, &screen.passage, &mut stats);
+            screen.cover.draw(&self.mesh, &Transform::IDENTITY);
         }
         start.elapsed().as_secs_f64()
     }
@@ -65,7 +63,7 @@ impl Workload for Faces {
             ((self.shapes.positions.len() * corner) as u64, Ceiling::L1)
         };
         Verification {
-            errors: truth.check(|x, y| screen.cover.rev_depth_at(x, y)),
+            errors: truth.check(&screen.cover.depth()),
             min_bytes: min_bytes * self.passes,
             ceiling,
         }

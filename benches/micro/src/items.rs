@@ -2,7 +2,7 @@
 
 use super::boxes::{PASSES, REV_DEPTH_BYTES, sub_tiles};
 use super::ceilings::Ceiling;
-use super::screen::{BACKDROP, Screen};
+use super::screen::{BACKDROP, Screen, are_visible};
 use super::shapes::{NEAR, RandomNumbers};
 use super::truth::ErrorCounts;
 use super::{Verification, Workload};
@@ -14,7 +14,7 @@ use std::time::Instant;
 pub(super) struct Items {
     boxes: Vec<Aabb>,
     squares: Vec<(Rect, f32)>,
-    seen: Vec<bool>,
+    seen: Vec<u64>,
 }
 
 impl Items {
@@ -24,7 +24,7 @@ impl Items {
         let mut items = Items {
             boxes: Vec::new(),
             squares: Vec::new(),
-            seen: Vec::new(),
+            seen: vec![0; count.div_ceil(64)],
         };
         let [small, middle, large] = [4, 16, 64].map(|side| screen.squares(side, count));
         for i in 0..count {
@@ -50,21 +50,17 @@ impl Workload for Items {
     fn run(&mut self, screen: &mut Screen) -> f64 {
         let start = Instant::now();
         for _ in 0..PASSES {
-            screen
-                .filled
-                .sees_boxes(&screen.passage, &self.boxes, &mut self.seen);
+            screen.filled.test_boxes(&self.boxes, &mut self.seen);
             black_box(&self.seen);
         }
         start.elapsed().as_secs_f64()
     }
 
     fn check(&mut self, screen: &mut Screen) -> Verification {
-        screen
-            .filled
-            .sees_boxes(&screen.passage, &self.boxes, &mut self.seen);
+        screen.filled.test_boxes(&self.boxes, &mut self.seen);
         let mut errors = ErrorCounts::default();
         let mut read = 0;
-        for ((rect, nearest), &seen) in self.squares.iter().zip(&self.seen) {
+        for ((rect, nearest), seen) in self.squares.iter().zip(are_visible(&self.seen, self.boxes.len())) {
             errors.add(screen.filled_truth.check_rect(rect, *nearest, !seen));
             read += if seen { 1 } else { sub_tiles(rect) };
         }

@@ -139,7 +139,7 @@ fn main() -> Result<()> {
     if let Some(level) = &args.simd {
         enfilade::use_simd_level(level)?;
     }
-    let mut screen = Screen::new(SIZE)?;
+    let mut screen = Screen::new(SIZE);
     let wanted = |name: &str| args.rows.is_empty() || args.rows.iter().any(|row| row == name);
     let mut rows = rows::rows(&screen, wanted);
     if let Some(scene) = &args.scene {

@@ -1,23 +1,18 @@
-//! The screen that rows use: its projection, passage and depth buffers.
+//! The screen that rows use: its projection, view and depth buffers.
 
 use super::lens::Lens;
 use super::shapes::{FaceOrder, RandomNumbers, Shapes};
 use super::truth::Truth;
-use anyhow::{Context, Result};
-use enfilade::cover::{Hides, MaskedDepth};
-use enfilade::{
-    GeometryBuilder, Material, Method, OccluderMesh, Passage, Rect, SceneBuilder, SectorId, Stats, View,
-    Viewer,
-};
+use enfilade::{OccluderMesh, OcclusionBuffer, Rect, Transform, View};
 
 /// The screen of an eye at the origin that looks along −z.
 pub(super) struct Screen {
     pub(super) lens: Lens,
-    pub(super) passage: Passage,
+    pub(super) view: View,
     /// Buffer that rows rasterize into, one after the other.
-    pub(super) cover: MaskedDepth,
+    pub(super) cover: OcclusionBuffer,
     /// Buffer that rows test boxes against: many faces in front of a backdrop. And its true depths.
-    pub(super) filled: MaskedDepth,
+    pub(super) filled: OcclusionBuffer,
     pub(super) filled_truth: Truth,
 }
 
@@ -25,26 +20,25 @@ pub(super) struct Screen {
 pub(super) const BACKDROP: f64 = 2000.0;
 
 impl Screen {
-    pub(super) fn new(size: [u32; 2]) -> Result<Screen> {
+    pub(super) fn new(size: [u32; 2]) -> Screen {
         let view = View::new([0.0; 3], [0.0, 0.0, -1.0], size);
         let lens = Lens::new(&view);
-        let passage = passage(&view)?;
-        let (mut filled, mut filled_truth) = (MaskedDepth::default(), Truth::new(lens));
-        filled.clear(&passage);
+        let (mut filled, mut filled_truth) = (buffer(), Truth::new(lens));
+        filled.begin(&view);
         let walls = Shapes::new(&lens, 3, 1000.0, 20_000, FaceOrder::BackToFront);
         for shapes in [Shapes::backdrop(&lens, BACKDROP), walls] {
-            filled.hide_mesh(&shapes.mesh(), &passage, &mut Stats::default());
+            filled.draw(&shapes.mesh(), &Transform::IDENTITY);
             shapes.faces().for_each(|face| {
                 filled_truth.add(face);
             });
         }
-        Ok(Screen {
+        Screen {
             lens,
-            passage,
-            cover: MaskedDepth::default(),
+            view,
+            cover: buffer(),
             filled,
             filled_truth,
-        })
+        }
     }
 
     /// Returns `count` squares at random positions, of `side` pixels a side.
@@ -67,24 +61,24 @@ impl Screen {
 impl Shapes {
     /// Converts the faces to the engine's mesh.
     pub(super) fn mesh(&self) -> OccluderMesh {
-        let corners: Vec<u32> = (0..self.positions.len() as u32).collect();
-        if self.sides == 4 {
-            OccluderMesh::quads(&self.positions, &corners)
-        } else {
-            OccluderMesh::triangles(&self.positions, &corners)
-        }
+        let corners = 0..self.positions.len() as u32;
+        let first = corners.step_by(self.sides);
+        // The first three corners, and of a quad the first and the last two.
+        let halves = (2..self.sides as u32).collect::<Vec<_>>();
+        let face = |first: u32| halves.iter().flat_map(move |&last| [first, first + last - 1, first + last]);
+        let indices: Vec<u32> = first.flat_map(face).collect();
+        OccluderMesh::triangles(&self.positions, &indices).expect("whole triangles")
     }
 }
 
-/// Returns the passage of a view into the sector of the eye, which does not depend on its geometry.
-pub(super) fn passage(view: &View) -> Result<Passage> {
-    let mut scene = SceneBuilder::new();
-    let geometry = GeometryBuilder::new([Material::opaque([1.0; 3])]).build()?;
-    scene.add("empty", geometry, Method::ZBuffer);
-    let scene = scene.build()?;
-    let mut view = *view;
-    view.sector = Some(SectorId(0));
-    let mut viewer = Viewer::new();
-    let passages = viewer.look(&scene, &view).passages();
-    passages.first().cloned().context("the view has no passage")
+/// Returns a buffer that uses one thread.
+pub(super) fn buffer() -> OcclusionBuffer {
+    let mut buffer = OcclusionBuffer::new();
+    buffer.parallel = false;
+    buffer
+}
+
+/// Returns whether each of `count` occludees is visible.
+pub(super) fn are_visible(bits: &[u64], count: usize) -> impl Iterator<Item = bool> {
+    (0..count).map(|place| bits[place / 64] >> (place % 64) & 1 == 1)
 }

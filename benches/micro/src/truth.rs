@@ -124,12 +124,10 @@ impl Truth {
         centres
     }
 
-    /// Compares a buffer's reversed depth at each sample with the truth.
-    pub(super) fn check(&self, rev_depth_at: impl Fn(u16, u16) -> f32) -> ErrorCounts {
-        let width = self.lens.size[0] as usize;
+    /// Compares a buffer's reversed depth at each sample, row by row, with the truth.
+    pub(super) fn check(&self, depth: &[f32]) -> ErrorCounts {
         let mut errors = ErrorCounts::default();
-        for (index, (&nearest, &hit)) in self.nearest.iter().zip(&self.hit).enumerate() {
-            let known = rev_depth_at((index % width) as u16, (index / width) as u16);
+        for ((&nearest, &hit), &known) in self.nearest.iter().zip(&self.hit).zip(depth) {
             // The comparison is negated below so that NaN counts as wrong.
             let right = f64::from(known) <= f64::from(nearest) * (1.0 + SLACK);
             errors.wrong += u64::from(!right);
@@ -244,6 +242,12 @@ mod tests {
     use super::*;
     use enfilade::View;
 
+    /// Compares a buffer with the truth, given its reversed depth at column x and row y.
+    fn check(truth: &Truth, rev_depth_at: impl Fn(usize, usize) -> f32) -> ErrorCounts {
+        let depth: Vec<f32> = (0..32 * 16).map(|place| rev_depth_at(place % 32, place / 32)).collect();
+        truth.check(&depth)
+    }
+
     fn empty() -> Truth {
         Truth::new(Lens::new(&View::new([0.0; 3], [0.0, 0.0, -1.0], [32, 16])))
     }
@@ -269,8 +273,8 @@ mod tests {
             ],
         );
         assert_eq!(truth.add(&square), 2 * 3, "columns 4 to 11, rows 2 to 11");
-        let inside = |x: u16, y: u16| (4..12).contains(&x) && (2..12).contains(&y);
-        let exact = truth.check(|x, y| if inside(x, y) { 0.5 } else { 0.0 });
+        let inside = |x: usize, y: usize| (4..12).contains(&x) && (2..12).contains(&y);
+        let exact = check(&truth, |x, y| if inside(x, y) { 0.5 } else { 0.0 });
         assert_eq!((exact.wrong, exact.loose), (0, 0));
         let rect = |x0| Rect {
             x0,
@@ -278,11 +282,11 @@ mod tests {
             x1: 9,
             y1: 9,
         };
-        let all_open = truth.check(|_, _| 0.0);
+        let all_open = check(&truth, |_, _| 0.0);
         assert_eq!((all_open.wrong, all_open.loose), (0, 80));
-        let too_near = truth.check(|x, y| if inside(x, y) { 0.5001 } else { 0.0 });
+        let too_near = check(&truth, |x, y| if inside(x, y) { 0.5001 } else { 0.0 });
         assert_eq!(too_near.wrong, 80);
-        let too_large = truth.check(|x, y| {
+        let too_large = check(&truth, |x, y| {
             if inside(x, y) || inside(x + 1, y) {
                 0.5
             } else {
@@ -290,7 +294,7 @@ mod tests {
             }
         });
         assert_eq!(too_large.wrong, 10);
-        assert_eq!(truth.check(|_, _| f32::NAN).wrong, 32 * 16);
+        assert_eq!(check(&truth, |_, _| f32::NAN).wrong, 32 * 16);
         assert_eq!(truth.check_rect(&rect(5), 0.4, true).wrong, 0);
         assert_eq!(truth.check_rect(&rect(5), 0.4, false).loose, 1);
         assert_eq!(truth.check_rect(&rect(5), 0.6, true).wrong, 1);

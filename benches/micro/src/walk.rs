@@ -2,12 +2,11 @@
 
 use super::ceilings::Ceiling;
 use super::lens::Lens;
-use super::screen::{Screen, passage};
+use super::screen::{Screen, are_visible, buffer};
 use super::truth::{ErrorCounts, Truth};
 use super::{Row, SUB_TILE_BYTES, Verification, Workload};
 use anyhow::{Result, bail};
-use enfilade::cover::Hides;
-use enfilade::{Aabb, Alpha, Geometry, ItemId, OccluderMesh, Passage, Scene, SectorId, Stats, View};
+use enfilade::{Aabb, Alpha, Geometry, ItemId, OccluderMesh, Scene, SectorId, Transform, View};
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -34,7 +33,7 @@ struct Part {
 /// A view, and the indices of the parts in it.
 struct WalkView {
     lens: Lens,
-    passage: Passage,
+    view: View,
     parts: Vec<usize>,
 }
 
@@ -62,18 +61,23 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
     }
     let parts = Rc::new(parts);
     let row = |(name, (size, best_ms)): (&'static str, ([u32; 2], f64))| {
+        let mut empty = buffer();
         let look = |survey_view: &enfilade::SurveyView| {
             let view = View::new(survey_view.eye, survey_view.toward, size);
-            let passage = passage(&view)?;
-            let in_view = |part: &Part| part.sector == survey_view.sector && passage.may_show(&part.bounds);
-            let in_view = (0..parts.len()).filter(|&part| in_view(&parts[part])).collect();
-            Ok(WalkView {
+            // Against an empty buffer, boxes are tested for being in view.
+            empty.begin(&view);
+            let boxes: Vec<Aabb> = parts.iter().map(|part| part.bounds).collect();
+            let mut visible = vec![0; boxes.len().div_ceil(64)];
+            empty.test_boxes(&boxes, &mut visible);
+            let in_view = are_visible(&visible, boxes.len()).enumerate();
+            let is_here = |&(part, visible): &(usize, bool)| visible && parts[part].sector == survey_view.sector;
+            WalkView {
                 lens: Lens::new(&view),
-                passage,
-                parts: in_view,
-            })
+                view,
+                parts: in_view.filter(is_here).map(|(part, _)| part).collect(),
+            }
         };
-        let looks = survey_views.iter().map(look).collect::<Result<Vec<WalkView>>>()?;
+        let looks: Vec<WalkView> = survey_views.iter().map(look).collect();
         let walk = Walk {
             parts: Rc::clone(&parts),
             looks,
@@ -81,10 +85,10 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
         let millions = walk.count() as f64 / survey_views.len() as f64 / 1e6;
         let mut row = Row::new(name, millions / (best_ms * 1e-3), Box::new(walk));
         row.views = Some(survey_views.len() as u64);
-        Ok(row)
+        row
     };
     let rows = NAMES.into_iter().zip(SCREENS);
-    rows.filter(|(name, _)| wanted(name)).map(row).collect()
+    Ok(rows.filter(|(name, _)| wanted(name)).map(row).collect())
 }
 
 impl Part {
@@ -122,7 +126,7 @@ impl Part {
         (triangles > 0).then(|| Part {
             sector,
             bounds: geometry.item(item).bounds,
-            mesh: OccluderMesh::triangles(&positions, &corners),
+            mesh: OccluderMesh::triangles(&positions, &corners).expect("triangles of a mesh"),
             positions,
             corners,
             triangles,
@@ -139,13 +143,9 @@ impl Part {
 impl Walk {
     /// Clears the buffer and rasterizes everything in a view.
     fn fill(&self, look: &WalkView, screen: &mut Screen) {
-        let mut stats = Stats::default();
-        screen.cover.clear(&look.passage);
-        for &part in &look.parts {
-            screen
-                .cover
-                .hide_mesh(&self.parts[part].mesh, &look.passage, &mut stats);
-        }
+        screen.cover.begin(&look.view);
+        let meshes = look.parts.iter().map(|&part| (&self.parts[part].mesh, Transform::IDENTITY));
+        screen.cover.draw_all(meshes);
     }
 }
 
@@ -170,7 +170,7 @@ impl Workload for Walk {
             let mut truth = Truth::new(look.lens);
             let faces = look.parts.iter().flat_map(|&part| self.parts[part].faces());
             sub_tiles += faces.map(|face| truth.add(&face)).sum::<u64>();
-            errors.add(truth.check(|x, y| screen.cover.rev_depth_at(x, y)));
+            errors.add(truth.check(&screen.cover.depth()));
         }
         Verification {
             errors,

@@ -44,6 +44,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! An engine that keeps its own scene can use the [`OcclusionBuffer`] alone: it draws occluders and tests boxes.
+//!
 //! A method is an [order] (which nodes and faces come next) times a [cover] (what is already hidden). Each
 //! states its [`Contract`]; the feature `laws` adds the reference that every method can be tested
 //! against. Looking cannot fail and does no I/O; inconsistent input is rejected when a mesh, a geometry or a scene is
@@ -117,7 +119,7 @@ mod view;
 
 pub use choose::{ChoiceGoal, ChoiceOptions, Cost, MethodChoice, SkipReason, Trial, choose_methods};
 pub use contract::Contract;
-pub use cover::OccluderMesh;
+pub use cover::{OccluderMesh, OccluderMeshError, OcclusionBuffer};
 pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use geometry::{

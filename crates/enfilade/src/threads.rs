@@ -30,6 +30,25 @@ pub(crate) fn for_each<T: Send>(list: &mut [T], work: impl Fn(usize, &mut T) + S
     }
 }
 
+/// Calls `work` with the index of its first element for each run of `length` elements of a list, on all threads of the
+/// pool if `shared`.
+pub(crate) fn for_each_run<T: Send>(
+    shared: bool,
+    list: &mut [T],
+    length: usize,
+    work: impl Fn(usize, &mut [T]) + Send + Sync,
+) {
+    #[cfg(feature = "rayon")]
+    if shared && count() > 1 && list.len() > length {
+        let each = list.par_chunks_mut(length).enumerate();
+        return each.for_each(|(run, elements)| work(run * length, elements));
+    }
+    let _ = shared;
+    for (run, elements) in list.chunks_mut(length).enumerate() {
+        work(run * length, elements);
+    }
+}
+
 /// Runs two closures, on two threads if `shared` and the pool has several.
 pub(crate) fn join<A: Send, B: Send>(
     shared: bool,

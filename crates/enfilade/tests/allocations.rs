@@ -1,7 +1,7 @@
 //! Looks allocate nothing once their buffers have grown.
 
 use allocation_counter::measure;
-use enfilade::{Method, PortalId, Scene, Viewer};
+use enfilade::{Aabb, Method, OccluderMesh, OcclusionBuffer, PortalId, Scene, Transform, View, Viewer};
 use enfilade_scenes::{Camera, built_in};
 use rayon::ThreadPoolBuilder;
 
@@ -62,5 +62,36 @@ fn nor_does_a_thread_that_shares_looks_with_another() {
     for name in ["two-rooms", "mirror", "glass"] {
         let built = built_in(name).expect("a built-in scene");
         pool.install(|| allocates_nothing(name, &built.scene, &built.cameras, [640, 360]));
+    }
+}
+
+#[test]
+fn nor_does_an_occlusion_buffer_without_a_scene() {
+    let corners = Aabb {
+        min: [-1.0; 3],
+        max: [1.0; 3],
+    };
+    let sides = [0, 1, 3, 0, 3, 2, 4, 7, 5, 4, 6, 7, 0, 4, 5, 0, 5, 1];
+    let mesh = OccluderMesh::triangles(&corners.corners(), &sides).expect("three sides of a cube");
+    let boxes = [corners; 5000];
+    for threads in [1, 2] {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads").install(|| {
+            let mut buffer = OcclusionBuffer::new();
+            let mut visible = [0; 5000 / 64 + 1];
+            let mut round = || {
+                for turn in 0..8_u8 {
+                    let (sin, cos) = f32::from(turn).sin_cos();
+                    buffer.begin(&View::new([0.0; 3], [sin, 0.1, cos], [640, 360]));
+                    let at = |number| {
+                        Transform::translation([(number % 9) as f32 - 4.0, 0.0, number as f32 - 50.0])
+                    };
+                    buffer.draw_all((0..100).map(|number| (&mesh, at(number))));
+                    buffer.test_boxes(&boxes, &mut visible);
+                }
+            };
+            (0..16).for_each(|_| round());
+            assert_eq!(measure(&mut round).count_total, 0, "by {threads} threads");
+        });
     }
 }

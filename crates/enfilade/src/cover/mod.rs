@@ -29,8 +29,7 @@ pub use depth_pyramid::DepthPyramid;
 pub use horizon::Horizon;
 #[cfg(feature = "classic")]
 pub use mask::Mask;
-pub use masked_depth::MaskedDepth;
-pub use masked_depth::OccluderMesh;
+pub use masked_depth::{MaskedDepth, OccluderMesh, OccluderMeshError, OcclusionBuffer};
 pub use occlusion_tree::{BoxTest, ByBox, ByFaces, OcclusionTree};
 #[cfg(feature = "classic")]
 pub use painters_buffer::PaintersBuffer;

@@ -15,6 +15,7 @@
 mod choose;
 mod flat;
 mod in_mesh;
+mod large_faces;
 mod measure;
 mod outline;
 mod pieces;
@@ -26,6 +27,7 @@ mod summary;
 mod tests;
 
 pub use choose::{OccluderSelection, SelectedOccluder};
+pub(crate) use large_faces::{LargeFace, large_faces};
 pub use measure::OccluderMeasure;
 pub use screen::{Occluder, OccluderRoom};
 pub use summary::OccluderSummary;

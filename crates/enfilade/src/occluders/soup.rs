@@ -41,10 +41,20 @@ impl Soup {
                 double_sided.push(both);
             }
         }
+        Soup::new(mesh.positions(), starts, corners, double_sided)
+    }
+
+    /// Connects faces, given by the start of each in `corners`; `None` if there are none.
+    pub(super) fn new(
+        positions: &[[f32; 3]],
+        starts: Vec<u32>,
+        mut corners: Vec<u32>,
+        double_sided: Vec<bool>,
+    ) -> Option<Soup> {
         if double_sided.is_empty() {
             return None;
         }
-        let points = weld(mesh.positions(), &mut corners);
+        let points = weld(positions, &mut corners);
         let normals = starts
             .windows(2)
             .map(|ends| {

@@ -11,7 +11,7 @@
 //! Cost: O(vertices + faces + tiles), and O(tiles it overlaps) for each uncertain face.
 //! Conservative: covers exactly the samples that the exact covers do, and is nowhere nearer than they are.
 
-use super::mesh::{Part, block};
+use super::mesh::block;
 use super::occluder::Slope;
 use super::project::{Block, Corners, Frame, MAX_CORNERS};
 use super::runs::RunQueue;
@@ -25,16 +25,15 @@ use crate::simd::dispatch;
 use crate::stats::Stats;
 use crate::view::aperture::Rect;
 use crate::view::passage::Passage;
-use crate::view::region::Region;
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-/// Buffers of one rasterizing thread.
+/// Rasterizes batches of faces.
 pub(super) struct Worker {
     batch: Batch,
     blocks: Vec<Block>,
-    /// Quads and triangles of polygons with more corners, and the front-facing ones of a mesh part.
+    /// Quads and triangles of polygons with more corners.
     quads: Vec<[u32; 4]>,
     triangles: Vec<[u32; 3]>,
 }
@@ -79,41 +78,21 @@ impl Worker {
             shapes.quads = quads;
             shapes.triangles = triangles;
         }
-        batch.hide(faces, passage, blocks, shapes, tiles, stats);
-    }
-
-    /// Rasterizes those parts of a mesh, given in the space of the passage's sector, that overlap the tiles.
-    pub(super) fn hide_parts(
-        &mut self,
-        tiles: &mut Tiles,
-        parts: &[Part],
-        passage: &Passage,
-        stats: &mut Stats,
-    ) {
-        let Worker {
-            batch,
-            quads,
-            triangles,
-            ..
-        } = self;
-        let faces = Faces::of_triangles(&[], &[], &passage.screen_from_sector);
-        let eye = passage.eye().map(|at| at as f32);
-        for part in parts {
-            let region = Region::of(passage, &passage.screen_from_sector, &part.bounds);
-            if region.is_none_or(|region| region.rect.intersection(&tiles.rect).is_empty()) {
-                continue;
-            }
-            dispatch!(batch.level, simd => part.quads.keep_facing(simd, eye, quads));
-            dispatch!(batch.level, simd => part.triangles.keep_facing(simd, eye, triangles));
-            let shapes = Shapes {
-                quads,
-                triangles,
-                first_position: 0,
+        let frame = Frame::new(faces, passage, tiles);
+        stats.triangles += shapes.triangles();
+        dispatch!(batch.level, simd => batch.queue(simd, &frame, blocks, shapes, 0, tiles));
+        let uncertain = batch.finish(&frame, tiles);
+        for &number in &uncertain {
+            let corners = shapes.corners(number as usize);
+            let face = UncertainFace {
+                faces,
+                blocks,
+                corners,
+                first_position: faces.first_position,
             };
-            if shapes.triangles() > 0 {
-                batch.hide(&faces, passage, &part.blocks, shapes, tiles, stats);
-            }
+            batch.hide_in_f64(&face, passage, tiles, stats);
         }
+        batch.end(uncertain, tiles);
     }
 }
 
@@ -132,8 +111,8 @@ fn fan(face: &[u32], quads: &mut Vec<[u32; 4]>, triangles: &mut Vec<[u32; 3]>) {
 }
 
 /// The kernels with their buffers, and the f64 rasterizer.
-struct Batch {
-    level: Level,
+pub(super) struct Batch {
+    pub(super) level: Level,
     raster: Raster,
     corners: Corners,
     queues: Queues,
@@ -166,8 +145,18 @@ impl Shapes<'_> {
     }
 }
 
+/// A face that goes to the f64 rasterizer.
+pub(super) struct UncertainFace<'a> {
+    /// The properties of the face; the corners are ignored.
+    pub(super) faces: &'a Faces<'a>,
+    pub(super) blocks: &'a [Block],
+    /// Indices into the positions in `blocks`; the first position has the index `first_position`.
+    pub(super) corners: &'a [u32],
+    pub(super) first_position: u32,
+}
+
 impl Batch {
-    fn at(level: Level) -> Batch {
+    pub(super) fn at(level: Level) -> Batch {
         Batch {
             level,
             raster: Raster::at(level),
@@ -179,76 +168,25 @@ impl Batch {
         }
     }
 
-    /// Rasterizes with the kernels, then those faces one by one in f64 that the kernels are not certain of. `faces` has
-    /// the properties of the faces; its corners are ignored.
-    fn hide(
-        &mut self,
-        faces: &Faces,
-        passage: &Passage,
-        blocks: &[Block],
-        shapes: Shapes,
-        tiles: &mut Tiles,
-        stats: &mut Stats,
-    ) {
-        let frame = Frame::new(faces, passage, tiles);
-        stats.triangles += shapes.triangles();
-        dispatch!(self.level, simd => self.hide_certain(simd, &frame, blocks, shapes, tiles));
-        let Batch {
-            raster,
-            queues: Queues { uncertain, .. },
-            run_queue,
-            ..
-        } = self;
-        if uncertain.is_empty() {
-            return;
-        }
-        // Separate counters, because the batch and its triangles are already counted.
-        let mut alone = Stats::default();
-        for &number in &*uncertain {
-            let corners = shapes.corners(number as usize);
-            let at = |corner: u32| {
-                let place = (corner - shapes.first_position) as usize;
-                blocks[place / LANES].map(|axis| axis[place % LANES])
-            };
-            for last in 2..corners.len() {
-                let three = [corners[0], corners[last - 1], corners[last]].map(at);
-                if !three.as_flattened().iter().all(|value| value.is_finite()) {
-                    continue;
-                }
-                let one = Faces {
-                    positions: &three,
-                    first_position: 0,
-                    corners: &[0, 1, 2],
-                    starts: None,
-                    neighbours: &[],
-                    ..*faces
-                };
-                raster.run(&one, passage, &mut RunSink { tiles, run_queue }, &mut alone);
-            }
-        }
-        stats.triangles_hidden += alone.triangles_hidden;
-        stats.samples += alone.samples;
-        dispatch!(self.level, simd => self.run_queue.cover(simd, tiles));
-    }
-
-    /// Rasterizes faces as occluders, except those that it lists in `queues.uncertain`.
+    /// Queues faces, and rasterizes queued ones when there are enough. `first` is the number of the first face; faces
+    /// queued before [`Batch::finish`] have different numbers.
     #[inline(always)]
-    fn hide_certain<S: Simd>(
+    pub(super) fn queue<S: Simd>(
         &mut self,
         simd: S,
         frame: &Frame,
         positions: &[Block],
         shapes: Shapes,
+        first: u32,
         tiles: &mut Tiles,
     ) {
-        self.queues.uncertain.clear();
         let Shapes {
             quads,
             triangles,
             first_position,
         } = shapes;
         if positions.len() * LANES > MAX_CORNERS {
-            let all = 0..(quads.len() + triangles.len()) as u32;
+            let all = first..first + (quads.len() + triangles.len()) as u32;
             self.queues.uncertain.extend(all);
             return;
         }
@@ -257,12 +195,14 @@ impl Batch {
         let mut last_triangles = [[first_position; 3]; LANES];
         let groups_of_quads = quads.len().div_ceil(LANES);
         let groups = groups_of_quads + triangles.len().div_ceil(LANES);
+        let first_triangle = first as usize + quads.len();
         let mut next = 0;
-        loop {
+        // Also while clipped faces are left: they are classified by the winding of these faces.
+        while next < groups || self.queues.clipped.count > 0 {
             if next == groups || self.queues.clipped.count >= LANES {
                 self.queues.queue_clipped(simd, frame);
             } else if next < groups_of_quads {
-                let group = Group::new(&shapes, quads, next, 0, &mut last_quads);
+                let group = Group::new(&shapes, quads, next, first as usize, &mut last_quads);
                 let found = group.project(simd, &self.corners);
                 self.queues.queue_quads(simd, frame, &found);
                 self.queues
@@ -270,22 +210,74 @@ impl Batch {
                 next += 1;
             } else {
                 let which = next - groups_of_quads;
-                let group = Group::new(&shapes, triangles, which, quads.len(), &mut last_triangles);
+                let group = Group::new(&shapes, triangles, which, first_triangle, &mut last_triangles);
                 let found = group.project(simd, &self.corners);
                 self.queues.queue_triangles(simd, frame, &found);
                 self.queues
                     .clip(frame, positions, &group, found.to_clip, &mut self.clipper);
                 next += 1;
             }
-            let done = next == groups && self.queues.clipped.count == 0;
-            if done || self.queues.are_full() {
-                let least = if done { 1 } else { LANES };
-                self.flush(simd, frame, tiles, least);
-            }
-            if done {
-                return;
+            if self.queues.are_full() {
+                self.flush(simd, frame, tiles, LANES);
             }
         }
+    }
+
+    /// Rasterizes all queued faces. Returns the numbers of those to give to [`Batch::hide_in_f64`]. Return the list to
+    /// [`Batch::end`].
+    pub(super) fn finish(&mut self, frame: &Frame, tiles: &mut Tiles) -> Vec<u32> {
+        dispatch!(self.level, simd => self.flush(simd, frame, tiles, 1));
+        std::mem::take(&mut self.queues.uncertain)
+    }
+
+    /// Rasterizes a face in f64.
+    pub(super) fn hide_in_f64(
+        &mut self,
+        face: &UncertainFace,
+        passage: &Passage,
+        tiles: &mut Tiles,
+        stats: &mut Stats,
+    ) {
+        let &UncertainFace {
+            faces,
+            blocks,
+            corners,
+            first_position,
+        } = face;
+        let run_queue = &mut self.run_queue;
+        // Separate counters, because the batch and its triangles are already counted.
+        let mut alone = Stats::default();
+        let at = |corner: u32| {
+            let place = (corner - first_position) as usize;
+            blocks[place / LANES].map(|axis| axis[place % LANES])
+        };
+        for last in 2..corners.len() {
+            let three = [corners[0], corners[last - 1], corners[last]].map(at);
+            if !three.as_flattened().iter().all(|value| value.is_finite()) {
+                continue;
+            }
+            let one = Faces {
+                positions: &three,
+                first_position: 0,
+                corners: &[0, 1, 2],
+                starts: None,
+                neighbours: &[],
+                ..*faces
+            };
+            self.raster
+                .run(&one, passage, &mut RunSink { tiles, run_queue }, &mut alone);
+        }
+        stats.triangles_hidden += alone.triangles_hidden;
+        stats.samples += alone.samples;
+    }
+
+    /// Covers what the faces of the list rasterized in f64, and takes the list back for reuse.
+    pub(super) fn end(&mut self, mut uncertain: Vec<u32>, tiles: &mut Tiles) {
+        if !uncertain.is_empty() {
+            dispatch!(self.level, simd => self.run_queue.cover(simd, tiles));
+            uncertain.clear();
+        }
+        self.queues.uncertain = uncertain;
     }
 
     /// Rasterizes queued faces, wide ones first, as long as a queue has at least `least`.

@@ -5,30 +5,59 @@
 //! Two successive triangles that form a planar convex quad are merged.
 //! Source: order as in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 4.
 //! Cost: O(faces).
-//! Conservative: as [`batch`](super::batch).
+//! Conservative: as [`batch`](super::batch). A merged quad is no nearer than its four corners, and covers what its two
+//!     triangles cover.
 
-use super::batch::Worker;
+use super::LANES;
 use super::project::Block;
-use super::{LANES, MaskedDepth};
 use crate::geom::Aabb;
-use crate::stats::Stats;
-use crate::threads;
-use crate::view::passage::Passage;
+use crate::occluders::{LargeFace, large_faces};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
 use glam::DVec3;
 use std::collections::HashMap;
+use thiserror::Error;
 
-/// Triangles or planar convex quads that [`MaskedDepth`] rasterizes as occluders. Back-faces are culled: a face hides
-/// what is behind it only if the eye is in front of it.
+/// Triangles that an [`OcclusionBuffer`](crate::OcclusionBuffer) rasterizes as occluders.
 ///
-/// Build it once and use it for any number of views. It has no transform: positions are in the space of the passage's
-/// sector. For instances, transform the positions of each before building, and reverse the winding of mirrored ones.
-/// [`OccluderSet`](crate::OccluderSet) instead stores occluders once per mesh and applies each item's transform when it
-/// selects and projects them.
-#[derive(Clone, Debug, Default)]
+/// Build it once per mesh, and draw any number of instances of it, each with its own transform. Everything that an
+/// instance covers in the buffer must be opaque on the screen: leave out glass, foliage with alpha test, and whatever
+/// the renderer moves or hides on its own, such as skinned meshes and distant LODs with another outline.
+#[derive(Clone, Debug)]
+#[doc(alias = "occluder")]
+#[doc(alias = "occlusion proxy")]
 pub struct OccluderMesh {
-    parts: Vec<Part>,
+    /// Whether faces occlude from both sides. Default `false`: back-faces are culled, so a face hides what is behind it
+    /// only if the eye is in front of it. Set it for meshes that the renderer draws without back-face culling.
+    pub double_sided: bool,
+    pub(super) parts: Vec<Part>,
+}
+
+/// Why an occluder mesh is invalid; returned by [`OccluderMesh::triangles`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum OccluderMeshError {
+    /// The number of indices is not a multiple of three.
+    #[error("{0} indices are not whole triangles; each triangle has three")]
+    IndicesLeft(usize),
+    /// An index refers to a position that does not exist.
+    #[error("triangle {triangle} has position {index}, but there are only {positions}")]
+    IndexOutOfRange {
+        /// Index of the triangle.
+        triangle: usize,
+        /// The index of the position.
+        index: u32,
+        /// Number of positions.
+        positions: usize,
+    },
+    /// A corner is NaN or infinite.
+    #[error("position {index}, a corner of triangle {triangle}, is not finite")]
+    NotFinite {
+        /// Index of the triangle.
+        triangle: usize,
+        /// Index of the position.
+        index: u32,
+    },
 }
 
 /// Faces that share no vertices with other parts.
@@ -50,16 +79,62 @@ pub(super) struct FaceList<const SIDES: usize, const HALVES: usize> {
     planes: Vec<[[[f32; LANES]; 4]; HALVES]>,
 }
 
+impl Part {
+    /// A part without faces.
+    pub(super) const EMPTY: Part = Part {
+        bounds: Aabb::EMPTY,
+        blocks: Vec::new(),
+        quads: FaceList::EMPTY,
+        triangles: FaceList::EMPTY,
+    };
+
+    /// Returns the number of quads and triangles.
+    pub(super) fn face_count(&self) -> usize {
+        self.quads.faces.len() + self.triangles.faces.len()
+    }
+}
+
 /// Maximum number of vertices in a part: 8 kB after the transform.
 const MAX_CORNERS: usize = 512;
 
 impl OccluderMesh {
-    /// Builds a mesh from triangles: three indices into `positions` each, counter-clockwise as seen from the front.
-    /// Successive triangles that form a planar convex quad are merged into one. Triangles with a corner that is not
-    /// finite, or with an index out of range, hide nothing; a trailing incomplete triangle is ignored.
-    pub fn triangles(positions: &[[f32; 3]], corners: &[u32]) -> OccluderMesh {
+    /// Builds a mesh of triangles: three indices into `positions` each, counter-clockwise as seen from the front.
+    ///
+    /// Triangles keep their order, so give the largest first: what they hide is then rejected early. Two successive
+    /// triangles that form a planar convex quad, such as (a, b, c) and (a, c, d), are merged into one face. Positions
+    /// that no triangle uses are ignored, and triangles without area hide nothing.
+    ///
+    /// # Errors
+    /// Returns the [`OccluderMeshError`] of the first triangle with an index out of range or a corner that is not
+    /// finite, or [`OccluderMeshError::IndicesLeft`].
+    pub fn triangles(positions: &[[f32; 3]], indices: &[u32]) -> Result<OccluderMesh, OccluderMeshError> {
+        let (triangles, left) = indices.as_chunks::<3>();
+        if !left.is_empty() {
+            return Err(OccluderMeshError::IndicesLeft(indices.len()));
+        }
+        for (triangle, &index) in triangles
+            .iter()
+            .enumerate()
+            .flat_map(|(triangle, corners)| corners.iter().map(move |index| (triangle, index)))
+        {
+            let Some(position) = positions.get(index as usize) else {
+                return Err(OccluderMeshError::IndexOutOfRange {
+                    triangle,
+                    index,
+                    positions: positions.len(),
+                });
+            };
+            if !position.iter().all(|value| value.is_finite()) {
+                return Err(OccluderMeshError::NotFinite { triangle, index });
+            }
+        }
+        Ok(OccluderMesh::unchecked(positions, indices))
+    }
+
+    /// As [`OccluderMesh::triangles`], but invalid triangles hide nothing.
+    pub(super) fn unchecked(positions: &[[f32; 3]], indices: &[u32]) -> OccluderMesh {
         let mut builder = MeshBuilder::new(positions);
-        let triangles = corners.as_chunks().0;
+        let triangles = indices.as_chunks().0;
         let mut next = 0;
         while let Some(&one) = triangles.get(next) {
             let merged = triangles
@@ -74,18 +149,71 @@ impl OccluderMesh {
         builder.finish()
     }
 
-    /// Builds a mesh from quads: four indices each, counter-clockwise as seen from the front, otherwise like
-    /// [`OccluderMesh::triangles`].
-    ///
-    /// Quads should be planar and convex, which is not checked. A quad (a, b, c, d) hides at most what the triangles
-    /// (a, b, c) and (a, c, d) hide. So a bent quad is conservative if these two are faces of the mesh. A quad that is
-    /// concave at b or d is not: one of the triangles covers area outside it.
-    pub fn quads(positions: &[[f32; 3]], corners: &[u32]) -> OccluderMesh {
+    /// Builds a mesh from quads: four indices each. A quad (a, b, c, d), bent or not, hides at most what the triangles
+    /// (a, b, c) and (a, c, d) hide.
+    #[cfg(test)]
+    pub(super) fn quads(positions: &[[f32; 3]], corners: &[u32]) -> OccluderMesh {
         let mut builder = MeshBuilder::new(positions);
         for quad in corners.as_chunks::<4>().0 {
             builder.add_quad(*quad);
         }
         builder.finish()
+    }
+
+    /// Returns a mesh of at most `max_triangles` triangles that hides nothing that this one does not hide, from any eye
+    /// position.
+    ///
+    /// It consists of the largest parts of the surface: faces that are connected and exactly coplanar are merged to
+    /// convex polygons, so a wall of a thousand triangles becomes two, and one with a window four rectangles. The
+    /// largest polygons are kept. So it suits buildings, rooms and furniture, with axis-aligned faces in their own
+    /// space. Of a curved surface, or of faces that are coplanar up to rounding only, it keeps single triangles, which
+    /// hide little; give a proxy of your own for those, inside of the surface.
+    ///
+    /// O(n log n) in the number of triangles; meant for import, not for every frame.
+    #[doc(alias = "occluder proxy")]
+    pub fn simplified(&self, max_triangles: usize) -> OccluderMesh {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        self.for_each_triangle(|corners| {
+            let first = positions.len() as u32;
+            positions.extend(corners);
+            triangles.push([first, first + 1, first + 2]);
+        });
+        let (mut kept, mut indices) = (Vec::new(), Vec::new());
+        for LargeFace { corners, .. } in large_faces(&positions, &triangles, self.double_sided) {
+            if indices.len() / 3 + corners.len() - 2 <= max_triangles {
+                let first = kept.len() as u32;
+                indices.extend(
+                    (2..corners.len() as u32).flat_map(|last| [first, first + last - 1, first + last]),
+                );
+                kept.extend(corners);
+            }
+        }
+        OccluderMesh {
+            double_sided: self.double_sided,
+            ..OccluderMesh::unchecked(&kept, &indices)
+        }
+    }
+
+    /// Calls `each` with the corners of each triangle.
+    pub(super) fn for_each_triangle(&self, mut each: impl FnMut([[f32; 3]; 3])) {
+        for part in &self.parts {
+            let quads = part.quads.faces.iter();
+            let halves = quads.flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+            for corners in halves.chain(part.triangles.faces.iter().copied()) {
+                let at = |corner: u32| {
+                    part.blocks[corner as usize / LANES].map(|axis| axis[corner as usize % LANES])
+                };
+                each(corners.map(at));
+            }
+        }
+    }
+
+    /// Returns the number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        let parts = self.parts.iter();
+        parts
+            .map(|part| 2 * part.quads.faces.len() + part.triangles.faces.len())
+            .sum()
     }
 
     /// Returns the memory in bytes.
@@ -190,11 +318,19 @@ impl<'a> MeshBuilder<'a> {
 
     fn finish(mut self) -> OccluderMesh {
         self.close_part();
-        OccluderMesh { parts: self.parts }
+        OccluderMesh {
+            double_sided: false,
+            parts: self.parts,
+        }
     }
 }
 
 impl<const SIDES: usize, const HALVES: usize> FaceList<SIDES, HALVES> {
+    const EMPTY: Self = FaceList {
+        faces: Vec::new(),
+        planes: Vec::new(),
+    };
+
     fn find_planes(&mut self, positions: &[[f32; 3]]) {
         for faces in self.faces.chunks(LANES) {
             let mut planes = [[[0.0; LANES]; 4]; HALVES];
@@ -214,10 +350,15 @@ impl<const SIDES: usize, const HALVES: usize> FaceList<SIDES, HALVES> {
         }
     }
 
-    /// Writes to `facing` all faces except those that certainly face away from the eye.
+    /// Appends all faces to `facing`.
+    #[inline(always)]
+    pub(super) fn keep_all(&self, facing: &mut Vec<[u32; SIDES]>) {
+        facing.extend_from_slice(&self.faces);
+    }
+
+    /// Appends to `facing` all faces except those that certainly face away from the eye.
     #[inline(always)]
     pub(super) fn keep_facing<S: Simd>(&self, simd: S, eye: [f32; 3], facing: &mut Vec<[u32; SIDES]>) {
-        facing.clear();
         for (planes, faces) in self.planes.iter().zip(self.faces.chunks(LANES)) {
             let mut left = !behind(simd, planes, eye) & ((1 << faces.len()) - 1);
             if left == (1 << LANES) - 1 {
@@ -262,47 +403,4 @@ pub(super) fn block(positions: &[[f32; 3]]) -> Block {
         }
     }
     block
-}
-
-impl MaskedDepth {
-    /// Rasterizes a mesh, given in the space of the passage's sector, as an occluder: it hides what is behind it.
-    ///
-    /// `passage` must be the one that the buffer was cleared for. Faces are clipped at the near plane and, behind
-    /// portals, at the entry plane; back-faces are culled. The stored depths are conservative whatever the order of
-    /// faces and meshes; the largest or the nearest first is best. Adds to the counters of `stats`.
-    pub fn hide_mesh(&mut self, mesh: &OccluderMesh, passage: &Passage, stats: &mut Stats) {
-        self.worker
-            .hide_parts(&mut self.grid.all(), &mesh.parts, passage, stats);
-    }
-
-    /// Rasterizes a mesh as [`MaskedDepth::hide_mesh`] does, in `strips` horizontal strips of the screen in parallel,
-    /// on the current rayon pool or else the global one.
-    ///
-    /// With 0 strips nothing is rasterized. More strips than threads balance the load. Strips share only the mesh: each
-    /// culls by itself the faces outside it. The result does not depend on the number of threads. It may depend on the
-    /// number of strips, because the two layers of a sub-tile may then hold other depths; in either case they are
-    /// conservative.
-    pub fn hide_mesh_in_strips(
-        &mut self,
-        mesh: &OccluderMesh,
-        passage: &Passage,
-        strips: usize,
-        stats: &mut Stats,
-    ) {
-        if self.workers.len() < strips {
-            self.workers.resize_with(strips, || Worker::at(self.level));
-        }
-        let mut strips: Vec<_> = self
-            .grid
-            .strips(strips)
-            .zip(&mut self.workers)
-            .map(|(tiles, worker)| (tiles, worker, Stats::default()))
-            .collect();
-        threads::for_each(&mut strips, |_, (tiles, worker, stats)| {
-            worker.hide_parts(tiles, &mesh.parts, passage, stats);
-        });
-        for (_, _, done) in &strips {
-            stats.add(done);
-        }
-    }
 }

@@ -15,8 +15,10 @@
 //!     depths count as visible.
 
 mod batch;
+mod draw;
 mod mesh;
 mod occluder;
+mod occlusion_buffer;
 mod project;
 mod query;
 mod runs;
@@ -42,8 +44,9 @@ use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
 use batch::Worker;
 use fearless_simd::Level;
-pub use mesh::OccluderMesh;
+pub use mesh::{OccluderMesh, OccluderMeshError};
 use occluder::{Fill, Slope};
+pub use occlusion_buffer::OcclusionBuffer;
 use tiles::{BandTiles, COLUMNS, Grid, ROWS, Tile};
 
 /// SIMD lanes of a kernel, at every level, and their indices.
@@ -54,30 +57,12 @@ const COUNT: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 1
 /// them up costs more than they hide.
 const WORTH: u64 = 4;
 
-/// A masked occlusion buffer: a CPU depth buffer that occluder meshes are rasterized into and that rectangles and boxes
-/// are tested against.
-///
-/// Use it through [`Method::Masked`](crate::Method::Masked), or on its own. For each view: clear it for a [`Passage`]
-/// with [`Hides::clear`], rasterize [`OccluderMesh`]es with [`MaskedDepth::hide_mesh`] or
-/// [`MaskedDepth::hide_mesh_in_strips`], then test occludees with [`MaskedDepth::sees_rects`],
-/// [`MaskedDepth::sees_boxes`] or [`Cover::test`]. Queries do not change the buffer, and occluders may be added between
-/// queries. Memory is kept from view to view.
-///
-/// Coordinates are in pixels from the top left corner of the screen, with y pointing down and sample centres at .5.
-/// Depths are reversed depths (1 / distance along the view direction, in scene units): larger is nearer, 0 is
-/// infinitely far. Samples outside the passage's aperture are closed: nothing is visible there.
-///
-/// All queries are conservative: stored depths are never nearer than the rasterized faces, equal depths count as
-/// visible, and `true` is returned when unsure.
-#[doc(alias = "masked occlusion culling")]
-#[doc(alias = "occlusion buffer")]
-#[doc(alias = "software rasterizer")]
+/// The cover of [`Method::Masked`](crate::Method::Masked). Engines without a scene use the same buffer as an
+/// [`OcclusionBuffer`](crate::OcclusionBuffer).
 pub struct MaskedDepth {
     level: Level,
     fill: Fill,
     worker: Worker,
-    /// Workers of the strips of [`MaskedDepth::hide_mesh_in_strips`].
-    workers: Vec<Worker>,
     grid: Grid,
     near: f64,
 }
@@ -95,7 +80,6 @@ impl MaskedDepth {
             level,
             fill: Fill::at(level),
             worker: Worker::at(level),
-            workers: Vec::new(),
             grid: Grid::default(),
             near: 0.0,
         }

@@ -9,80 +9,15 @@
 //!     triangles.
 //! Conservative: lines are moved outwards, and planes towards the eye, by more than the rounding error.
 
-use super::MaskedDepth;
 use super::tiles::{
     ACROSS, BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
     columns_within, masks_of_rect, rows_within, tiles,
 };
-use crate::geom::Aabb;
 use crate::raster::{BAND, Band, HalfPlane, greater, smaller};
-use crate::simd::dispatch;
 use crate::view::aperture::Rect;
-use crate::view::passage::Passage;
-use crate::view::region::{BOXES, EightBoxes, ROUND_UP, Region, Volume};
+use crate::view::region::{ROUND_UP, Region, Volume};
 use fearless_simd::prelude::*;
 use glam::DVec3;
-
-impl MaskedDepth {
-    /// Tests screen rectangles against the buffer, each at one reversed depth (1 / distance along the view direction,
-    /// in scene units).
-    ///
-    /// Sets `seen` to one entry per rectangle, in the order of `rects`: `true` if geometry with that reversed depth may
-    /// be visible at any sample of the rectangle, `false` if closer occluders hide it at all of them. `true` when
-    /// unsure and at equal depth. Rectangles are in pixels (`x1` and `y1` exclusive) and are clipped to the bounding
-    /// rectangle of the aperture; `false` if nothing is left. Give the reversed depth of the nearest point of the
-    /// occludee, rounded up.
-    pub fn sees_rects(&self, rects: &[(Rect, f32)], seen: &mut Vec<bool>) {
-        seen.resize(rects.len(), false);
-        dispatch!(self.level, simd => self.see_rects(simd, rects, seen));
-    }
-
-    #[inline(always)]
-    fn see_rects<S: Simd>(&self, _simd: S, rects: &[(Rect, f32)], seen: &mut [bool]) {
-        for ((rect, nearest), seen) in rects.iter().zip(seen) {
-            *seen = self.grid.shows(rect, *nearest);
-        }
-    }
-
-    /// Tests AABBs, in the space of the passage's sector, against the buffer.
-    ///
-    /// Sets `seen` to one entry per box, in the order of `boxes`: `true` if any part of the box may be visible, `false`
-    /// if occluders hide all of it or it is out of view. `true` when unsure. `passage` must be the one that the buffer
-    /// was cleared for.
-    ///
-    /// Tests each box's screen rectangle at the depth of its nearest corner, eight boxes at a time.
-    /// [`Cover::test`](crate::cover::Cover::test) is slower but tighter: it also uses the outline and the front faces
-    /// of the box.
-    pub fn sees_boxes(&self, passage: &Passage, boxes: &[Aabb], seen: &mut Vec<bool>) {
-        seen.resize(boxes.len(), false);
-        dispatch!(self.level, simd => self.see_boxes(simd, passage, boxes, seen));
-    }
-
-    #[inline(always)]
-    fn see_boxes<S: Simd>(&self, _simd: S, passage: &Passage, boxes: &[Aabb], seen: &mut [bool]) {
-        for (boxes, seen) in boxes.chunks(BOXES).zip(seen.chunks_mut(BOXES)) {
-            let eight = EightBoxes::of(passage, &passage.screen_from_sector, boxes);
-            for (lane, seen) in seen.iter_mut().enumerate() {
-                let (rect, nearest) = eight.rect(lane);
-                *seen = self.grid.shows(&rect, nearest);
-            }
-        }
-    }
-
-    /// Returns the reversed depth (1 / distance along the view direction, in scene units) stored at a sample:
-    /// everything farther, with a smaller reversed depth, is hidden there.
-    ///
-    /// 0 if no occluder is known to cover the sample, infinite if it is outside the aperture. Never nearer than the
-    /// true depth. `x` and `y` are the sample's column and row. They must be inside the bounding rectangle of the
-    /// aperture ([`Aperture::rect`](crate::Aperture::rect)), which is not checked: elsewhere the result may be that of
-    /// another sample or of an earlier view.
-    ///
-    /// # Panics
-    /// May panic if the sample is outside that rectangle.
-    pub fn rev_depth_at(&self, x: u16, y: u16) -> f32 {
-        self.grid.rev_depth_at(x.into(), y.into())
-    }
-}
 
 impl Grid {
     /// Returns `true` if geometry with reversed depth `nearest` may be visible at any sample of `rect`.

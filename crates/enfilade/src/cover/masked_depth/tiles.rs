@@ -278,7 +278,53 @@ pub(super) struct Tiles<'a> {
     pub(super) farthest: &'a mut [f32],
 }
 
-impl Tiles<'_> {
+impl<'a> Tiles<'a> {
+    /// Splits off the tiles below the first `rows` rows of tiles, or below the last row if there are fewer.
+    pub(super) fn split(self, rows: usize) -> (Tiles<'a>, Tiles<'a>) {
+        let Tiles {
+            rect,
+            columns,
+            first_row,
+            tiles,
+            farthest,
+        } = self;
+        let border = first_sample(first_row + rows);
+        let count = (rows * columns).min(tiles.len());
+        let (upper, lower) = tiles.split_at_mut(count);
+        let (farthest_above, farthest_below) = farthest.split_at_mut(count);
+        let above = Tiles {
+            rect: Rect {
+                y1: rect.y1.min(border),
+                ..rect
+            },
+            columns,
+            first_row,
+            tiles: upper,
+            farthest: farthest_above,
+        };
+        let below = Tiles {
+            rect: Rect {
+                y0: rect.y0.max(border),
+                ..rect
+            },
+            columns,
+            first_row: first_row + rows,
+            tiles: lower,
+            farthest: farthest_below,
+        };
+        (above, below)
+    }
+
+    /// Splits the tiles into strips of `rows` rows of tiles each; the last may have fewer.
+    pub(super) fn strips(self, rows: usize) -> impl Iterator<Item = Tiles<'a>> {
+        let mut left = Some(self);
+        std::iter::from_fn(move || {
+            let (strip, below) = left.take()?.split(rows);
+            left = (!below.rect.is_empty()).then_some(below);
+            Some(strip)
+        })
+    }
+
     /// Returns a tile and its [`Tile::farthest`].
     #[inline(always)]
     pub(super) fn tile(&mut self, number: u32) -> (&mut Tile, &mut f32) {
@@ -330,34 +376,9 @@ impl Grid {
         }
     }
 
-    /// Splits the tiles into strips of equal height; returns fewer than `count` if there are not enough rows of tiles.
-    pub(super) fn strips(&mut self, count: usize) -> impl Iterator<Item = Tiles<'_>> {
-        let Grid {
-            rect,
-            columns,
-            ref mut tiles,
-            ref mut farthest,
-            ..
-        } = *self;
-        let last = usize::from(rect.y1).div_ceil(ROWS);
-        let rows = last.div_ceil(count.max(1)).max(1);
-        let tiles = tiles[..last * columns].chunks_mut(rows * columns.max(1));
-        let farthest = farthest[..last * columns].chunks_mut(rows * columns.max(1));
-        let strips = tiles.zip(farthest).enumerate();
-        strips.map(move |(strip, (tiles, farthest))| {
-            let [start, end] = [strip * rows, (strip + 1) * rows].map(first_sample);
-            Tiles {
-                rect: Rect {
-                    y0: rect.y0.max(start),
-                    y1: rect.y1.min(end),
-                    ..rect
-                },
-                columns,
-                first_row: strip * rows,
-                tiles,
-                farthest,
-            }
-        })
+    /// Returns the number of rows of tiles.
+    pub(super) fn rows(&self) -> usize {
+        usize::from(self.rect.y1).div_ceil(ROWS)
     }
 
     /// Clears the tiles of the aperture's rectangle: opens the samples of the aperture and closes all others.

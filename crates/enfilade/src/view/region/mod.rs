@@ -1,8 +1,10 @@
 //! Projection of an AABB through a passage: screen rectangle and nearest depth.
 
 mod eight;
+mod sphere;
 
 pub(crate) use eight::{BOXES, EightBoxes};
+pub(crate) use sphere::sphere_on_screen;
 
 use crate::geom::Aabb;
 use crate::simd::dispatch;

@@ -79,9 +79,8 @@ fn a_rectangle_at_the_stored_depth_of_a_sample_is_seen_and_one_behind_it_is_not(
     // Each as the reference layer of some tiles, and as the working layer of others.
     for panes in [[far.clone(), near.clone()], [near.clone(), far], [smaller, near]] {
         let cover = covered(&passage, &panes);
-        let mut seen = Vec::new();
         for (x, y) in samples(passage.aperture.rect()) {
-            let stored = cover.rev_depth_at(x, y);
+            let stored = cover.known(x, y);
             if stored == 0.0 {
                 continue;
             }
@@ -93,7 +92,7 @@ fn a_rectangle_at_the_stored_depth_of_a_sample_is_seen_and_one_behind_it_is_not(
                     x1: x.max(middle) + 1,
                     y1: y + 1,
                 };
-                cover.sees_rects(&[(rect, stored), (rect, stored.next_down())], &mut seen);
+                let seen = [stored, stored.next_down()].map(|nearest| cover.sees_rect(&rect, nearest));
                 assert_eq!(seen, [true, false], "sample {x} {y} of {rect:?}");
             }
         }

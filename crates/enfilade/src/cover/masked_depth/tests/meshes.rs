@@ -76,19 +76,19 @@ fn passage_of(seed: u64, dice: &mut Dice) -> Passage {
     Passage::at_the_eye(&view, SectorId(0), false)
 }
 
-fn hidden_by(level: Level, mesh: &OccluderMesh, passage: &Passage) -> MaskedDepth {
-    let mut cover = MaskedDepth::at(level);
-    cover.clear(passage);
-    cover.hide_mesh(mesh, passage, &mut Stats::default());
-    cover
+fn hidden_by(level: Level, mesh: &OccluderMesh, passage: &Passage) -> OcclusionBuffer {
+    let mut buffer = OcclusionBuffer::at(level);
+    buffer.begin_passage(passage.clone());
+    buffer.draw(mesh, &Transform::IDENTITY);
+    buffer
 }
 
 /// Compares a buffer with the rasterizer. Returns the number of covered samples, and of those whose stored reversed
 /// depth is less than half the true one.
-fn compare(cover: &MaskedDepth, exact: &ExactDepths, scene: u64) -> [u64; 2] {
+fn compare(cover: &OcclusionBuffer, exact: &ExactDepths, scene: u64) -> [u64; 2] {
     let [mut covered, mut apart] = [0_u64, 0_u64];
     for (x, y) in samples(cover.grid.rect) {
-        let known = cover.rev_depth_at(x, y);
+        let known = cover.known(x, y);
         if known == f32::INFINITY {
             continue;
         }
@@ -108,7 +108,7 @@ fn compare(cover: &MaskedDepth, exact: &ExactDepths, scene: u64) -> [u64; 2] {
     [covered, apart]
 }
 
-fn same_bits(one: &MaskedDepth, other: &MaskedDepth, scene: u64) {
+fn same_bits(one: &OcclusionBuffer, other: &OcclusionBuffer, scene: u64) {
     for (number, (a, b)) in one.grid.tiles.iter().zip(&other.grid.tiles).enumerate() {
         assert_eq!(
             (a.mask, a.reference, a.working),
@@ -119,10 +119,10 @@ fn same_bits(one: &MaskedDepth, other: &MaskedDepth, scene: u64) {
     assert_eq!(one.grid.farthest, other.grid.farthest, "scene {scene}");
 }
 
-fn hidden_by_triangles(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) -> MaskedDepth {
+fn hidden_by_triangles(positions: &[[f32; 3]], corners: &[u32], passage: &Passage) -> OcclusionBuffer {
     hidden_by(
         Level::new(),
-        &OccluderMesh::triangles(positions, corners),
+        &OccluderMesh::unchecked(positions, corners),
         passage,
     )
 }
@@ -159,11 +159,10 @@ fn a_floor_under_the_eye_and_a_wall_that_goes_on_for_miles_need_no_f64() {
     ];
     // Both sides of each triangle, of which one faces the eye.
     let corners = [0, 1, 2, 0, 2, 1, 3, 4, 5, 3, 5, 4];
-    let mesh = OccluderMesh::triangles(&positions, &corners);
-    let mut cover = MaskedDepth::default();
-    let mut stats = Stats::default();
-    cover.clear(&passage);
-    cover.hide_mesh(&mesh, &passage, &mut stats);
+    let mesh = OccluderMesh::unchecked(&positions, &corners);
+    let mut cover = OcclusionBuffer::new();
+    cover.begin_passage(passage.clone());
+    let stats = cover.rasterize([(&mesh, Transform::IDENTITY)]);
     // Only the rasterizer of the exact covers counts samples; the kernels do not.
     assert_eq!(stats.samples, 0);
     let exact = exact(&positions, &corners, &passage);
@@ -217,7 +216,7 @@ fn a_mesh_leaves_the_same_bits_at_every_simd_level() {
         let mesh = if of_quads {
             OccluderMesh::quads(&positions, &corners)
         } else {
-            OccluderMesh::triangles(&positions, &corners)
+            OccluderMesh::unchecked(&positions, &corners)
         };
         let expected = hidden_by(Level::new(), &mesh, &passage);
         for level in levels() {
@@ -228,26 +227,22 @@ fn a_mesh_leaves_the_same_bits_at_every_simd_level() {
 }
 
 #[test]
-fn strips_hide_the_very_samples_of_a_mesh_and_are_nowhere_nearer_by_any_number_of_threads() {
+fn any_number_of_threads_leaves_the_same_bits() {
     let mut covered = 0_u64;
     for seed in 0..80 {
         let mut dice = Dice::new(seed + 8000);
         let passage = passage_of(seed, &mut dice);
         let (positions, corners) = soup(&mut dice, &passage, 200);
         let exact = exact(&positions, &corners, &passage);
-        let mesh = OccluderMesh::triangles(&positions, &corners);
-        let strips = 1 + (40.0 * dice.roll() * dice.roll()) as usize;
-        let in_strips = || {
-            let mut cover = MaskedDepth::default();
-            cover.clear(&passage);
-            cover.hide_mesh_in_strips(&mesh, &passage, strips, &mut Stats::default());
-            cover
-        };
-        let cover = in_strips();
+        let mesh = OccluderMesh::unchecked(&positions, &corners);
+        let cover = hidden_by(Level::new(), &mesh, &passage);
         covered += compare(&cover, &exact, seed)[0];
-        for threads in [1, 3] {
+        for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let other = pool.build().expect("threads").install(in_strips);
+            let other = pool
+                .build()
+                .expect("threads")
+                .install(|| hidden_by(Level::new(), &mesh, &passage));
             same_bits(&cover, &other, seed);
         }
     }
@@ -261,11 +256,11 @@ fn a_triangle_with_a_corner_that_is_no_number_hides_nothing() {
     let sound = [[-90.0, -90.0, -2.0], [90.0, -90.0, -2.0], [0.0, 90.0, -2.0]];
     let all_hidden = |positions: &[[f32; 3]], corners: &[u32]| {
         let cover = hidden_by_triangles(positions, corners, &passage);
-        samples(cover.grid.rect).all(|(x, y)| cover.rev_depth_at(x, y) > 0.0)
+        samples(cover.grid.rect).all(|(x, y)| cover.known(x, y) > 0.0)
     };
     let none_hidden = |positions: &[[f32; 3]], corners: &[u32]| {
         let cover = hidden_by_triangles(positions, corners, &passage);
-        samples(cover.grid.rect).all(|(x, y)| cover.rev_depth_at(x, y) == 0.0)
+        samples(cover.grid.rect).all(|(x, y)| cover.known(x, y) == 0.0)
     };
     assert!(all_hidden(&sound, &[0, 1, 2]));
     assert!(none_hidden(&sound, &[0, 1, 3]), "a corner that is not there");
@@ -292,7 +287,7 @@ fn worlds_as_small_as_atoms_and_as_large_as_the_sky_are_held_as_others() {
             let exact = exact(&positions, &corners, &passage);
             let cover = hidden_by_triangles(&positions, &corners, &passage);
             for (x, y) in samples(cover.grid.rect) {
-                let known = f64::from(cover.rev_depth_at(x, y));
+                let known = f64::from(cover.known(x, y));
                 let truth = exact.rev_depth[usize::from(y) * exact.width + usize::from(x)];
                 assert!(
                     known <= truth,
@@ -369,7 +364,7 @@ fn a_small_flat_quad_is_as_near_as_its_triangles_but_for_what_each_ends_at() {
             let quad = OccluderMesh::quads(&corners, &face);
             // A degenerate triangle between the halves prevents merging.
             let [a, b, c, d] = face;
-            let halves = OccluderMesh::triangles(&corners, &[a, b, c, a, a, a, a, c, d]);
+            let halves = OccluderMesh::unchecked(&corners, &[a, b, c, a, a, a, a, c, d]);
             let quad = hidden_by(Level::new(), &quad, &passage);
             let half = hidden_by(Level::new(), &halves, &passage);
             let mut covered = 0;

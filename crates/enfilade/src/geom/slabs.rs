@@ -96,6 +96,16 @@ impl Line {
         // More than the rounding of the origin and of differences from it, and than `Line::margin`.
         let margin = Vec3A::splat(4e-7 * (farthest + origin.abs().max_element()));
         let scale = self.direction.abs().max_element();
+        if !margin.is_finite() {
+            // Beyond the range of f32; this ray may meet every box.
+            let zero = Vec3A::ZERO;
+            return QuickLine {
+                above: zero,
+                below: zero,
+                inverse: zero,
+                scale: 0.0,
+            };
+        }
         // Along a side that is nearly parallel to it, the ray moves by less than the margin.
         let inverse = (self.inverse * scale).clamp(DVec3::splat(-1e18), DVec3::splat(1e18));
         QuickLine {
@@ -124,6 +134,7 @@ impl QuickLine {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chance::Dice;
 
     #[test]
     fn a_box_within_another_is_entered_no_earlier_and_a_flat_one_at_once() {
@@ -141,6 +152,60 @@ mod tests {
         assert_eq!(whole, [1.5, 2.0]);
         assert_eq!(part, [1.625; 2]);
         assert_eq!(line.meets(&unit, 0.0, 1.4), None);
+    }
+
+    #[test]
+    fn a_quick_ray_meets_every_box_that_a_ray_meets_and_few_others() {
+        let mut dice = Dice::new(3);
+        let [mut met, mut more] = [0; 2];
+        for _ in 0..20_000 {
+            let far = dice.by_ratio(1e-6, 1e12);
+            let mut direction = dice.direction() * dice.by_ratio(1e-30, 1e30);
+            if dice.below(3) == 0 {
+                direction[dice.below(3)] = 0.0;
+            }
+            let origin = dice.point(far) * dice.by_ratio(1e-3, 1e3);
+            let Some(line) = Line::new(origin, direction) else {
+                continue;
+            };
+            let boxed = |dice: &mut Dice| {
+                let [a, b] = [(); 2].map(|()| dice.point(far).as_vec3());
+                let [mut a, mut b] = [a, a.lerp(b, dice.by_ratio(1e-4, 1.0) as f32)];
+                let axis = dice.below(3);
+                match dice.below(4) {
+                    // Flat, or in line with the origin along an axis.
+                    0 => b[axis] = a[axis],
+                    1 => a[axis] = origin.as_vec3()[axis],
+                    _ => {}
+                }
+                Aabb::of([a.into(), b.into()])
+            };
+            let boxes = [(); 8].map(|()| boxed(&mut dice));
+            let space = boxes.iter().fold(Aabb::EMPTY, |sum, held| sum.union(held));
+            let quick = line.quick(&space);
+            for bounds in &boxes {
+                let limit = match line.meets(bounds, line.margin(bounds), f64::INFINITY) {
+                    // Just as far as the box.
+                    Some([enter, _]) if dice.below(2) == 0 => enter,
+                    _ => f64::INFINITY,
+                };
+                let meets = line.meets(bounds, line.margin(bounds), limit).is_some();
+                let may_meet = quick.may_meet(bounds, limit);
+                assert!(may_meet || !meets, "{line:?}, {bounds:?}, {limit}");
+                met += usize::from(meets);
+                more += usize::from(may_meet && !meets);
+            }
+        }
+        assert!(
+            met > 1000 && more < met / 10,
+            "{met} boxes are met, and {more} others"
+        );
+        let outside = Line::new(DVec3::splat(1e60), DVec3::X).expect("a line");
+        assert!(
+            outside
+                .quick(&Aabb::of([[1.0; 3]]))
+                .may_meet(&Aabb::of([[1.0; 3]]), 1.0)
+        );
     }
 
     #[test]

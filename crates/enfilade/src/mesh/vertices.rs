@@ -181,14 +181,13 @@ mod tests {
 
     #[test]
     fn a_buffer_has_as_many_vertices_as_are_whole() {
-        let strided = |len: usize| -> Vertices<'static, 3> {
-            Vertices::Strided {
-                bytes: &[0; 64][..len],
+        let buffer = [0; 64];
+        for (len, count) in [(0, 0), (11, 0), (12, 1), (31, 1), (32, 2), (52, 3), (64, 3)] {
+            let vertices: Vertices<3> = Vertices::Strided {
+                bytes: &buffer[..len],
                 stride: 20,
-            }
-        };
-        for (bytes, vertices) in [(0, 0), (11, 0), (12, 1), (31, 1), (32, 2), (52, 3), (64, 3)] {
-            assert_eq!(strided(bytes).len(), vertices, "{bytes} bytes");
+            };
+            assert_eq!(vertices.len(), count, "{len} bytes");
         }
     }
 }

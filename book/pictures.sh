@@ -74,5 +74,5 @@ for camera in bottles panes; do
 done
 
 # A clip. The example writes it into its working directory.
-cargo build --release --package enfilade_draw --example 04_hundred_people
-(cd book/src/pictures && "$OLDPWD/target/release/examples/04_hundred_people")
+cargo build --release --package enfilade_draw --example 06_hundred_people
+(cd book/src/pictures && "$OLDPWD/target/release/examples/06_hundred_people")

@@ -24,6 +24,13 @@ pub struct Entity {
     pub sector: SectorId,
 }
 
+impl Entity {
+    /// Creates an entity from the engine's number and its sector.
+    pub fn new(key: u64, sector: SectorId) -> Entity {
+        Entity { key, sector }
+    }
+}
+
 /// A new entity.
 #[derive(Clone, Copy, Debug)]
 pub struct Spawn {

@@ -1,6 +1,6 @@
 //! Two rooms joined by a doorway: which items are visible from five positions along the wall.
 //!
-//! Run with `cargo run --example 01_two_rooms -p enfilade`.
+//! Run with `cargo run --example 03_rooms -p enfilade`.
 #![expect(clippy::print_stdout, reason = "examples print")]
 
 use enfilade::*;
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Keep one viewer per camera: it reuses its buffers and the visible set of the last frame.
     let mut viewer = Viewer::new();
     for x in [-2.0, -1.0, 0.0, 1.0, 2.0] {
-        let view = View::new([x, 1.0, 3.0], [x, 1.0, 0.0], [640, 360]).expect("a valid view");
+        let view = View::new([x, 1.0, 3.0], [x, 1.0, 0.0], [640, 360])?;
         let set = viewer.look(&scene, &view);
         println!("from x = {x}:");
         for (item, name) in set.items().iter().zip(set.names(&scene)) {

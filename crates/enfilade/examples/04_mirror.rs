@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         mirrored: false,
         rows: vec![vec![b'.'; 72]; 24],
     };
-    let view = View::new([0.0, 1.0, 0.0], [0.0, 1.0, -3.0], [72, 24]).expect("a valid view");
+    let view = View::new([0.0, 1.0, 0.0], [0.0, 1.0, -3.0], [72, 24])?;
     let mut viewer = Viewer::new();
     let set = viewer.draw(&scene, &view, &mut letters);
     for (item, name) in set.items().iter().zip(set.names(&scene)) {

@@ -197,7 +197,7 @@ mod tests {
             }
         }
         assert!(
-            met > 1000 && more < met / 10,
+            met > 500 && more < met / 10,
             "{met} boxes are met, and {more} others"
         );
         let outside = Line::new(DVec3::splat(1e60), DVec3::X).expect("a line");

@@ -65,7 +65,11 @@ impl Shapes {
         let first = corners.step_by(self.sides);
         // The first three corners, and of a quad the first and the last two.
         let halves = (2..self.sides as u32).collect::<Vec<_>>();
-        let face = |first: u32| halves.iter().flat_map(move |&last| [first, first + last - 1, first + last]);
+        let face = |first: u32| {
+            halves
+                .iter()
+                .flat_map(move |&last| [first, first + last - 1, first + last])
+        };
         let indices: Vec<u32> = first.flat_map(face).collect();
         OccluderMesh::triangles(&self.positions, &indices).expect("whole triangles")
     }

@@ -244,7 +244,9 @@ mod tests {
 
     /// Compares a buffer with the truth, given its reversed depth at column x and row y.
     fn check(truth: &Truth, rev_depth_at: impl Fn(usize, usize) -> f32) -> ErrorCounts {
-        let depth: Vec<f32> = (0..32 * 16).map(|place| rev_depth_at(place % 32, place / 32)).collect();
+        let depth: Vec<f32> = (0..32 * 16)
+            .map(|place| rev_depth_at(place % 32, place / 32))
+            .collect();
         truth.check(&depth)
     }
 

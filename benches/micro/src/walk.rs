@@ -70,7 +70,8 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
             let mut visible = vec![0; boxes.len().div_ceil(64)];
             empty.test_boxes(&boxes, &mut visible);
             let in_view = are_visible(&visible, boxes.len()).enumerate();
-            let is_here = |&(part, visible): &(usize, bool)| visible && parts[part].sector == survey_view.sector;
+            let is_here =
+                |&(part, visible): &(usize, bool)| visible && parts[part].sector == survey_view.sector;
             WalkView {
                 lens: Lens::new(&view),
                 view,
@@ -144,7 +145,10 @@ impl Walk {
     /// Clears the buffer and rasterizes everything in a view.
     fn fill(&self, look: &WalkView, screen: &mut Screen) {
         screen.cover.begin(&look.view);
-        let meshes = look.parts.iter().map(|&part| (&self.parts[part].mesh, Transform::IDENTITY));
+        let meshes = look
+            .parts
+            .iter()
+            .map(|&part| (&self.parts[part].mesh, Transform::IDENTITY));
         screen.cover.draw_all(meshes);
     }
 }

@@ -38,6 +38,14 @@ pub struct ViewerOptions {
     /// A lower resolution is faster and reports more hidden items: such a method is conservative. Values are clamped to
     /// 1 to the screen's size.
     pub cover_size: Option<[u32; 2]>,
+    /// The layers to look at, one bit each; items that are in none of them ([`ItemOptions::layers`]) are neither visible
+    /// nor occluders. Default: all. Here and not in the view, because it belongs to what the viewer is for (a shadow map,
+    /// a minimap), not to where its camera is. Custom sectors find it in [`Passage::options`](crate::Passage::options).
+    ///
+    /// [`ItemOptions::layers`]: crate::ItemOptions::layers
+    #[doc(alias = "culling mask")]
+    #[doc(alias = "layer mask")]
+    pub layers: u32,
 }
 
 impl Default for ViewerOptions {
@@ -48,6 +56,7 @@ impl Default for ViewerOptions {
             parallel: true,
             occluders: None,
             cover_size: None,
+            layers: u32::MAX,
         }
     }
 }

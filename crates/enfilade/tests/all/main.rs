@@ -9,6 +9,7 @@ mod degenerate;
 mod detail;
 mod dynamic;
 mod edits;
+mod kinds;
 mod known;
 mod large_terrain;
 mod limits;

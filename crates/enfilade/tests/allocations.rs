@@ -2,7 +2,8 @@
 
 use allocation_counter::measure;
 use enfilade::{
-    GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, PortalId, Scene, SectorId, Transform, View, Viewer,
+    GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, PortalId, Scene, SectorId, Transform, View,
+    Viewer,
 };
 use enfilade_scenes::{Camera, built_in};
 use rayon::ThreadPoolBuilder;
@@ -89,17 +90,24 @@ fn nor_does_a_frame_in_which_everything_moves() {
         let mut refused = Vec::new();
         let mut frame = |moment: u16| {
             let mut edit = scene.edit();
-            let moves = ids.iter().zip(0..).map(|(&id, number)| (id, place(number, moment)));
-            edit.set_transforms(SectorId(0), moves, &mut refused).expect("a sector");
+            let moves = ids
+                .iter()
+                .zip(0..)
+                .map(|(&id, number)| (id, place(number, moment)));
+            edit.set_transforms(SectorId(0), moves, &mut refused)
+                .expect("a sector");
             assert!(refused.is_empty());
             let edited = edit.finish().expect("small");
             assert_eq!((edited.items, edited.rebuilt), (u64::from(SIDE * SIDE), 0));
             viewer.look(&scene, &view).items().len()
         };
         assert!((0..400).map(&mut frame).all(|seen| seen > 50));
-        let allocated = measure(|| (400..440).for_each(|moment| {
-            frame(moment);
-        })).count_total;
+        let allocated = measure(|| {
+            (400..440).for_each(|moment| {
+                frame(moment);
+            })
+        })
+        .count_total;
         assert_eq!(allocated, 0, "{method}");
     }
 }

@@ -150,14 +150,22 @@ impl<O: Order, C: Paints> Paired<O, C> {
             let screen_from_item = passage.screen_from(&geometry.item(item).transform());
             let bounds = geometry.mesh_of(item).clusters()[cluster as usize].bounds;
             let region = Region::of(passage, &screen_from_item, &bounds);
-            if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.test(&region) != Visibility::Hidden) {
-                let faces = Faces::of_cluster(geometry, item, cluster, &screen_from_item);
-                if faces.count() == 0 {
-                    // An item that is only bounds owns no sample.
-                    seen.report.owners.push((item, cluster));
-                } else {
-                    cover.look_through(&faces, passage, &mut memory.stats, seen);
-                }
+            let Some(region) =
+                region.filter(|region| !C::KEEPS_DEPTHS || cover.test(region) != Visibility::Hidden)
+            else {
+                continue;
+            };
+            let faces = Faces::of_cluster(geometry, item, cluster, &screen_from_item);
+            if faces.count() > 0 {
+                cover.look_through(&faces, passage, &mut memory.stats, seen);
+                continue;
+            }
+            // An item that is only bounds owns no sample. Where a plane cuts it, its sides do not enclose what is seen.
+            let is_cut = passage.entry.is_some() || passage.is_before_near(&region);
+            let corners = bounds.corners();
+            let sides = faces.of_sides(&corners);
+            if is_cut || shows(&mut *cover, &sides, passage, &mut memory.stats, seen) {
+                seen.report.owners.push((item, cluster));
             }
         }
         cover.finish(geometry, passage, seen, reborrow(&mut canvas));
@@ -168,6 +176,21 @@ impl<O: Order, C: Paints> Paired<O, C> {
         memory.put_back(work);
         memory.put_back(scratch);
     }
+}
+
+/// Whether transparent faces are visible at any sample; reports nothing.
+fn shows(
+    cover: &mut impl Paints,
+    faces: &Faces,
+    passage: &Passage,
+    stats: &mut Stats,
+    seen: &mut Collector,
+) -> bool {
+    let before = seen.glass.len();
+    cover.look_through(faces, passage, stats, seen);
+    let shows = seen.glass.len() > before;
+    seen.glass.truncate(before);
+    shows
 }
 
 /// Reborrows an optional canvas.

@@ -3,7 +3,8 @@
 use crate::subject::{SIZE, drawn, limits, subject, viewer};
 use enfilade::laws::{self, Reference};
 use enfilade::{
-    Contract, Geometry, GeometryBuilder, ItemIndex, ItemOptions, Limits, Mesh, Method, Scene, View, VisibleSet,
+    Contract, Geometry, GeometryBuilder, ItemIndex, ItemOptions, Limits, Mesh, Method, Scene, View,
+    VisibleSet,
 };
 use enfilade_scenes::{BuiltIn, Random, random_scene};
 use std::sync::Arc;
@@ -15,7 +16,9 @@ fn with_kinds(geometry: &Geometry, random: &mut Random) -> Geometry {
     for (index, item) in (0..).map(ItemIndex).zip(geometry.items()) {
         let bounds = geometry.mesh_of(index).bounds();
         let is_bounds = random.below(5) == 0;
-        let only_bounds = Mesh::bounds_only(bounds.min, bounds.max).ok().filter(|_| is_bounds);
+        let only_bounds = Mesh::bounds_only(bounds.min, bounds.max)
+            .ok()
+            .filter(|_| is_bounds);
         let own = Arc::clone(&geometry.meshes()[item.mesh.0 as usize]);
         let mesh = builder.mesh(only_bounds.map_or(own, Arc::new));
         let built = builder.item(geometry.name(index), mesh, item.transform());
@@ -43,7 +46,9 @@ fn stage(name: Option<&str>, seed: u64) -> (Scene, Vec<View>) {
     let mut random = Random::new(seed);
     for id in scene.sectors() {
         let geometry = with_kinds(scene.geometry(id).expect("ours"), &mut random);
-        scene.set_method(id, Method::ZBuffer).expect("it takes any geometry");
+        scene
+            .set_method(id, Method::ZBuffer)
+            .expect("it takes any geometry");
         scene.set_geometry(id, geometry).expect("the same openings");
     }
     let size = if name.is_some() { SIZE } else { [64, 48] };
@@ -69,7 +74,10 @@ fn holds_what_it_must(scene: &Scene, set: &VisibleSet, layers: u32, what: &str) 
     let mut anyway = 0;
     for (number, passage) in set.passages().iter().enumerate() {
         let geometry = scene.geometry(passage.sector).expect("ours");
-        let own = set.items().iter().filter(|seen| seen.passage.0 as usize == number);
+        let own = set
+            .items()
+            .iter()
+            .filter(|seen| seen.passage.0 as usize == number);
         let listed: Vec<ItemIndex> = own.map(|seen| seen.item.index).collect();
         assert!(listed.is_sorted_by(|a, b| a < b), "{what}: {listed:?}");
         for (index, item) in (0..).map(ItemIndex).zip(geometry.items()) {
@@ -94,7 +102,11 @@ fn the_laws_hold_for_items_of_every_kind() {
     let (mut visible, mut anyway) = (0, 0);
     on_all_stages(|name, scene, views| {
         let report = laws::check(scene, views, limits());
-        let broken: Vec<String> = report.broken.iter().map(|broken| format!("{broken}, {:?}", broken.view)).collect();
+        let broken: Vec<String> = report
+            .broken
+            .iter()
+            .map(|broken| format!("{broken}, {:?}", broken.view))
+            .collect();
         assert!(broken.is_empty(), "@{name}:\n{}", broken.join("\n"));
         visible += report.visible;
         let mut viewer = viewer();

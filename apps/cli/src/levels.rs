@@ -77,5 +77,5 @@ impl Leveled {
 /// Whether an item is an occluder, which it is at full detail only: LODs occlude nothing.
 fn is_occluder(scene: &Scene, sector: SectorId, item: ItemIndex) -> bool {
     let geometry = scene.geometry(sector);
-    geometry.is_some_and(|geometry| geometry.item(item).is_occluder)
+    geometry.is_some_and(|geometry| geometry.item(item).options.is_occluder)
 }

@@ -94,7 +94,7 @@ pub(super) fn rows(scene: &Scene, wanted: impl Fn(&str) -> bool) -> Result<Vec<R
 impl Part {
     /// Returns `None` for an item that occludes nothing.
     fn new(sector: SectorId, geometry: &Geometry, item: ItemIndex) -> Option<Part> {
-        if !geometry.holds(item) || !geometry.item(item).is_occluder {
+        if !geometry.holds(item) || !geometry.item(item).options.is_occluder {
             return None;
         }
         let mesh = geometry.mesh_of(item);

@@ -1,13 +1,13 @@
-//! Cost of motion: a town of 10,000 items, 1,000 of which move, edited and looked at in every frame; and the quality of
-//! the trees after 100,000 edits.
+//! Cost of motion: a town of 10,000 items, 1,000 of which move, edited and looked at in every frame; the quality of the
+//! trees after 100,000 edits; and a city of 10,000 boxes, 500 or all of which move in every frame, on one thread.
 //!
 //! Touched nodes and tested boxes are counted; exceeding the limit is an error. With `cargo test` the town is a tenth
 //! as large, and nothing is timed.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
-    GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId, Transform,
-    View, Viewer,
+    GeometryBuilder, ItemId, ItemIndex, Material, MaterialId, Mesh, Method, Scene, SceneBuilder, SectorId,
+    Transform, View, Viewer,
 };
 use std::hint::black_box;
 use std::time::Instant;
@@ -220,13 +220,108 @@ fn quality(things: u32, edits: u32) {
     }
 }
 
+/// Maximum ratio of the time of a look after many edits to that at a scene built from scratch.
+const MAX_SLOWER: f64 = 1.3;
+
+/// Returns the transform of a box of a city with `side` boxes along each side: it goes to and fro between its
+/// neighbours, 0.3 per frame.
+fn box_of_city(number: u32, moment: u32, side: u32) -> Transform {
+    let at = [number % side, number / side].map(|step| step as f32 * BLOCK);
+    let phase = number.wrapping_mul(2_654_435_761) >> 8;
+    let way = ((moment * 3 + phase) % 100) as f32 * 0.1;
+    let way = if way > 5.0 { 10.0 - way } else { way };
+    let along = if phase.is_multiple_of(2) {
+        [way, 0.0]
+    } else {
+        [0.0, way]
+    };
+    Transform::translation([at[0] + along[0], 0.0, at[1] + along[1]])
+}
+
+/// Measures frames in which `moving` of the boxes of a city move, and a look after them against one at a new scene.
+fn city(side: u32, moving: u32, times: bool) {
+    const FRAMES: u32 = 200;
+    let method = Method::Masked;
+    let boxes = side * side;
+    let mut city = GeometryBuilder::new([Material::opaque([0.6; 3])]);
+    let kinds = [0, 1, 2, 3].map(|kind| {
+        let [wide, high] = [5.0 + kind as f32, 6.0 + 4.0 * kind as f32];
+        city.mesh(cuboid([wide, high, 6.5]))
+    });
+    let ids: Vec<ItemId> = (0..boxes)
+        .map(|number| city.item("box", kinds[number as usize % 4], box_of_city(number, 0, side)))
+        .collect();
+    let mut scene = Scene::single(city.build().expect("a city"), method).expect("a city");
+    let mut viewer = viewer();
+    let view = {
+        let middle = (side / 2) as f32 * BLOCK + 0.5 * BLOCK;
+        View::new([middle, 12.0, middle], [middle + 40.0, 6.0, middle + 90.0], SIZE).expect("a valid view")
+    };
+    let mut refused = Vec::new();
+    let (mut requests, mut finishes, mut looks) = (Vec::new(), Vec::new(), Vec::new());
+    for moment in 1..=FRAMES {
+        let mut edit = scene.edit();
+        requests.push(ms(|| {
+            let numbers = (0..moving).map(|number| number * (boxes / moving));
+            let moves = numbers.map(|number| (ids[number as usize], box_of_city(number, moment, side)));
+            edit.set_transforms(TOWN, moves, &mut refused)
+                .expect("it is no custom sector");
+        }));
+        assert!(refused.is_empty(), "{refused:?}");
+        let start = Instant::now();
+        let edited = edit.finish().expect("a small city");
+        finishes.push(start.elapsed().as_secs_f64() * 1e3);
+        assert_eq!((edited.items, edited.rebuilt), (u64::from(moving), 0));
+        looks.push(ms(|| {
+            black_box(viewer.look(&scene, &view));
+        }));
+    }
+    // Alternately, so that both have the same share of disturbances.
+    let fresh = scene.with_method(method, u64::MAX).expect("a small city");
+    let mut least = [f64::INFINITY; 2];
+    for _ in 0..if times { 200 } else { 1 } {
+        for (scene, least) in [&scene, &fresh].into_iter().zip(&mut least) {
+            *least = least.min(ms(|| {
+                black_box(viewer.look(scene, &view));
+            }));
+        }
+    }
+    let seen = [&scene, &fresh].map(|scene| viewer.look(scene, &view).items().len());
+    assert!(
+        seen[0] > 10 && seen[0].abs_diff(seen[1]) <= seen[1] / 10,
+        "{seen:?} seen"
+    );
+    if times {
+        let least_of = |times: &[f64]| times[20..].iter().copied().fold(f64::INFINITY, f64::min);
+        println!(
+            "{boxes:8}{moving:8}{:12.3}{:12.3}{:12.3}{:12.2}{:7}",
+            least_of(&requests),
+            least_of(&finishes),
+            least_of(&looks),
+            least[0] / least[1],
+            seen[0]
+        );
+        assert!(least[0] <= MAX_SLOWER * least[1], "a look takes {least:?} ms");
+    }
+}
+
+fn cities(side: u32, times: bool) {
+    println!("\nmasked, one thread, minimum of 180 frames; a look after them against one at a new scene");
+    println!("   boxes  moving  request ms   finish ms     look ms     / fresh   seen");
+    for moving in [side * side / 20, side * side] {
+        city(side, moving, times);
+    }
+}
+
 fn main() {
     let times = std::env::args().any(|argument| argument == "--bench");
     if times {
         moving(10_000, true);
         quality(10_000, 100_000);
+        cities(100, true);
     } else {
         moving(1000, false);
         quality(1000, 10_000);
+        cities(20, false);
     }
 }

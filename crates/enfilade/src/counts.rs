@@ -38,7 +38,7 @@ impl VisibleSet {
     }
 
     /// Counts the items that frustum culling alone would draw in the visible sectors; returns their number and that of
-    /// their triangles.
+    /// their triangles. Those that the look ignored or that are not drawn do not count, those that are never culled do.
     ///
     /// An item counts once, if its AABB may be inside the frustum of any passage into its sector: that of the whole
     /// screen, not of the aperture, beyond the last portal. For custom sectors uses
@@ -54,9 +54,17 @@ impl VisibleSet {
                 }
             };
             if let Some(geometry) = scene.geometry(passage.sector) {
+                let mut meet = |item| meet(item, &|| geometry.mesh_of(item).triangle_count());
                 geometry.items_in_passage(passage, |item| {
-                    meet(item, &|| geometry.mesh_of(item).triangle_count());
+                    let placed = geometry.item(item);
+                    if placed.options.is_drawn && passage.takes(placed) {
+                        meet(item);
+                    }
                 });
+                let anyway = geometry.never_culled().iter();
+                anyway
+                    .filter(|&&item| passage.takes_always(geometry.item(item)))
+                    .for_each(|&item| meet(item));
                 continue;
             }
             let own = scene.sector(passage.sector);

@@ -117,6 +117,22 @@ impl<'a> Faces<'a> {
         }
     }
 
+    /// Returns the sides of a box in place of a cluster without faces; `corners` as [`Aabb::corners`](crate::Aabb).
+    pub(crate) fn of_sides(&self, corners: &'a [[f32; 3]; 8]) -> Faces<'a> {
+        const SIDES: [u32; 36] = [
+            0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5,
+            7, 4, 7, 6,
+        ];
+        Faces {
+            positions: corners,
+            first_position: 0,
+            corners: &SIDES,
+            starts: None,
+            neighbours: &[],
+            ..*self
+        }
+    }
+
     /// Returns one face of an item, clipped by `cuts`.
     #[cfg(feature = "classic")]
     pub(crate) fn of_face(

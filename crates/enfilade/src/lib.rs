@@ -126,8 +126,8 @@ pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 pub use geometry::{
     Alpha, BakedCells, BakedCellsError, CellNode, CellSide, CellTree, Filter, Geometry, GeometryBuilder,
-    GeometryError, Item, ItemLabel, Material, Minify, MovedItem, Opening, Owner, Owners, Texture,
-    TextureError, Wrap,
+    GeometryError, Item, ItemLabel, ItemOptions, Material, Minify, MovedItem, Opening, Owner, Owners,
+    Texture, TextureError, Wrap,
 };
 pub use ids::{
     CellId, ItemId, ItemIndex, LightId, MaterialId, MeshId, NestedId, OpeningId, PassageId, PortalId,

@@ -245,7 +245,24 @@ impl Look<'_> {
                 known => known.iter().any(|&number| is_glass(&clusters[number as usize])),
             }
         };
-        self.set.items.extend(seen.items.iter().map(|seen| {
+        let is_drawn = |geometry: &Geometry, item: &CollectedItem| geometry.item(item.item).options.is_drawn;
+        let drawn = seen
+            .items
+            .iter()
+            .filter(|item| geometry.is_none_or(|geometry| is_drawn(geometry, item)));
+        let anyway = geometry
+            .map_or(&[][..], |geometry| geometry.never_culled())
+            .iter()
+            .filter(|&&item| {
+                let is_new = seen.items.binary_search_by_key(&item, |seen| seen.item).is_err();
+                is_new && geometry.is_some_and(|geometry| passage.takes_always(geometry.item(item)))
+            });
+        let anyway = anyway.map(|&item| CollectedItem {
+            item,
+            clusters: [0, 0],
+        });
+        let first = self.set.items.len();
+        self.set.items.extend(drawn.copied().chain(anyway).map(|seen| {
             let (item, key, region) = match geometry {
                 Some(geometry) => {
                     let screen_from_item = passage.screen_from(&geometry.item(seen.item).transform());
@@ -268,10 +285,13 @@ impl Look<'_> {
                 item,
                 key,
                 size_px,
-                blends: geometry.is_some_and(|geometry| blends(geometry, seen)),
+                blends: geometry.is_some_and(|geometry| blends(geometry, &seen)),
                 clusters: seen.clusters.map(|at| at + shift),
             }
         }));
+        if geometry.is_some_and(|geometry| !geometry.never_culled().is_empty()) {
+            self.set.items[first..].sort_unstable_by_key(|seen| seen.item);
+        }
     }
 
     /// Returns the passage behind an opening if its portal is open and within the limits; otherwise draws the opening

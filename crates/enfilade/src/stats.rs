@@ -28,6 +28,10 @@ pub struct Stats {
     pub spans: SpanStats,
     /// Samples owned by a face; each is shaded once.
     pub samples_owned: u64,
+    /// Items that the traversal reached and that were ignored for their distance or size
+    /// ([`ItemOptions::max_distance`](crate::ItemOptions::max_distance),
+    /// [`ItemOptions::min_size_px`](crate::ItemOptions::min_size_px)): they may be visible.
+    pub items_ignored: u64,
 }
 
 /// Span comparisons of s-buffers, by how the nearer face was determined.
@@ -64,6 +68,7 @@ impl Stats {
             occluders,
             spans,
             samples_owned,
+            items_ignored,
         } = part;
         self.boxes_tested += boxes_tested;
         self.boxes_hidden += boxes_hidden;
@@ -81,10 +86,11 @@ impl Stats {
         self.spans.by_plane += spans.by_plane;
         self.spans.by_depth += spans.by_depth;
         self.samples_owned += samples_owned;
+        self.items_ignored += items_ignored;
     }
 
     /// Returns every counter with its name, in a fixed order.
-    pub fn each(&self) -> [(&'static str, u64); 16] {
+    pub fn each(&self) -> [(&'static str, u64); 17] {
         [
             ("boxes_tested", self.boxes_tested),
             ("boxes_hidden", self.boxes_hidden),
@@ -102,6 +108,7 @@ impl Stats {
             ("spans_by_plane", self.spans.by_plane),
             ("spans_by_depth", self.spans.by_depth),
             ("samples_owned", self.samples_owned),
+            ("items_ignored", self.items_ignored),
         ]
     }
 }

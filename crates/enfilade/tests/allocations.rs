@@ -1,8 +1,9 @@
-//! Looks allocate nothing once their buffers have grown.
+//! Looks, and edits that move items, allocate nothing once their buffers have grown.
 
 use allocation_counter::measure;
 use enfilade::{
-    Aabb, Camera, Method, OccluderMesh, OcclusionBuffer, PortalId, Scene, Transform, View, Viewer,
+    Aabb, Camera, GeometryBuilder, ItemId, Material, MaterialId, Mesh, Method, OccluderMesh, OcclusionBuffer,
+    PortalId, Scene, SectorId, Transform, View, Viewer,
 };
 use enfilade_scenes::built_in;
 use rayon::ThreadPoolBuilder;
@@ -99,5 +100,49 @@ fn nor_does_an_occlusion_buffer_without_a_scene() {
             (0..16).for_each(|_| round());
             assert_eq!(measure(&mut round).count_total, 0, "by {threads} threads");
         });
+    }
+}
+
+#[test]
+fn nor_does_a_frame_in_which_everything_moves() {
+    const SIDE: u16 = 24;
+    let place = |number: u16, moment: u16| {
+        let [x, z] = [number % SIDE, number / SIDE].map(|step| 3.0 * f32::from(step));
+        let phase = f32::from(moment % 40 + 7 * number % 40) * std::f32::consts::TAU / 40.0;
+        Transform::translation([x + 2.0 * phase.cos(), 0.0, z + 2.0 * phase.sin()])
+    };
+    for method in [Method::ZBuffer, Method::SBuffer, Method::Masked] {
+        let mut crowd = GeometryBuilder::new([Material::opaque([0.5; 3])]);
+        let body = Mesh::cuboid([-0.4, 0.0, -0.4], [0.4, 1.8, 0.4], MaterialId(0)).expect("a box");
+        let body = crowd.mesh(body);
+        let ids: Vec<ItemId> = (0..SIDE * SIDE)
+            .map(|number| crowd.item("", body, place(number, 0)))
+            .collect();
+        let mut scene = Scene::single(crowd.build().expect("sound"), method).expect("small");
+        let mut viewer = Viewer::new();
+        viewer.options.parallel = false;
+        let view = View::new([-5.0, 6.0, -5.0], [30.0, 0.0, 30.0], SMALL).expect("a valid view");
+        let mut refused = Vec::new();
+        let mut frame = |moment: u16| {
+            let mut edit = scene.edit();
+            let moves = ids
+                .iter()
+                .zip(0..)
+                .map(|(&id, number)| (id, place(number, moment)));
+            edit.set_transforms(SectorId(0), moves, &mut refused)
+                .expect("a sector");
+            assert!(refused.is_empty());
+            let edited = edit.finish().expect("small");
+            assert_eq!((edited.items, edited.rebuilt), (u64::from(SIDE * SIDE), 0));
+            viewer.look(&scene, &view).items().len()
+        };
+        assert!((0..400).map(&mut frame).all(|seen| seen > 50));
+        let allocated = measure(|| {
+            (400..440).for_each(|moment| {
+                frame(moment);
+            })
+        })
+        .count_total;
+        assert_eq!(allocated, 0, "{method}");
     }
 }

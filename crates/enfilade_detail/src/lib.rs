@@ -23,7 +23,10 @@ pub use bezier::{BezierError, BezierPatch, BezierSurface};
 pub use source::DetailSource;
 
 use choose::WantedLevel;
-use enfilade::{EditError, ItemId, MAX_COORDINATE, Mesh, Scene, SceneError, SectorId, Transform, VisibleSet};
+use enfilade::{
+    Edit, EditError, ItemId, ItemOptions, MAX_COORDINATE, Mesh, Scene, SceneError, SectorId, Transform,
+    VisibleSet,
+};
 use source::Levels;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -132,7 +135,11 @@ impl Details {
         let mut edit = scene.edit();
         let volume = Arc::clone(self.sources[&source].mesh(None));
         let item = edit.add(sector, name, volume, sector_from_item)?;
-        edit.set_occluder(sector, item, false)?;
+        let options = ItemOptions {
+            is_occluder: false,
+            ..ItemOptions::default()
+        };
+        edit.set_options(sector, item, options)?;
         edit.finish()?;
         self.items.insert((sector, item), DetailedItem::new(source, true));
         Ok(item)
@@ -149,7 +156,8 @@ impl Details {
     ) -> Result<(), DetailError> {
         let mut adopted = Vec::new();
         for (sector, item, source) in items {
-            let is_occluder = scene_item(scene, (sector, item)).is_none_or(|(_, is_occluder)| is_occluder);
+            let is_occluder =
+                scene_item(scene, (sector, item)).is_none_or(|(_, options)| options.is_occluder);
             adopted.push((
                 (sector, item),
                 DetailedItem::new(self.levels_of(source)?, is_occluder),
@@ -158,7 +166,7 @@ impl Details {
         let mut edit = scene.edit();
         for ((sector, item), held) in &adopted {
             edit.set_mesh(*sector, *item, Arc::clone(self.sources[&held.source].mesh(None)))?;
-            edit.set_occluder(*sector, *item, false)?;
+            set_occluder(&mut edit, (*sector, *item), false)?;
         }
         edit.finish()?;
         self.items.extend(adopted);
@@ -286,7 +294,7 @@ impl Details {
             let is_occluder = held.may_hide && levels.is_exact(level);
             let asked = edit
                 .set_mesh(key.0, key.1, Arc::clone(levels.mesh(level)))
-                .and_then(|()| edit.set_occluder(key.0, key.1, is_occluder));
+                .and_then(|()| set_occluder(&mut edit, key, is_occluder));
             if let Err(why) = asked {
                 self.items.remove(&key);
                 refined.failed.push((key.0, key.1, why.to_string()));
@@ -331,12 +339,22 @@ impl DetailedItem {
     }
 }
 
-/// Returns the mesh of an item and whether it is an occluder.
-fn scene_item(scene: &Scene, (sector, item): Key) -> Option<(&Arc<Mesh>, bool)> {
+/// Sets whether an item is an occluder, and keeps its other options.
+fn set_occluder(edit: &mut Edit, (sector, item): Key, is_occluder: bool) -> Result<(), EditError> {
+    let known = scene_item(edit.scene(), (sector, item));
+    let options = ItemOptions {
+        is_occluder,
+        ..known.map_or_else(ItemOptions::default, |(_, options)| options)
+    };
+    edit.set_options(sector, item, options)
+}
+
+/// Returns the mesh and the options of an item.
+fn scene_item(scene: &Scene, (sector, item): Key) -> Option<(&Arc<Mesh>, ItemOptions)> {
     let there = (sector.0 as usize) < scene.sector_count();
     let geometry = there.then(|| scene.geometry(sector)).flatten()?;
     let item = geometry.item(geometry.index_of(item)?);
-    Some((&geometry.meshes()[item.mesh.0 as usize], item.is_occluder))
+    Some((&geometry.meshes()[item.mesh.0 as usize], item.options))
 }
 
 /// Why an item cannot get levels.

@@ -1,7 +1,7 @@
 //! Random edits, to test properties that must hold for every edited scene.
 
 use crate::random::Random;
-use enfilade::{EditStats, Geometry, ItemIndex, Scene, SceneError, SectorId, Transform};
+use enfilade::{EditStats, Geometry, ItemIndex, ItemOptions, Scene, SceneError, SectorId, Transform};
 use std::sync::Arc;
 
 /// Applies `count` random edits in one transaction: adds copies of items, removes, moves, rotates, mirrors, flattens,
@@ -44,7 +44,14 @@ pub fn random_edits(
             0 | 1 if is_there => edit.add(sector, &name, mesh, there).map(|_| ()),
             2 => edit.remove(sector, id),
             3 => edit.set_mesh(sector, id, other_mesh),
-            4 => edit.set_occluder(sector, id, random.below(3) > 0),
+            4 => {
+                let is_occluder = random.below(3) > 0;
+                let options = ItemOptions {
+                    is_occluder,
+                    ..geometry.item(item).options
+                };
+                edit.set_options(sector, id, options)
+            }
             _ => edit.set_transform(sector, id, there),
         };
     }

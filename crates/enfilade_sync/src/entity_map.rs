@@ -5,8 +5,8 @@
 //! Cost: O(log entities) per change, besides that of [`Edit`].
 
 use enfilade::{
-    Aabb, Edit, EditError, EditStats, ItemId, MAX_COORDINATE, Mesh, Scene, SceneError, SectorId, Transform,
-    VisibleSet,
+    Aabb, Edit, EditError, EditStats, ItemId, ItemOptions, MAX_COORDINATE, Mesh, Scene, SceneError, SectorId,
+    Transform, VisibleSet,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -278,7 +278,11 @@ fn add(edit: &mut Edit, spawn: &Spawn, mesh: Arc<Mesh>) -> Result<ItemId, EditEr
     let Entity { key, sector } = spawn.entity;
     let item = edit.add(sector, "", mesh, spawn.transform)?;
     edit.set_key(sector, item, key)?;
-    edit.set_occluder(sector, item, spawn.is_occluder)?;
+    let options = ItemOptions {
+        is_occluder: spawn.is_occluder,
+        ..ItemOptions::default()
+    };
+    edit.set_options(sector, item, options)?;
     Ok(item)
 }
 

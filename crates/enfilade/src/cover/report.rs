@@ -166,6 +166,9 @@ impl<'a> Report<'a> {
                 continue;
             }
             self.seen.samples_owned += u64::from(x1 - x0);
+            if !owner.item().is_none_or(|item| self.owners.is_drawn(item)) {
+                continue;
+            }
             spans.push(Span {
                 x0,
                 x1,

@@ -3,7 +3,7 @@
 use super::names::Names;
 #[cfg(feature = "terrain")]
 use super::terrain::Terrain;
-use super::{BakedCells, Geometry, Item, Material, Opening, Texture};
+use super::{BakedCells, Geometry, Item, ItemOptions, Material, Opening, Texture};
 use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, Transform, is_in_range};
 use crate::ids::{ItemId, ItemIndex, MeshId, OpeningId};
 use crate::mesh::Mesh;
@@ -31,7 +31,7 @@ struct NewItem {
     mesh: MeshId,
     sector_from_item: Transform,
     key: u64,
-    is_occluder: bool,
+    options: ItemOptions,
 }
 
 impl GeometryBuilder {
@@ -62,7 +62,7 @@ impl GeometryBuilder {
             mesh,
             sector_from_item,
             key: u64::from(index.0),
-            is_occluder: true,
+            options: ItemOptions::default(),
         });
         self.names.push(name);
         index.into()
@@ -79,12 +79,10 @@ impl GeometryBuilder {
         }
     }
 
-    /// Sets whether an item may hide others; default `true`. An item that is no occluder is culled like any other, but
-    /// hides nothing itself: for items whose mesh only approximates what is drawn. Give a skinned or animated object a mesh
-    /// that encloses every pose (a box is enough), and make it no occluder. Ignores an item that does not exist.
-    pub fn set_occluder(&mut self, item: ItemId, is_occluder: bool) {
+    /// Sets how an item takes part in looks. Ignores an item that does not exist.
+    pub fn set_options(&mut self, item: ItemId, options: ItemOptions) {
         if let Some(item) = self.items.get_mut(item.index.0 as usize) {
-            item.is_occluder = is_occluder;
+            item.options = options;
         }
     }
 
@@ -127,7 +125,7 @@ impl GeometryBuilder {
             if let Some(cluster) = built
                 .clusters()
                 .iter()
-                .find(|c| c.material.0 as usize >= materials.len())
+                .find(|c| !c.faces.is_empty() && c.material.0 as usize >= materials.len())
             {
                 let material = cluster.material.0;
                 return Err(GeometryError::NoSuchMaterial {
@@ -160,7 +158,7 @@ impl GeometryBuilder {
                 mesh,
                 sector_from_item: transform,
                 key,
-                is_occluder,
+                options,
             } = item;
             let label = || ItemLabel {
                 name: names.get(number).to_owned(),
@@ -188,7 +186,7 @@ impl GeometryBuilder {
                 mesh,
                 sector_from_item,
                 bounds: held,
-                is_occluder,
+                options,
             });
             keys.push(key);
             first_faces.push(faces as u32);
@@ -203,13 +201,15 @@ impl GeometryBuilder {
             .map(|o| [0, o.outline.corners().len() as u32])
             .collect();
         let outline_corners = (0..outline_ends.iter().map(|ends| ends[1]).max().unwrap_or(0)).collect();
-        Ok(Geometry {
+        let mut geometry = Geometry {
             meshes,
             materials,
             textures,
             items,
             keys,
             names,
+            never_culled: Vec::new(),
+            not_drawn: Vec::new(),
             slots: None,
             openings,
             cells,
@@ -222,7 +222,9 @@ impl GeometryBuilder {
             first_faces,
             bounds,
             shared: Mutex::new(Weak::<()>::new()),
-        })
+        };
+        geometry.list_kinds();
+        Ok(geometry)
     }
 }
 
@@ -237,7 +239,7 @@ pub(super) fn placed_bounds(transform: &Transform, mesh: &Mesh) -> Aabb {
     const FEW: usize = 64;
     if mesh.bounds().is_empty() {
         Aabb::EMPTY
-    } else if mesh.positions().len() <= FEW {
+    } else if (1..=FEW).contains(&mesh.positions().len()) {
         transform.box_of(mesh.positions())
     } else {
         transform.box_of(&mesh.bounds().corners())

@@ -9,10 +9,10 @@
 
 use super::builder::{MAX_OPENINGS, placed_bounds};
 use super::slots::Slots;
-use super::{Geometry, Item, ItemLabel};
+use super::{Geometry, Item, ItemLabel, ItemOptions};
 use crate::geom::{Aabb, Transform, is_in_range};
 use crate::ids::{ItemId, ItemIndex, MeshId};
-use crate::mesh::Mesh;
+use crate::mesh::{Cluster, Mesh};
 use std::sync::{Arc, Mutex, Weak};
 
 /// Changes to swap in, item by item. Keeps its buffers from edit to edit.
@@ -46,7 +46,7 @@ struct Change {
 #[derive(Debug)]
 struct Rest {
     mesh: MeshChange,
-    is_occluder: bool,
+    options: ItemOptions,
     key: u64,
     generation: u32,
     /// The new name, if it changes.
@@ -140,15 +140,15 @@ impl Changes {
         Ok(())
     }
 
-    /// Sets whether an item is an occluder.
-    pub(crate) fn set_occluder(
+    /// Sets how an item takes part in looks.
+    pub(crate) fn set_options(
         &mut self,
         geometry: &Geometry,
         item: ItemId,
-        is_occluder: bool,
+        options: ItemOptions,
     ) -> Result<(), Unfit> {
         self.check_exists(geometry, item)?;
-        self.rest_of(geometry, item.index).is_occluder = is_occluder;
+        self.rest_of(geometry, item.index).options = options;
         Ok(())
     }
 
@@ -196,7 +196,7 @@ impl Changes {
             bounds,
             rest: Some(Box::new(Rest {
                 mesh: MeshChange::New(mesh),
-                is_occluder: true,
+                options: ItemOptions::default(),
                 key: u64::from(index.0),
                 generation,
                 name: Some(name.to_owned()),
@@ -282,7 +282,7 @@ impl Changes {
         self.change_of(geometry, item).rest.get_or_insert_with(|| {
             Box::new(Rest {
                 mesh: MeshChange::Same,
-                is_occluder: geometry.item(item).is_occluder,
+                options: geometry.item(item).options,
                 key: geometry.key(item),
                 generation: geometry.id_of(item).generation,
                 name: None,
@@ -323,7 +323,8 @@ impl Clone for Changes {
 fn check_mesh(geometry: &Geometry, mesh: &Mesh) -> Result<(), Unfit> {
     let materials = geometry.materials.len();
     let clusters = mesh.clusters();
-    match clusters.iter().find(|c| c.material.0 as usize >= materials) {
+    let is_unknown = |c: &&Cluster| !c.faces.is_empty() && c.material.0 as usize >= materials;
+    match clusters.iter().find(is_unknown) {
         Some(cluster) => Err(Unfit::NoSuchMaterial(cluster.material.0)),
         None if clusters.is_empty() => Err(Unfit::NoFaces),
         None => Ok(()),
@@ -371,6 +372,7 @@ impl Geometry {
             slots
         });
         let mut renumbered = self.items.len();
+        let only_moves = list.iter().all(|change| change.rest.is_none());
         for change in list {
             let item = change.item;
             if item.0 as usize == self.items.len() {
@@ -400,6 +402,9 @@ impl Geometry {
         done.meshes.dedup();
         self.slots = Some(slots);
         self.renumber(renumbered);
+        if !only_moves {
+            self.list_kinds();
+        }
         self.follow(done);
         self.shared = Mutex::new(Weak::<()>::new());
     }
@@ -419,7 +424,7 @@ impl Geometry {
     fn exchange_rest(&mut self, item: ItemIndex, rest: &mut Rest, slots: &mut Slots, done: &mut Exchanged) {
         let number = item.0 as usize;
         let placed = &mut self.items[number];
-        std::mem::swap(&mut placed.is_occluder, &mut rest.is_occluder);
+        std::mem::swap(&mut placed.options, &mut rest.options);
         std::mem::swap(&mut self.keys[number], &mut rest.key);
         std::mem::swap(&mut slots.generations[number], &mut rest.generation);
         if matches!(rest.mesh, MeshChange::Same) {
@@ -492,7 +497,7 @@ impl Item {
             mesh,
             sector_from_item: Transform::IDENTITY.columns(),
             bounds: Aabb::EMPTY,
-            is_occluder: true,
+            options: ItemOptions::default(),
         }
     }
 }
@@ -507,6 +512,8 @@ impl Clone for Geometry {
             items: self.items.clone(),
             keys: self.keys.clone(),
             names: self.names.clone(),
+            never_culled: self.never_culled.clone(),
+            not_drawn: self.not_drawn.clone(),
             slots: self.slots.clone(),
             openings: self.openings.clone(),
             cells: self.cells.clone(),

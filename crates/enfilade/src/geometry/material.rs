@@ -43,6 +43,13 @@ pub enum Alpha {
 }
 
 impl Material {
+    /// The material of a cluster without faces, which stands for what is within its bounds: it hides nothing.
+    pub(crate) const OF_BOUNDS: Material = Material {
+        alpha: Alpha::Mask,
+        double_sided: true,
+        ..Material::opaque([1.0; 3])
+    };
+
     /// Creates an opaque, one-sided material; `color` is red, green and blue, linear, 0 to 1.
     pub const fn opaque(color: [f32; 3]) -> Material {
         let [r, g, b] = color;

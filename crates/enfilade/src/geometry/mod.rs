@@ -3,6 +3,7 @@
 mod baked_cells;
 mod builder;
 mod edit;
+mod item_options;
 mod material;
 mod names;
 mod owners;
@@ -18,6 +19,7 @@ pub(crate) use builder::MAX_OPENINGS;
 pub use builder::{GeometryBuilder, GeometryError, ItemLabel};
 pub use edit::MovedItem;
 pub(crate) use edit::{Changes, Exchanged, Unfit};
+pub use item_options::ItemOptions;
 pub use material::{Alpha, Material};
 pub use owners::Owners;
 pub use texture::{Filter, Minify, Texture, TextureError, Wrap};
@@ -45,9 +47,8 @@ pub struct Item {
     pub sector_from_item: [[f32; 3]; 4],
     /// AABB in the space of the sector, computed from the mesh's positions or its AABB.
     pub bounds: Aabb,
-    /// Whether opaque faces of the item are occluders. If not, they are treated as alpha-tested: visible, but never
-    /// hiding anything. Default `true`; see [`GeometryBuilder::set_occluder`].
-    pub is_occluder: bool,
+    /// How the item takes part in looks.
+    pub options: ItemOptions,
 }
 
 impl Item {
@@ -85,6 +86,9 @@ pub struct Geometry {
     /// The key of each item.
     keys: Vec<u64>,
     names: Names,
+    /// Items that are never culled, and items that are not drawn; sorted.
+    never_culled: Vec<ItemIndex>,
+    not_drawn: Vec<ItemIndex>,
     /// Free and used slots, once items were edited.
     slots: Option<Slots>,
     openings: Vec<Opening>,
@@ -232,8 +236,8 @@ impl Geometry {
     /// Returns the material of a cluster of an item. If the item is not an occluder, [`Alpha::Opaque`] becomes
     /// [`Alpha::Mask`].
     pub fn material_of(&self, item: ItemIndex, cluster: &Cluster) -> Material {
-        let mut material = self.materials[cluster.material.0 as usize];
-        if material.alpha == Alpha::Opaque && !self.item(item).is_occluder {
+        let mut material = *self.material(cluster);
+        if material.alpha == Alpha::Opaque && !self.item(item).options.is_occluder {
             material.alpha = Alpha::Mask;
         }
         material
@@ -241,7 +245,34 @@ impl Geometry {
 
     /// Returns the material of a cluster of a mesh.
     pub fn material(&self, cluster: &Cluster) -> &Material {
+        if cluster.faces.is_empty() {
+            return &Material::OF_BOUNDS;
+        }
         &self.materials[cluster.material.0 as usize]
+    }
+
+    /// Returns the items that are never culled, sorted.
+    pub(crate) fn never_culled(&self) -> &[ItemIndex] {
+        &self.never_culled
+    }
+
+    /// Returns the items that are not drawn, sorted.
+    pub(crate) fn not_drawn(&self) -> &[ItemIndex] {
+        &self.not_drawn
+    }
+
+    /// Lists the items of special kinds again.
+    fn list_kinds(&mut self) {
+        self.never_culled.clear();
+        self.not_drawn.clear();
+        for (index, item) in (0..).map(ItemIndex).zip(&self.items) {
+            if item.options.never_cull && !item.bounds.is_empty() {
+                self.never_culled.push(index);
+            }
+            if !item.options.is_drawn {
+                self.not_drawn.push(index);
+            }
+        }
     }
 
     #[cfg(feature = "terrain")]

@@ -17,6 +17,11 @@ pub trait Owners {
     /// Returns the number of clusters of an item.
     fn cluster_count(&self, item: ItemIndex) -> u32;
 
+    /// Returns `true` if an item is drawn: its samples are emitted to a canvas.
+    fn is_drawn(&self, _item: ItemIndex) -> bool {
+        true
+    }
+
     /// Returns `true` if the sector has openings, whose samples must be reported one by one.
     fn has_openings(&self) -> bool;
 }
@@ -47,6 +52,10 @@ impl Owners for Geometry {
 
     fn cluster_count(&self, item: ItemIndex) -> u32 {
         self.mesh_of(item).clusters().len() as u32
+    }
+
+    fn is_drawn(&self, item: ItemIndex) -> bool {
+        self.item(item).options.is_drawn
     }
 
     fn has_openings(&self) -> bool {

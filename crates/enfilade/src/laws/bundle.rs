@@ -58,6 +58,23 @@ impl<const N: usize> Bundle<N> {
         (enter * (1.0 - 1e-12) <= leave * (1.0 + 1e-12)).then_some(enter)
     }
 
+    /// Returns the parameters at which ray `ray` enters and leaves a box; `None` if it passes beside it.
+    pub(super) fn passes(&self, ray: usize, bounds: &Aabb) -> Option<[f64; 2]> {
+        let [mut enter, mut leave] = [f64::NEG_INFINITY, f64::INFINITY];
+        for axis in 0..3 {
+            let sides = [bounds.min[axis], bounds.max[axis]];
+            let [low, high] = sides.map(|side| f64::from(side) - self.origin[axis]);
+            let direction = self.directions[ray][axis];
+            if direction != 0.0 {
+                let [a, b] = [low / direction, high / direction];
+                (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
+            } else if low > 0.0 || high < 0.0 {
+                return None;
+            }
+        }
+        (enter < leave).then_some([enter, leave])
+    }
+
     /// Intersects ray `ray` with a triangle. Returns the ray parameter and whether the ray hits the back face.
     ///
     /// Edges belong to the triangle. Source: Möller, Trumbore. Fast, Minimum Storage Ray/Triangle Intersection. 1997.

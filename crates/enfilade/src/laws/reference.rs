@@ -17,6 +17,7 @@ use crate::view::View;
 use crate::view::options::Limits;
 use glam::DAffine3;
 use rayon::prelude::*;
+use std::collections::HashSet;
 
 /// An independent ray-cast oracle for a scene: computes which surfaces are visible at each sample.
 ///
@@ -30,14 +31,21 @@ pub struct Reference {
 
 impl Reference {
     /// Builds the ray-tracing trees; this is the slow part. Custom sectors are empty for the reference.
+    ///
+    /// It knows all [`ItemOptions`](crate::ItemOptions) but the limits of distance and size, and looks at all layers.
     pub fn new(scene: &Scene) -> Reference {
+        Reference::of_layers(scene, u32::MAX)
+    }
+
+    /// As [`Reference::new`], for looks at some layers ([`ViewerOptions::layers`](crate::ViewerOptions::layers)).
+    pub fn of_layers(scene: &Scene, layers: u32) -> Reference {
         let mut built = MeshTrees::default();
         let sectors = scene
             .sectors()
             .map(|id| {
                 scene
                     .geometry(id)
-                    .map(|geometry| Trees::build(geometry, &mut built))
+                    .map(|geometry| Trees::build(geometry, layers, &mut built))
             })
             .collect();
         Reference { sectors }
@@ -56,7 +64,7 @@ impl Reference {
             },
             RowTruth::settle,
         );
-        Truth::new(view.size(), rows)
+        Truth::new(view.size(), rows, listed_anyway(scene))
     }
 
     /// Traces one ray through each of `places` random positions per pixel, chosen by `seed`: every item hit must be in
@@ -80,7 +88,7 @@ impl Reference {
             },
             RowTruth::settle,
         );
-        Truth::new(view.size(), rows)
+        Truth::new(view.size(), rows, listed_anyway(scene))
     }
 
     /// Finds the alpha-blended and alpha-tested layers in front of the opaque surface at each sample of a view, in
@@ -138,6 +146,8 @@ pub(super) struct RayResult {
     pub(super) possible: Vec<Possible>,
     /// Alpha-blended and alpha-tested hits in front of the opaque surface.
     pub(super) glass: Vec<Pane>,
+    /// Items that are only bounds and begin in front of the opaque surface, and whether they certainly do.
+    pub(super) bounds: Vec<(Chain, ItemIndex, bool)>,
 }
 
 /// Traces the bundles of one row, one after another.
@@ -189,6 +199,7 @@ impl<const N: usize> RowTracer<'_, N> {
         for ray in &mut self.rays {
             ray.possible.clear();
             ray.glass.clear();
+            ray.bounds.clear();
         }
         self.pending.push(TracedBundle {
             chain: Chain {
@@ -249,11 +260,21 @@ impl<const N: usize> RowTracer<'_, N> {
                 }
                 owner => {
                     ends[ray] = true;
-                    let owner = Some(owner);
+                    // What is not drawn hides, and leaves the background.
+                    let is_drawn = owner.item().is_none_or(|item| trees.is_drawn(item));
+                    let owner = is_drawn.then_some(owner);
                     self.rays[ray].possible.push(Possible { chain, owner });
                 }
             }
         }
+        trees.pass_bounds(&way.bundle, &way.active, |ray, item, [enter, leave]| {
+            let begins = enter.max(from[ray][1]);
+            if leave > from[ray][0] && begins <= hits.nearest(ray) {
+                let in_front = begins < hits.first_hiding(ray) * (1.0 - EPSILON);
+                let sure = certain[ray] && in_front && leave > from[ray][1] * (1.0 + EPSILON);
+                self.rays[ray].bounds.push((chain, item, sure));
+            }
+        });
         for ray in (0..N).filter(|&ray| way.active[ray] && hits.nearest(ray) == f64::INFINITY) {
             ends[ray] = true;
             self.rays[ray].possible.push(Possible { chain, owner: None });
@@ -288,6 +309,23 @@ impl<const N: usize> RowTracer<'_, N> {
             depth: way.depth + 1,
         });
     }
+}
+
+/// Returns the items that also an exact method may list although they are hidden: those that are only bounds, and those
+/// that are never culled.
+fn listed_anyway(scene: &Scene) -> HashSet<(SectorId, ItemIndex)> {
+    let mut listed = HashSet::new();
+    for sector in scene.sectors() {
+        let Some(geometry) = scene.geometry(sector) else {
+            continue;
+        };
+        for (item, placed) in (0..).map(ItemIndex).zip(geometry.items()) {
+            if placed.options.never_cull || geometry.mesh_of(item).face_count() == 0 {
+                listed.insert((sector, item));
+            }
+        }
+    }
+    listed
 }
 
 /// Adds the openings that the rays enter.

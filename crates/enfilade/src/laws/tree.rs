@@ -30,8 +30,10 @@ pub(super) struct Meeting {
 pub(super) struct Trees {
     geometry: Arc<Geometry>,
     items: Tree,
-    /// Items in the tree: those that have faces.
+    /// Items in the tree: those that have faces, in a layer that is looked at.
     solid: Vec<ItemIndex>,
+    /// Items that are only bounds, in a layer that is looked at.
+    bounds_only: Vec<ItemIndex>,
     /// The tree of each item's faces, in the item's space; in the sector's space if the item's transform is singular.
     faces: Vec<Arc<Faces>>,
     /// Transform into each item's space; `None` if its tree is in the sector's space.
@@ -185,7 +187,7 @@ fn address(mesh: &Arc<Mesh>) -> usize {
 }
 
 impl Trees {
-    pub(super) fn build(geometry: &Arc<Geometry>, built: &mut MeshTrees) -> Trees {
+    pub(super) fn build(geometry: &Arc<Geometry>, layers: u32, built: &mut MeshTrees) -> Trees {
         let new: Vec<(usize, Arc<Faces>)> = geometry
             .meshes()
             .par_iter()
@@ -208,9 +210,12 @@ impl Trees {
             })
             .collect();
         let all = (0..geometry.items().len() as u32).map(ItemIndex);
-        let solid: Vec<ItemIndex> = all
-            .filter(|&item| !geometry.item(item).bounds.is_empty())
-            .collect();
+        let (solid, bounds_only): (Vec<_>, Vec<_>) = all
+            .filter(|&item| {
+                let placed = geometry.item(item);
+                !placed.bounds.is_empty() && placed.options.layers & layers != 0
+            })
+            .partition(|&item| geometry.mesh_of(item).face_count() > 0);
         let boxes: Vec<Aabb> = solid.iter().map(|&item| geometry.item(item).bounds).collect();
         let outline = |opening: &Opening| {
             let corners = opening.outline.corners().iter();
@@ -221,6 +226,7 @@ impl Trees {
             geometry: Arc::clone(geometry),
             items: Tree::build(&boxes),
             solid,
+            bounds_only,
             faces,
             item_from_sector,
         }
@@ -228,6 +234,32 @@ impl Trees {
 
     pub(super) fn openings(&self) -> &[Outline] {
         &self.openings
+    }
+
+    pub(super) fn is_drawn(&self, item: ItemIndex) -> bool {
+        self.geometry.item(item).options.is_drawn
+    }
+
+    /// Calls `found` with each ray in `active` that passes through an item that is only bounds, the item, and the
+    /// parameters at which the ray enters and leaves it.
+    pub(super) fn pass_bounds<const N: usize>(
+        &self,
+        bundle: &Bundle<N>,
+        active: &[bool; N],
+        mut found: impl FnMut(usize, ItemIndex, [f64; 2]),
+    ) {
+        for &item in self.bounds_only.iter().filter(|&&item| self.is_drawn(item)) {
+            // A flattened box is tested by its AABB.
+            let (local, bounds) = match &self.item_from_sector[item.0 as usize] {
+                Some(back) => (bundle.moved(back), self.geometry.mesh_of(item).bounds()),
+                None => (*bundle, self.geometry.item(item).bounds),
+            };
+            for ray in (0..N).filter(|&ray| active[ray]) {
+                if let Some(w) = local.passes(ray, &bounds) {
+                    found(ray, item, w);
+                }
+            }
+        }
     }
 
     /// Reports all faces hit by the rays in `active`, up to slightly beyond the nearest occluder; reads `limit` again
@@ -274,6 +306,9 @@ impl Trees {
                     .material_of(item, &mesh.clusters()[mesh.cluster_of(face)]);
                 if material.double_sided || !from_behind {
                     let hides = material.alpha == Alpha::Opaque;
+                    if !hides && !self.is_drawn(item) {
+                        continue;
+                    }
                     let placed = match back {
                         Some(_) => used.map(|corner| sector_from_item.0.transform_point3(corner)),
                         None => used,

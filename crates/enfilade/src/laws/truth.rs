@@ -28,6 +28,8 @@ pub struct Truth {
     certain: BTreeSet<(Chain, ItemIndex)>,
     /// Items that may own a sample, or be a layer in front at one.
     imaginable: HashSet<(Chain, ItemIndex)>,
+    /// Items that any method may list although they are hidden.
+    listed_anyway: HashSet<(SectorId, ItemIndex)>,
     /// Sets of items of which one certainly owns a sample, though not which, and at how many samples.
     contests: BTreeMap<Vec<(Chain, ItemIndex)>, u64>,
 }
@@ -75,6 +77,7 @@ impl RowTruth {
         if !one_item && self.here.iter().all(|p| item(p).is_some()) {
             self.contest();
         }
+        self.bounds(rays);
         self.glass.clear();
         let glass = rays.iter().flat_map(|ray| &ray.glass);
         self.glass.extend(glass.map(|pane| (pane.chain, pane.item)));
@@ -90,6 +93,16 @@ impl RowTruth {
                 push_new(&mut self.certain, seen);
             }
             push_new(&mut self.imaginable, seen);
+        }
+    }
+
+    /// Records the items at the current sample that are only bounds.
+    fn bounds(&mut self, rays: &[RayResult]) {
+        for &(chain, item, _) in rays.iter().flat_map(|ray| &ray.bounds) {
+            let is_sure = |ray: &RayResult| ray.bounds.contains(&(chain, item, true));
+            if rays.iter().all(is_sure) {
+                push_new(&mut self.certain, (chain, item));
+            }
         }
     }
 
@@ -146,7 +159,11 @@ pub struct Verdict {
 }
 
 impl Truth {
-    pub(super) fn new(size: [u32; 2], rows: Vec<(Chains, RowTruth)>) -> Truth {
+    pub(super) fn new(
+        size: [u32; 2],
+        rows: Vec<(Chains, RowTruth)>,
+        listed_anyway: HashSet<(SectorId, ItemIndex)>,
+    ) -> Truth {
         let mut truth = Truth {
             size,
             chains: Chains::default(),
@@ -155,6 +172,7 @@ impl Truth {
             contested: 0,
             certain: BTreeSet::new(),
             imaginable: HashSet::new(),
+            listed_anyway,
             contests: BTreeMap::new(),
         };
         for (chains, row) in rows {
@@ -235,6 +253,7 @@ impl Truth {
         let imaginable: HashSet<_> = self.imaginable.iter().map(answer).collect();
         let extra: BTreeSet<(SectorId, ItemIndex)> = (answered.difference(&imaginable))
             .map(|&(sector, _, item)| (sector, item))
+            .filter(|item| !self.listed_anyway.contains(item))
             .collect();
         Verdict {
             reference_visible: self.visible().len(),

@@ -79,7 +79,7 @@ pub struct Cluster {
     pub faces: Range<u32>,
     /// Range of the mesh's positions that the faces use; no other cluster uses them.
     pub positions: Range<u32>,
-    /// Material of all faces.
+    /// Material of all faces; meaningless if there are none ([`Mesh::bounds_only`]).
     pub material: MaterialId,
     /// AABB in object space.
     pub bounds: Aabb,
@@ -132,6 +132,44 @@ impl Mesh {
             bounds: Aabb::EMPTY,
             face_boxes: Vec::new(),
         }
+    }
+
+    /// Returns a mesh without faces that stands for whatever is within a box: an item with it may be visible if any part
+    /// of its transformed box may be, and hides nothing. For what has no mesh of triangles, such as particles, lights,
+    /// or objects that the renderer makes up; for a sphere, pass the box around it.
+    ///
+    /// Every method tests it conservatively, by its AABB: unlike others, such an item may also be in the set of an exact
+    /// method though none of its content is at any sample.
+    ///
+    /// # Errors
+    /// [`MeshError::EmptyCuboid`] unless `min` is less than `max` on every axis; [`MeshError::NotFinite`] and
+    /// [`MeshError::TooFar`] as [`Mesh::new`].
+    #[doc(alias = "bounding box")]
+    #[doc(alias = "bounding sphere")]
+    pub fn bounds_only(min: [f32; 3], max: [f32; 3]) -> Result<Mesh, MeshError> {
+        let corners = Part {
+            positions: Vertices::Packed(&[min, max]),
+            corners: Indices::U32(&[]),
+            sides: None,
+            material: MaterialId(0),
+            attributes: Attributes::default(),
+        };
+        check(0, &corners, &mut Vec::new())?;
+        if (0..3).any(|axis| max[axis] <= min[axis]) {
+            return Err(MeshError::EmptyCuboid(min, max));
+        }
+        let bounds = Aabb { min, max };
+        let mut mesh = Mesh::nothing();
+        mesh.clusters.push(Cluster {
+            faces: 0..0,
+            positions: 0..0,
+            material: MaterialId(0),
+            bounds,
+        });
+        mesh.bounds = bounds;
+        mesh.tree = Octree::build(&[bounds], 1);
+        mesh.below = Below::new(&mesh.tree, |_| 0);
+        Ok(mesh)
     }
 
     /// Creates a mesh of triangles with one material.
@@ -216,7 +254,8 @@ impl Mesh {
         }
     }
 
-    /// Returns the AABB of all faces, in object space; empty for a mesh without faces.
+    /// Returns the AABB of all faces, in object space, or that of [`Mesh::bounds_only`]; empty for other meshes without
+    /// faces.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }

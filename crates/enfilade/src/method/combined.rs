@@ -7,10 +7,11 @@ use super::ordered::NoCover;
 use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::geom::Aabb;
-use crate::geometry::{Changes, Exchanged, Geometry, Opening};
+use crate::geometry::{Changes, Exchanged, Geometry, Item, Opening};
 use crate::ids::ItemIndex;
 use crate::order::{Order, Visit};
 use crate::sector::{BuildStats, Hit, Ray, Sector, Surface};
+use crate::stats::Stats;
 use crate::unsuited::Unsuited;
 use crate::view::canvas::{Canvas, CoverShape};
 use crate::view::collector::Collector;
@@ -190,6 +191,13 @@ impl<M: Combination> EditableSector for Combined<M> {
         edited.nodes += combination.follow(geometry, &mut changes.exchanged);
         Ok(edited)
     }
+}
+
+/// Whether an item takes part in a look; counts it if it does not because of its own limits.
+pub(super) fn takes(passage: &Passage, item: &Item, stats: &mut Stats) -> bool {
+    let takes = passage.takes(item);
+    stats.items_ignored += u64::from(!takes && item.options.layers & passage.options.layers != 0);
+    takes
 }
 
 /// Counts the faces that an order emits; culls nothing.

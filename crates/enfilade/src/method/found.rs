@@ -1,5 +1,6 @@
 //! Traversal with occlusion tests for covers that hold no picture: collects the clusters and openings that pass.
 
+use super::combined::takes;
 use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
@@ -136,9 +137,10 @@ impl<A: OcclusionTest> Walk<'_, A> {
                 let faces = Faces::of_cluster(self.geometry, item, cluster, &screen_from_item);
                 let stays = self.region_of(&faces, item, cluster).is_some_and(|region| {
                     self.enter(&region) != Visibility::Hidden
-                        && self
-                            .occlusion
-                            .test_faces(&faces, &region, self.passage, self.stats)
+                        && (faces.count() == 0
+                            || self
+                                .occlusion
+                                .test_faces(&faces, &region, self.passage, self.stats))
                 });
                 seen = stays.then_some(item).or(seen);
                 stays
@@ -183,7 +185,7 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
     }
 
     fn first_time(&mut self, item: ItemIndex) -> bool {
-        self.marks.first_time(item)
+        self.marks.first_time(item) && takes(self.passage, self.geometry.item(item), self.stats)
     }
 
     fn are_enough(&mut self, item: ItemIndex, node: u32, region: &Region) -> bool {
@@ -203,6 +205,7 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
         match faces.source {
             FaceSource::Item(item, cluster) => {
                 let stays = !A::TAKES_FACES
+                    || faces.count() == 0
                     || self.region_of(faces, item, cluster).is_some_and(|region| {
                         self.occlusion
                             .test_and_add(faces, &region, self.passage, self.stats)

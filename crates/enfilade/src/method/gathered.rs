@@ -11,6 +11,7 @@ use crate::view::canvas::Canvas;
 use crate::view::collector::Collector;
 use crate::view::memory::Memory;
 use crate::view::passage::Passage;
+use crate::view::region::Region;
 
 /// Potentially visible clusters.
 #[derive(Default)]
@@ -37,6 +38,18 @@ pub(super) fn draw_gathered(
         let cluster = &geometry.mesh_of(item).clusters()[cluster as usize];
         geometry.material_of(item, cluster).alpha == Alpha::Opaque
     };
+    // Occluders that are not drawn are in no set.
+    for &item in geometry.not_drawn() {
+        let placed = geometry.item(item);
+        let screen_from_item = passage.screen_from(&placed.transform());
+        let bounds = geometry.mesh_of(item).bounds();
+        if passage.takes(placed) && Region::of(passage, &screen_from_item, &bounds).is_some() {
+            let all = 0..geometry.mesh_of(item).clusters().len() as u32;
+            gathered
+                .0
+                .extend(all.map(|cluster| (item, cluster)).filter(hides));
+        }
+    }
     for opaque in [true, false] {
         for &(item, cluster) in gathered.0.iter().filter(|found| hides(found) == opaque) {
             let screen_from_item = passage.screen_from(&geometry.item(item).transform());

@@ -1,6 +1,6 @@
 //! Methods with a cover that holds the picture: faces are rasterized as the order emits them.
 
-use super::combined::Combination;
+use super::combined::{Combination, takes};
 use super::strips::{self, look_in_strips};
 use crate::contract::Contract;
 use crate::cover::Paints;
@@ -135,6 +135,7 @@ impl<O: Order, C: Paints> Paired<O, C> {
         cover.clear(passage, memory.trace);
         memory.marks.begin(geometry.items().len());
         let mut walk = Walk {
+            geometry,
             passage,
             cover: &mut *cover,
             marks: &mut memory.marks,
@@ -143,15 +144,28 @@ impl<O: Order, C: Paints> Paired<O, C> {
             primed: first,
             canvas: reborrow(&mut canvas),
         };
-        walk.prime(geometry);
+        walk.prime();
         order.visit(geometry, passage, &mut scratch, &mut walk);
         for (item, cluster) in work.waiting.drain(..) {
             let screen_from_item = passage.screen_from(&geometry.item(item).transform());
             let bounds = geometry.mesh_of(item).clusters()[cluster as usize].bounds;
             let region = Region::of(passage, &screen_from_item, &bounds);
-            if region.is_some_and(|region| !C::KEEPS_DEPTHS || cover.test(&region) != Visibility::Hidden) {
-                let faces = Faces::of_cluster(geometry, item, cluster, &screen_from_item);
+            let Some(region) =
+                region.filter(|region| !C::KEEPS_DEPTHS || cover.test(region) != Visibility::Hidden)
+            else {
+                continue;
+            };
+            let faces = Faces::of_cluster(geometry, item, cluster, &screen_from_item);
+            if faces.count() > 0 {
                 cover.look_through(&faces, passage, &mut memory.stats, seen);
+                continue;
+            }
+            // An item that is only bounds owns no sample. Where a plane cuts it, its sides do not enclose what is seen.
+            let is_cut = passage.entry.is_some() || passage.is_before_near(&region);
+            let corners = bounds.corners();
+            let sides = faces.of_sides(&corners);
+            if is_cut || shows(&mut *cover, &sides, passage, &mut memory.stats, seen) {
+                seen.report.owners.push((item, cluster));
             }
         }
         cover.finish(geometry, passage, seen, reborrow(&mut canvas));
@@ -162,6 +176,21 @@ impl<O: Order, C: Paints> Paired<O, C> {
         memory.put_back(work);
         memory.put_back(scratch);
     }
+}
+
+/// Whether transparent faces are visible at any sample; reports nothing.
+fn shows(
+    cover: &mut impl Paints,
+    faces: &Faces,
+    passage: &Passage,
+    stats: &mut Stats,
+    seen: &mut Collector,
+) -> bool {
+    let before = seen.glass.len();
+    cover.look_through(faces, passage, stats, seen);
+    let shows = seen.glass.len() > before;
+    seen.glass.truncate(before);
+    shows
 }
 
 /// Reborrows an optional canvas.
@@ -183,6 +212,7 @@ struct Work {
 
 /// Connects the traversal of an order to a cover.
 struct Walk<'a, C> {
+    geometry: &'a Geometry,
     passage: &'a Passage,
     cover: &'a mut C,
     marks: &'a mut Marks,
@@ -195,11 +225,15 @@ struct Walk<'a, C> {
 
 impl<C: Paints> Walk<'_, C> {
     /// Rasterizes last frame's visible clusters front to back, leaving out those that are now out of view.
-    fn prime(&mut self, geometry: &Geometry) {
+    fn prime(&mut self) {
+        let geometry = self.geometry;
         let mut first = std::mem::take(&mut self.work.first);
         first.extend(self.primed.iter().filter_map(|&(item, cluster)| {
             // The geometry may have been replaced since the last look.
             let placed = geometry.items().get(item.0 as usize)?;
+            if !self.passage.takes(placed) {
+                return None;
+            }
             let screen_from_item = self.passage.screen_from(&placed.transform());
             let bounds = &geometry.mesh_of(item).clusters().get(cluster as usize)?.bounds;
             let region = Region::of(self.passage, &screen_from_item, bounds)?;
@@ -216,7 +250,9 @@ impl<C: Paints> Walk<'_, C> {
     fn take(&mut self, faces: &Faces) {
         match (faces.alpha, faces.source) {
             (Alpha::Mask | Alpha::Blend, FaceSource::Item(item, cluster)) => {
-                self.work.waiting.push((item, cluster))
+                if self.geometry.item(item).options.is_drawn {
+                    self.work.waiting.push((item, cluster));
+                }
             }
             _ => {
                 self.cover
@@ -235,13 +271,23 @@ impl<C: Paints> Visit for Walk<'_, C> {
     }
 
     fn first_time(&mut self, item: ItemIndex) -> bool {
-        self.marks.first_time(item)
+        self.marks.first_time(item) && takes(self.passage, self.geometry.item(item), self.stats)
     }
 
     fn faces(&mut self, faces: &Faces) {
-        let primed = matches!(faces.source, FaceSource::Item(item, cluster) if self.primed.binary_search(&(item, cluster)).is_ok());
-        if !primed {
-            self.take(faces);
+        if let FaceSource::Item(item, cluster) = faces.source {
+            let placed = self.geometry.item(item);
+            if !self.passage.takes(placed) {
+                // Orders that sort faces do not ask `first_time`.
+                if self.marks.first_time(item) {
+                    takes(self.passage, placed, self.stats);
+                }
+                return;
+            }
+            if self.primed.binary_search(&(item, cluster)).is_ok() {
+                return;
+            }
         }
+        self.take(faces);
     }
 }

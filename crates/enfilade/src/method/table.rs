@@ -136,7 +136,7 @@ pub type Pvs = Ordered<BakedCellsOrder>;
 /// Source: Boreskov, Using portals.
 ///
 /// The faces, openings included, must bound a convex space, viewed from inside or outside. Geometry that is no occluder
-/// (blended, alpha-tested, or an item with `set_occluder(false)`) may be anywhere. An edit that makes the sector
+/// (blended, alpha-tested, or an item that is no occluder) may be anywhere. An edit that makes the sector
 /// non-convex returns an error.
 #[doc(alias = "convex sector")]
 #[doc(alias = "convex room")]

@@ -152,7 +152,7 @@ impl OccluderSet {
             .items()
             .iter()
             .enumerate()
-            .filter(|(_, item)| item.is_occluder)
+            .filter(|(_, item)| item.options.is_occluder)
         {
             let item_id = ItemIndex(number as u32);
             let placed = EnteredItem::of(item_id, geometry, passage);
@@ -288,6 +288,9 @@ impl Chooser<'_> {
         }
         for &item in set.tree.things(node) {
             let placed = self.geometry.item(ItemIndex(item));
+            if !self.passage.takes(placed) {
+                continue;
+            }
             let area = set.areas[item as usize];
             let bound = self.bound(screen, &placed.bounds, area, self.eye, 1.0);
             choice.push(bound, QueueTarget::Item(item));

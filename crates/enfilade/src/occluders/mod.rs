@@ -214,7 +214,7 @@ impl OccluderSet {
         let placed = geometry.item(item);
         let largest = &self.meshes[placed.mesh.0 as usize].largest;
         match largest.first() {
-            Some(largest) if placed.is_occluder && placed.transform().inverse().is_some() => {
+            Some(largest) if placed.options.is_occluder && placed.transform().inverse().is_some() => {
                 largest * greatest_stretch(cofactor(&placed.transform().0.matrix3)) * (1.0 + EXACT)
             }
             _ => 0.0,

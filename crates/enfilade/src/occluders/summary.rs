@@ -41,7 +41,7 @@ impl OccluderSet {
             .iter()
             .map(|mesh| self.added(mesh.polygons, &DMat3::IDENTITY))
             .collect();
-        for item in geometry.items().iter().filter(|item| item.is_occluder) {
+        for item in geometry.items().iter().filter(|item| item.options.is_occluder) {
             let of_mesh = &self.meshes[item.mesh.0 as usize];
             summary.placed += u64::from(of_mesh.polygons[1] - of_mesh.polygons[0]);
             let areas = cofactor(&item.transform().0.matrix3);

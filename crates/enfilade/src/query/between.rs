@@ -98,7 +98,7 @@ impl Geometry {
                 let Some(item_from_here) = placed
                     .transform()
                     .inverse()
-                    .filter(|_| placed.is_occluder && near.is_some() && !found)
+                    .filter(|_| placed.options.is_occluder && near.is_some() && !found)
                 else {
                     return true;
                 };

@@ -6,7 +6,7 @@
 
 use super::{Body, Scene, SceneError};
 use crate::geom::{MAX_COORDINATE, Transform};
-use crate::geometry::{Changes, Geometry, ItemLabel, Unfit};
+use crate::geometry::{Changes, Geometry, ItemLabel, ItemOptions, Unfit};
 use crate::ids::{ItemId, SectorId};
 use crate::mesh::Mesh;
 use crate::method::{EditStats, UnsuitedMethod};
@@ -191,19 +191,18 @@ impl Edit<'_> {
         })
     }
 
-    /// Sets whether an item is an occluder. Default: `true`, also for items that move. With `false`, every method
-    /// treats the faces of the item as alpha-tested ones: they can be hidden but hide nothing.
+    /// Sets how an item takes part in looks. Default: [`ItemOptions::default`].
     ///
     /// # Errors
     /// Returns an [`EditError`] and leaves the item unchanged.
-    pub fn set_occluder(
+    pub fn set_options(
         &mut self,
         sector: SectorId,
         item: ItemId,
-        is_occluder: bool,
+        options: ItemOptions,
     ) -> Result<(), EditError> {
         self.change(sector, item, |changes, geometry| {
-            changes.set_occluder(geometry, item, is_occluder)
+            changes.set_options(geometry, item, options)
         })
     }
 

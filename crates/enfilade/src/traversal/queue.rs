@@ -148,6 +148,9 @@ fn enter_node(
     queue.push_all(passage, &passage.screen_from_sector, children);
     for &item in tree.items(node).iter().filter(|&&item| wanted(item)) {
         let placed = geometry.item(ItemIndex(item));
+        if placed.options.layers & passage.options.layers == 0 {
+            continue;
+        }
         let screen_from_item = passage.screen_from(&placed.transform());
         queue.push(
             passage,

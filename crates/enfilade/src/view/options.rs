@@ -52,6 +52,14 @@ pub struct ViewerOptions {
     #[doc(alias = "vertex snapping")]
     #[doc(alias = "conservative rasterization")]
     pub margin_px: f32,
+    /// The layers to look at, one bit each; items that are in none of them ([`ItemOptions::layers`]) are neither visible
+    /// nor occluders. Default: all. Here and not in the view, because it belongs to what the viewer is for (a shadow map,
+    /// a minimap), not to where its camera is. Custom sectors find it in [`Passage::options`](crate::Passage::options).
+    ///
+    /// [`ItemOptions::layers`]: crate::ItemOptions::layers
+    #[doc(alias = "culling mask")]
+    #[doc(alias = "layer mask")]
+    pub layers: u32,
 }
 
 impl Default for ViewerOptions {
@@ -63,6 +71,7 @@ impl Default for ViewerOptions {
             occluders: None,
             cover_size: None,
             margin_px: 0.0,
+            layers: u32::MAX,
         }
     }
 }

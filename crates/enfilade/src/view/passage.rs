@@ -3,7 +3,7 @@
 use super::View;
 use crate::contract::Contract;
 use crate::geom::{Aabb, ConvexPolygon, Transform};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Item};
 use crate::ids::{OpeningId, PassageId, PortalId, SectorId};
 use crate::threads;
 use crate::view::aperture::{Aperture, CellRoom, Rect, Rows};
@@ -95,6 +95,28 @@ impl Passage {
             entry: None,
             entrance: None,
         }
+    }
+
+    /// Whether an item takes part in the look: it has a layer in common with the viewer, and is not beyond its own
+    /// limits.
+    pub(crate) fn takes(&self, item: &Item) -> bool {
+        let options = &item.options;
+        options.layers & self.options.layers != 0 && !(options.has_limits() && self.is_beyond_limits(item))
+    }
+
+    /// Whether an item that is never culled is listed.
+    pub(crate) fn takes_always(&self, item: &Item) -> bool {
+        item.options.is_drawn && item.options.layers & self.options.layers != 0
+    }
+
+    /// Whether an item is too far away or too small on the screen to take part in the look.
+    fn is_beyond_limits(&self, item: &Item) -> bool {
+        let eye = DVec3::from(self.eye());
+        let [min, max] = [item.bounds.min, item.bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+        let away = (min - eye).max(eye - max).max(DVec3::ZERO).length();
+        let pixels = (max - min).length() * self.screen_from_eye.y_axis.y.abs();
+        let distance = (0.5 * (min + max) - eye).length();
+        away > f64::from(item.options.max_distance) || pixels < f64::from(item.options.min_size_px) * distance
     }
 
     /// Returns the passage through a portal, behind an opening of this passage's sector and into the sector `to`; `None`

@@ -1,8 +1,8 @@
 //! Edits: their effects and their errors.
 
 use enfilade::{
-    Aabb, EditError, GeometryBuilder, ItemId, ItemIndex, Location, Material, MaterialId, Mesh, Method, Ray,
-    Scene, SceneBuilder, SceneError, SectorId, Transform, View, Viewer,
+    Aabb, EditError, GeometryBuilder, ItemId, ItemIndex, ItemOptions, Location, Material, MaterialId, Mesh,
+    Method, Ray, Scene, SceneBuilder, SceneError, SectorId, Transform, View, Viewer,
 };
 use std::sync::Arc;
 
@@ -131,7 +131,15 @@ fn a_leaf_that_is_seen_past_hides_nothing() {
             assert_eq!(hidden, ["near"], "{method}");
         }
         let mut edit = scene.edit();
-        edit.set_occluder(HALL, leaf, false).expect("it is there");
+        edit.set_options(
+            HALL,
+            leaf,
+            ItemOptions {
+                is_occluder: false,
+                ..ItemOptions::default()
+            },
+        )
+        .expect("it is there");
         edit.finish().expect("little");
         let names = ["wall", "left", "middle", "right", "near"];
         assert_eq!(seen(&mut viewer, &scene), names, "{method}");

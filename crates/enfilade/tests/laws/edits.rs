@@ -18,9 +18,7 @@ fn afresh(geometry: &Geometry) -> Geometry {
             let item = geometry.item(number);
             let mesh = builder.mesh(Arc::clone(&geometry.meshes()[item.mesh.0 as usize]));
             let built = builder.item(geometry.name(number), mesh, item.transform());
-            if !item.is_occluder {
-                builder.set_occluder(built, false);
-            }
+            builder.set_options(built, item.options);
         }
     }
     for opening in geometry.openings() {

@@ -104,7 +104,7 @@ fn a_source_that_fails_leaves_its_item_its_box() {
             assert_eq!(
                 (
                     geometry.mesh_of(odd.index).face_count(),
-                    geometry.item(odd.index).is_occluder
+                    geometry.item(odd.index).options.is_occluder
                 ),
                 (24, false)
             );
@@ -182,7 +182,14 @@ fn errors_that_make_no_sense_lead_to_the_finest_level_and_hide_nothing() {
             .expect("it fits");
         settle(&mut details, &mut scene, &mut viewer, &straight());
         assert_eq!(details.level(HALL, item), Some(Some(63)));
-        assert!(!scene.geometry(HALL).expect("ours").item(item.index).is_occluder);
+        assert!(
+            !scene
+                .geometry(HALL)
+                .expect("ours")
+                .item(item.index)
+                .options
+                .is_occluder
+        );
     }
 }
 

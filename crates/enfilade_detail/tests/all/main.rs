@@ -326,7 +326,15 @@ fn an_adopted_item_is_what_it_was_again_when_it_is_near() {
     let mut edit = scene.edit();
     let far_off = at([0.0, 0.0, -5.0]);
     let items = ["proud", "shy"].map(|name| edit.add(HALL, name, square(), far_off).expect("it fits"));
-    edit.set_occluder(HALL, items[1], false).expect("it is there");
+    edit.set_options(
+        HALL,
+        items[1],
+        enfilade::ItemOptions {
+            is_occluder: false,
+            ..enfilade::ItemOptions::default()
+        },
+    )
+    .expect("it is there");
     edit.finish().expect("little");
     let mut details = Details::new(DetailOptions::default());
     let [a, b]: [Arc<dyn enfilade_detail::DetailSource>; 2] = [Ball::new(), Ball::new()];
@@ -342,7 +350,7 @@ fn an_adopted_item_is_what_it_was_again_when_it_is_near() {
     );
     // An item that was no occluder before is none now.
     assert_eq!(
-        items.map(|item| geometry.item(item.index).is_occluder),
+        items.map(|item| geometry.item(item.index).options.is_occluder),
         [true, false]
     );
 }

@@ -149,6 +149,13 @@ fn a_bezier_surface_hides_nothing_and_is_seen_at_every_level() {
         let view = View::new([0.0, distance, 0.1 * distance], [0.0; 3], [128, 96]).expect("a valid view");
         let refined = settle(&mut details, &mut scene, &mut viewer, &view);
         assert_eq!((viewer.visible().items().len(), refined.waiting), (1, 0));
-        assert!(!scene.geometry(HALL).expect("ours").item(ItemIndex(0)).is_occluder);
+        assert!(
+            !scene
+                .geometry(HALL)
+                .expect("ours")
+                .item(ItemIndex(0))
+                .options
+                .is_occluder
+        );
     }
 }

@@ -43,7 +43,14 @@ fn rooms(items: &[(&Spawn, Arc<Mesh>)]) -> Scene {
             let mesh = room.mesh(Arc::clone(mesh));
             let item = room.item("", mesh, spawn.transform);
             room.set_key(item, spawn.entity.key);
-            room.set_occluder(item, spawn.is_occluder);
+            let is_occluder = spawn.is_occluder;
+            room.set_options(
+                item,
+                ItemOptions {
+                    is_occluder,
+                    ..ItemOptions::default()
+                },
+            );
         }
         room.opening("doorway", doorway);
         scene.add("room", room.build().expect("a room"), Method::HierarchicalZ)

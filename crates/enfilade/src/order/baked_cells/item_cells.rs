@@ -122,12 +122,12 @@ impl CellSearch {
         self.room.planes = 0;
     }
 
-    /// Finds the cells of an item: none if it has no faces, and only the one after the last if it counts as being
+    /// Finds the cells of an item: none if it has no extent, and only the one after the last if it counts as being
     /// everywhere.
     fn of_item(&mut self, cells: &BakedCells, geometry: &Geometry, item: ItemIndex) {
         self.begin(cells);
         let mesh = geometry.mesh_of(item);
-        if mesh.face_count() == 0 {
+        if mesh.bounds().is_empty() {
             return;
         }
         let placed = geometry.item(item);
@@ -139,7 +139,7 @@ impl CellSearch {
             // The whole item is in one leaf.
             self.room.hull([DVec3::ZERO]);
             self.take(cells, top)
-        } else if mesh.face_count() > MANY_FACES {
+        } else if mesh.face_count() > MANY_FACES || mesh.face_count() == 0 {
             mesh.clusters().iter().all(|cluster| {
                 self.room.hull(cluster.bounds.corners().map(there));
                 self.take(cells, top) && self.room.planes <= most_planes

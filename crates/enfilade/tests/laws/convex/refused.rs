@@ -3,8 +3,8 @@
 use super::worlds::{Dress, Solid, materials, place, polygons};
 use super::{alone, keeps_its_contract, view};
 use enfilade::{
-    FaceName, Geometry, GeometryBuilder, ItemIndex, MaterialId, Mesh, Method, NotConvex, SceneBuilder,
-    SceneError, SectorId, Transform, Unsuited, UnsuitedMethod,
+    FaceName, Geometry, GeometryBuilder, ItemIndex, ItemOptions, MaterialId, Mesh, Method, NotConvex,
+    SceneBuilder, SceneError, SectorId, Transform, Unsuited, UnsuitedMethod,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -176,7 +176,15 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
         Transform::translation([0.5, 0.0, 0.0]),
     );
     let ghost = ghost.expect("it fits");
-    edit.set_occluder(SectorId(0), ghost, false).expect("it is there");
+    edit.set_options(
+        SectorId(0),
+        ghost,
+        ItemOptions {
+            is_occluder: false,
+            ..ItemOptions::default()
+        },
+    )
+    .expect("it is there");
     assert_eq!(edit.finish().expect("it hides nothing").rebuilt, 0);
     assert_eq!(keeps_its_contract(&scene, &[ahead], "with a ghost"), seen + 1);
     // The cell stays convex if a wall is removed, or moved within its plane.

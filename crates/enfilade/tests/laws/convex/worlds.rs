@@ -1,8 +1,8 @@
 //! Random convex worlds.
 
 use enfilade::{
-    Alpha, Attributes, ConvexPolygon, Geometry, GeometryBuilder, Indices, Material, MaterialId, Mesh,
-    OpeningId, Part, Transform, Vertices,
+    Alpha, Attributes, ConvexPolygon, Geometry, GeometryBuilder, Indices, ItemOptions, Material, MaterialId,
+    Mesh, OpeningId, Part, Transform, Vertices,
 };
 use enfilade_scenes::Random;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -192,7 +192,13 @@ impl Solid {
                 let mesh = builder.mesh(mesh);
                 let item = builder.item(name, mesh, place);
                 if name == "ghost" {
-                    builder.set_occluder(item, false);
+                    builder.set_options(
+                        item,
+                        ItemOptions {
+                            is_occluder: false,
+                            ..ItemOptions::default()
+                        },
+                    );
                 }
             }
         }

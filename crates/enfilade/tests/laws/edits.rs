@@ -205,7 +205,7 @@ fn a_thing_that_was_turned_and_flattened_is_seen_where_it_looks_over_a_wall() {
             {
                 let mut scene = scene.with_method(method, u64::MAX).expect("small");
                 let mut edit = scene.edit();
-                let placed = edit.set_transform(SectorId(0), ItemIndex(0), there);
+                let placed = edit.set_transform(SectorId(0), ItemIndex(0).into(), there);
                 placed.expect("it is there");
                 edit.finish().expect("no more than before");
                 let truth = Reference::new(&scene).see(&scene, &view, &limits());

@@ -89,7 +89,7 @@ pub(crate) fn names(scene: &Scene, set: &VisibleSet) -> BTreeSet<String> {
         let geometry = scene
             .geometry(sector)
             .expect("built-in scenes have no custom sectors");
-        format!("{}/{}", scene.sector_name(sector), geometry.name(item.item))
+        format!("{}/{}", scene.sector_name(sector), geometry.name(item.item.index))
     };
     set.items().iter().map(name).collect()
 }

@@ -204,8 +204,12 @@ fn what_has_no_ground_and_ground_that_was_moved_are_refused() {
         .expect("it is there");
     edit.finish().expect("what stands on the ground may move");
     let mut edit = scene.edit();
-    edit.set_transform(SectorId(0), ItemIndex(1), Transform::translation([3.0, 1.0, 0.0]))
-        .expect("it is there");
+    edit.set_transform(
+        SectorId(0),
+        ItemIndex(1).into(),
+        Transform::translation([3.0, 1.0, 0.0]),
+    )
+    .expect("it is there");
     let refused = edit.finish().expect_err("the ground stays");
     assert!(matches!(refused, SceneError::Unsuited { .. }), "{refused}");
     assert!(refused.to_string().contains("was edited"), "{refused}");

@@ -215,7 +215,7 @@ fn from_outside_a_double_sided_box_shows_the_sides_that_are_near() {
         .look(&scene, &outside)
         .items()
         .iter()
-        .map(|seen| seen.item)
+        .map(|seen| seen.item.index)
         .collect();
     // The sides at +x, +y and +z, and no side that they hide.
     assert_eq!(items, [0, 2, 4].map(ItemIndex));

@@ -189,9 +189,14 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
     assert_eq!(keeps_its_contract(&scene, &[ahead], "with a ghost"), seen + 1);
     // The cell stays convex if a wall is removed, or moved within its plane.
     let mut edit = scene.edit();
-    edit.remove(SectorId(0), ItemIndex(5)).expect("it is there");
-    edit.set_transform(SectorId(0), ItemIndex(4), Transform::scaling([0.5, 0.5, 1.0]))
+    edit.remove(SectorId(0), ItemIndex(5).into())
         .expect("it is there");
+    edit.set_transform(
+        SectorId(0),
+        ItemIndex(4).into(),
+        Transform::scaling([0.5, 0.5, 1.0]),
+    )
+    .expect("it is there");
     assert_eq!(edit.finish().expect("still convex").rebuilt, 1);
     keeps_its_contract(&scene, &[ahead], "without a wall");
 }

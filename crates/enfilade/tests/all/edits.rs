@@ -431,3 +431,50 @@ fn the_key_of_an_item_comes_with_every_answer_about_it() {
         assert_eq!((near[0].item, near[0].key), (id, key));
     }
 }
+
+#[test]
+fn of_many_moves_those_that_cannot_be_are_reported_and_the_others_made() {
+    for method in [Method::ZBuffer, Method::Masked, Method::Svbsp] {
+        let (mut scene, mut viewer) = (hall(method), Viewer::new());
+        let mut edit = scene.edit();
+        edit.remove(HALL, original(3)).expect("it is there");
+        edit.finish().expect("little");
+        let before = scene.geometry(HALL).expect("ours").items().to_vec();
+        let at = |x: f32| Transform::translation([x, 0.0, -4.0]);
+        let moves = [
+            (original(1), at(f32::NAN)),
+            (original(2), at(0.5)),
+            (original(3), at(0.0)),
+            (original(1), at(1e30)),
+            (original(7), at(0.0)),
+        ];
+        let mut refused = vec![(99, EditError::CustomSector("stale".to_owned()))];
+        let mut edit = scene.edit();
+        edit.set_transforms(HALL, moves, &mut refused)
+            .expect("a sector of ours");
+        let why: Vec<(usize, String)> = refused.iter().map(|(at, why)| (*at, why.to_string())).collect();
+        let expected = [
+            (0, "the transform of item `left` (key 1) contains NaN"),
+            (
+                2,
+                "sector `hall` has no item 3 of generation 0; it was removed or never existed",
+            ),
+            (
+                3,
+                "item `left` (key 1) would reach beyond 1e12 units; move it closer to the origin",
+            ),
+            (
+                4,
+                "sector `hall` has no item 7 of generation 0; it was removed or never existed",
+            ),
+        ];
+        assert_eq!(why, expected.map(|(at, why)| (at, why.to_owned())), "{method}");
+        assert_eq!(edit.finish().expect("little").items, 1);
+        let after = scene.geometry(HALL).expect("ours").items();
+        assert_eq!((after[0], after[1], after[3]), (before[0], before[1], before[3]));
+        assert_eq!(after[2].transform(), at(0.5));
+        assert_eq!(seen(&mut viewer, &scene), ["wall", "left", "middle"], "{method}");
+        let nowhere = scene.edit().set_transforms(SectorId(5), [], &mut refused);
+        assert!(matches!(nowhere, Err(EditError::NoSuchSector { .. })) && refused.is_empty());
+    }
+}

@@ -70,7 +70,7 @@ fn an_engine_that_blends_items_is_told_their_order() {
             let place = |(passage, item): (PassageId, ItemIndex)| {
                 order
                     .iter()
-                    .position(|glass| (glass.passage, glass.item.index) == (passage, item))
+                    .position(|glass| (glass.passage, glass.item) == (passage, item.into()))
             };
             for [below, above] in over.pairs {
                 let [a, b] = [below, above].map(|(passage, item)| {

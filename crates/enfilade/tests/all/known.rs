@@ -50,8 +50,7 @@ fn ahead() -> View {
         fov_y: 90.0_f32.to_radians(),
         ..Camera::new([0.0; 3], [0.0, 0.0, -1.0])
     };
-    let view = camera.view(SIZE).expect("a valid view");
-    view
+    camera.view(SIZE).expect("a valid view")
 }
 
 /// All methods that take any geometry and keep the given contract.

@@ -24,8 +24,7 @@ fn the_laws_hold_in_real_buildings_and_a_city() {
                 sector: Some(place.sector),
                 ..Camera::new(place.eye, place.toward)
             };
-            let view = camera.view([64, 36]).expect("a valid view");
-            view
+            camera.view([64, 36]).expect("a valid view")
         });
         let report = laws::check(&scene, &views.collect::<Vec<_>>(), Limits::default());
         let broken: Vec<String> = report.broken.iter().map(ToString::to_string).collect();

@@ -17,8 +17,7 @@ fn before(scene: &Scene, portal: PortalId, away: f32) -> View {
         sector: Some(portal.from),
         ..Camera::new(eye, middle)
     };
-    let view = camera.view(SIZE).expect("a valid view");
-    view
+    camera.view(SIZE).expect("a valid view")
 }
 
 /// Returns `true` if a passage through the portal is visible. Every visible one is compared with the reference.

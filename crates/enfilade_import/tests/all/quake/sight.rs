@@ -99,8 +99,7 @@ fn views(import: &Import, scene: &Scene, places: usize) -> Vec<View> {
             z_near: camera.z_near,
             ..Camera::new(camera.eye, camera.toward)
         };
-        let view = camera.view(SIZE).expect("a valid view");
-        view
+        camera.view(SIZE).expect("a valid view")
     });
     let found = survey(scene, places).views;
     assert!(found.len() > places / 2, "the map has open space");

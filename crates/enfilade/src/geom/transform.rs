@@ -109,11 +109,6 @@ impl Transform {
         self.0.transform_point3(DVec3::from(point.map(f64::from))).into()
     }
 
-    /// Returns the smallest f32 box that contains the transformed point.
-    pub(crate) fn point_box(&self, point: [f32; 3]) -> Aabb {
-        self.box_of(&[point])
-    }
-
     /// Returns the smallest f32 box that contains the transformed points, so that bounding boxes lose nothing to
     /// rounding; empty if there are none.
     pub(crate) fn box_of(&self, points: &[[f32; 3]]) -> Aabb {

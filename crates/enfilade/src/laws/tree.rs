@@ -167,8 +167,7 @@ impl Faces {
                     triangles.push([face, last as u32]);
                 }
                 let used = [corners[0], corners[last - 1], corners[last]];
-                let corner = |index: u32| placed.point_box(mesh.positions()[index as usize]);
-                boxes.push(used.into_iter().fold(Aabb::EMPTY, |sum, i| sum.union(&corner(i))));
+                boxes.push(placed.box_of(&used.map(|index| mesh.positions()[index as usize])));
             }
         }
         Faces {

@@ -58,9 +58,7 @@ impl<'a> SupportPlanes<'a> {
                 let corners = geometry.mesh_of(item).clusters()[cluster as usize]
                     .bounds
                     .corners();
-                bounds = corners
-                    .into_iter()
-                    .fold(bounds, |sum, corner| sum.union(&placed.point_box(corner)));
+                bounds = bounds.union(&placed.box_of(&corners));
             }
         }
         let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));

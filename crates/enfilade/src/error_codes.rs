@@ -1,7 +1,7 @@
 //! Stable codes of all errors, in one table.
 
+use crate::OccluderMeshError;
 use crate::choose::SkipReason;
-use crate::cover::OccluderMeshError;
 use crate::geom::PolygonError;
 use crate::geometry::{BakedCellsError, GeometryError};
 use crate::mesh::MeshError;

@@ -149,7 +149,8 @@ impl Mesh {
     pub fn bounds_only(min: [f32; 3], max: [f32; 3]) -> Result<Mesh, MeshError> {
         let corners = Part {
             positions: Vertices::Packed(&[min, max]),
-            corners: Indices::U32(&[]),
+            // Only positions that a face uses are checked.
+            corners: Indices::U32(&[0, 1, 1]),
             sides: None,
             material: MaterialId(0),
             attributes: Attributes::default(),

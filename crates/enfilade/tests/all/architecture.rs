@@ -277,7 +277,8 @@ fn the_library_opens_nothing_reads_no_clock_starts_no_thread_and_fuses_nothing()
             "SystemTime",
             "mul_add",
         ] {
-            assert!(!text.contains(word), "{path} mentions {word}");
+            let mut code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+            assert!(!code.any(|line| line.contains(word)), "{path} mentions {word}");
         }
     }
 }

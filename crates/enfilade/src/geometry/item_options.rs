@@ -24,8 +24,8 @@ pub struct ItemOptions {
     /// Whether opaque faces of the item are occluders. Default `true`.
     ///
     /// If not, they are treated as alpha-tested: culled like any other, but hiding nothing. For items whose mesh only
-    /// approximates what is drawn: give a skinned or animated object a mesh that encloses every pose (a box is enough,
-    /// see [`Mesh::bounds_only`](crate::Mesh::bounds_only)), and make it no occluder.
+    /// approximates what is drawn. A skinned or animated object needs a [`Mesh::bounds_only`](crate::Mesh::bounds_only)
+    /// around every pose instead: with the eye inside a mesh that merely encloses it, the object could be culled.
     pub is_occluder: bool,
     /// Whether the item is drawn, so that visible sets list it. Default `true`. An occluder that is not drawn still
     /// hides what is behind it.

@@ -26,6 +26,11 @@ impl Transform {
         })
     }
 
+    /// Creates a transform from the three columns of the linear part and the translation, in f64.
+    pub fn from_columns_f64(columns: [[f64; 3]; 4]) -> Transform {
+        Transform(DAffine3::from_cols_array_2d(&columns))
+    }
+
     /// Returns the three columns of the linear part and the translation, rounded to f32.
     pub fn columns(&self) -> [[f32; 3]; 4] {
         self.0

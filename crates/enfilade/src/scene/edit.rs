@@ -155,7 +155,8 @@ impl Edit<'_> {
     /// Replaces the transforms of many items of a sector: as [`Edit::set_transform`] for each, but faster.
     ///
     /// Replaces the contents of `refused` with the position in `transforms` of each item that could not be moved, and
-    /// the reason. Such an item stays where it was. Neither this nor [`Edit::finish`] allocates once the buffers of the
+    /// the reason. Such an item stays where it was in the scene: draw it without culling until a transform is accepted. Of
+    /// several transforms of one item the last counts. Neither this nor [`Edit::finish`] allocates once the buffers of the
     /// scene have grown, except where nodes of an octree or kd-tree split.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Why a view is refused.
 
-use super::View;
+use super::{ClipDepth, View};
 use crate::geom::MAX_COORDINATE;
 use thiserror::Error;
 
@@ -54,9 +54,20 @@ pub enum ViewError {
         "oblique near planes are not supported yet; hand in the projection from before the near plane was slanted"
     )]
     Oblique,
-    /// The near plane of the projection is not in front of the eye, or not nearer than the far plane.
+    /// With the given clip depth, the near plane of the projection is not in front of the eye, or not nearer than the far
+    /// plane. `is_reversed` tells whether it would be with [`ClipDepth::OneToZero`].
     #[error(
-        "with this clip depth the near plane is not in front of the far plane; is depth reversed (OneToZero)?"
+        "with clip depth {depth:?} the near plane is not in front of the far plane; {}",
+        match (*is_reversed, *depth) {
+            (true, _) => "depth is reversed, use OneToZero",
+            (false, ClipDepth::OneToZero) => "depth is not reversed, use ZeroToOne or MinusOneToOne",
+            (false, _) => "is the projection matrix transposed?",
+        }
     )]
-    ClipDepth,
+    ClipDepth {
+        /// The clip depth that was given.
+        depth: ClipDepth,
+        /// Whether the depth of the matrix is reversed.
+        is_reversed: bool,
+    },
 }

@@ -14,7 +14,7 @@ use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Vec4Swizzles};
 pub enum ClipDepth {
     /// 0 near, 1 far: Direct3D, Metal, Vulkan, WebGPU.
     ZeroToOne,
-    /// 1 near, 0 far: the same with reversed depth, as in Bevy, Unreal and Unity.
+    /// 1 near, 0 far: the same with reversed depth, as in Bevy and Unreal, and in the matrices that Unity sends to the GPU.
     OneToZero,
     /// −1 near, 1 far: OpenGL, WebGL, three.js.
     MinusOneToOne,
@@ -42,6 +42,11 @@ impl View {
     /// jittered, finite or infinite: what a renderer draws with the same matrices is what is looked at. `f32` matrices do:
     /// convert each value. Far from the origin, hand in `f64` matrices if you have them, or a position by
     /// [`View::from_pose`].
+    ///
+    /// A matrix of depth −1 to 1 that is said to be 0 to 1, or the other way round, is not noticed: its near plane is at
+    /// twice or half the distance. Nor is a transposed projection always. Print [`View::z_near`], [`View::fov_y`] and
+    /// [`View::toward`] once. The coordinates of your world are handed in unchanged, whatever their handedness: a face is seen
+    /// from where (b − a) × (c − a) points, computed from the numbers.
     ///
     /// The far plane is ignored: geometry beyond it counts as visible. A Vulkan projection with y down gives a picture upside
     /// down; negate its second row to get scissors in pixels from the top.
@@ -126,14 +131,17 @@ fn near_distance(clip: &DMat4, depth: ClipDepth) -> Result<f64, ViewError> {
     if (z.xyz() - slope * normal).length() > ROUNDING * z.xyz().length().max(normal.length()) {
         return Err(ViewError::Oblique);
     }
-    // Along the view direction z / w = slope + z.w / w, so each depth is at one w.
-    let [near, far] = depth.ends().map(|end| (end - slope) / z.w);
-    // Reciprocals of w: zero or less is infinitely far.
-    let near_distance = 1.0 / (near * normal.length());
-    if !(near > 0.0 && near > far && near_distance.is_finite()) {
-        return Err(ViewError::ClipDepth);
-    }
-    Ok(near_distance)
+    let distance = |depth: ClipDepth| {
+        // Along the view direction z / w = slope + z.w / w, so each depth is at one w.
+        let [near, far] = depth.ends().map(|end| (end - slope) / z.w);
+        // Reciprocals of w: zero or less is infinitely far.
+        let distance = 1.0 / (near * normal.length());
+        (near > 0.0 && near > far && distance.is_finite()).then_some(distance)
+    };
+    distance(depth).ok_or_else(|| ViewError::ClipDepth {
+        depth,
+        is_reversed: distance(ClipDepth::OneToZero).is_some(),
+    })
 }
 
 /// Returns the map from eye space to (X, Y, W), where (X / W, Y / W) is a position in the viewport, in pixels, y down, and

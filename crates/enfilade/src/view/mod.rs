@@ -116,7 +116,8 @@ impl View {
     /// * `orientation`: unit quaternion (x, y, z, w) that rotates eye space (x right, y up, −z ahead) to the space of the
     ///   sector.
     /// * `tangents`: of the angles from the view direction to the left, right, bottom and top edge of the viewport, positive
-    ///   to the right and up; so left and bottom are mostly negative.
+    ///   to the right and up; so left and bottom are mostly negative. In OpenXR these are the tangents of `angleLeft`,
+    ///   `angleRight`, `angleDown` and `angleUp`.
     /// * `z_near`: distance of the near plane along the view direction, above 0.
     ///
     /// # Errors

@@ -16,8 +16,8 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 /// A chain of zero or more portals from the eye into a sector, with its clip region and view matrix.
 ///
-/// An engine draws each passage with its own view matrix ([`Passage::eye_from_sector`]) and scissor
-/// ([`Passage::aperture`]).
+/// An engine draws each passage with its own matrix ([`Passage::clip_from_sector`]), scissor ([`Passage::scissor`]) and clip
+/// plane ([`Passage::entry_plane`]).
 #[doc(alias = "portal path")]
 #[doc(alias = "clip view")]
 #[derive(Clone, Debug)]
@@ -257,8 +257,8 @@ impl Passage {
         (self.clip_from_eye * DMat4::from(self.eye_from_sector)).to_cols_array_2d()
     }
 
-    /// Returns the scissor rectangle of this passage, in pixels of the render target: x and y of the left top corner, width
-    /// and height.
+    /// Returns the scissor rectangle of this passage, in pixels of the render target, y down: x and y of the left top corner,
+    /// width and height.
     pub fn scissor(&self) -> [u32; 4] {
         let rect = self.aperture.rect();
         let [left, top] = self.origin;
@@ -269,7 +269,8 @@ impl Passage {
     /// Returns the plane of the opening that this passage leads through, in the space of the sector: only points (x, y, z)
     /// with ax + by + cz + d ≥ 0 are visible or hide anything. (a, b, c) has length 1. `None` for the eye's own sector.
     ///
-    /// Clip to it when drawing the passage (a user clip plane, or an oblique near plane).
+    /// Clip to it when drawing the passage (a user clip plane, or an oblique near plane) unless nothing of the sector is on
+    /// the eye's side of the opening, as behind a plain door. Behind a mirror or a teleport it is needed.
     #[doc(alias = "clip plane")]
     #[doc(alias = "oblique near plane")]
     pub fn entry_plane(&self) -> Option<[f64; 4]> {

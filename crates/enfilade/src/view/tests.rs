@@ -178,12 +178,22 @@ fn matrices_that_are_no_perspective_view_are_refused_by_name() {
     let oblique = changed(PERSPECTIVE, [0, 2], 0.3);
     assert_eq!(refused(IDENTITY, oblique, zero_to_one), ViewError::Oblique);
     // Depth is not reversed, but said to be: the far plane would be taken for the near one.
-    assert_eq!(
-        refused(IDENTITY, PERSPECTIVE, ClipDepth::OneToZero),
-        ViewError::ClipDepth
-    );
+    let not_reversed = ViewError::ClipDepth {
+        depth: ClipDepth::OneToZero,
+        is_reversed: false,
+    };
+    assert_eq!(refused(IDENTITY, PERSPECTIVE, ClipDepth::OneToZero), not_reversed);
+    let reversed = changed(changed(PERSPECTIVE, [2, 2], 0.1 / 99.9), [3, 2], 10.0 / 99.9);
+    let as_reversed = ViewError::ClipDepth {
+        depth: zero_to_one,
+        is_reversed: true,
+    };
+    assert_eq!(refused(IDENTITY, reversed, zero_to_one), as_reversed);
     let no_depth = changed(PERSPECTIVE, [3, 2], 0.0);
-    assert_eq!(refused(IDENTITY, no_depth, zero_to_one), ViewError::ClipDepth);
+    assert!(matches!(
+        refused(IDENTITY, no_depth, zero_to_one),
+        ViewError::ClipDepth { .. }
+    ));
     let flat = changed(PERSPECTIVE, [1, 1], 0.0);
     assert_eq!(refused(IDENTITY, flat, zero_to_one), ViewError::Singular);
     assert_eq!(

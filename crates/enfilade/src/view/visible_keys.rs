@@ -36,7 +36,8 @@ impl VisibleKeys {
         self.update_with(set, []);
     }
 
-    /// Takes the keys of a set and others that count as visible, such as those of objects that the scene does not hold.
+    /// Takes the keys of a set and others that count as visible: those of another view, such as the other eye's, or of objects
+    /// that the scene does not hold.
     pub fn update_with(&mut self, set: &VisibleSet, others: impl IntoIterator<Item = u64>) {
         std::mem::swap(&mut self.all, &mut self.before);
         self.all.clear();

@@ -95,7 +95,8 @@ fn what_the_eye_or_a_door_stands_in_is_seen_though_no_side_of_its_box_is() {
         // A wall hides every side of the box around the eye.
         let wall = wall_at(-2.0);
         let mut edit = scene.edit();
-        edit.add(HALL, "wall", wall, Transform::IDENTITY)
+        let first = edit
+            .add(HALL, "wall", wall, Transform::IDENTITY)
             .expect("it fits");
         edit.finish().expect("little");
         let [around, below] = [Ball::new(), Ball::new()];
@@ -110,8 +111,7 @@ fn what_the_eye_or_a_door_stands_in_is_seen_though_no_side_of_its_box_is() {
         let wall = edit
             .add(study, "wall", wall_at(-5.0), Transform::IDENTITY)
             .expect("it fits");
-        edit.remove(HALL, enfilade::ItemIndex(0).into())
-            .expect("it is there");
+        edit.remove(HALL, first).expect("it is there");
         edit.remove(HALL, around_eye).expect("it is there");
         edit.finish().expect("little");
         details
@@ -199,7 +199,7 @@ fn only_the_exact_level_hides_what_is_behind_it() {
     {
         let (mut scene, mut viewer) = (world::empty(method), Viewer::new());
         let mut details = Details::new(DetailOptions::default());
-        details
+        let ball = details
             .add(&mut scene, HALL, "ball", Ball::new(), at([0.0, 0.0, -4.0]))
             .expect("it fits");
         let mut edit = scene.edit();
@@ -221,10 +221,7 @@ fn only_the_exact_level_hides_what_is_behind_it() {
         };
         let near = camera.view([960, 720]).expect("a valid view");
         settle(&mut details, &mut scene, &mut viewer, &near);
-        assert_eq!(
-            details.level(HALL, enfilade::ItemIndex(0).into()),
-            Some(Some(Ball::FINEST))
-        );
+        assert_eq!(details.level(HALL, ball), Some(Some(Ball::FINEST)));
         assert_eq!(
             names(&scene, viewer.visible()),
             ["ball"],

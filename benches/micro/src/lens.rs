@@ -94,7 +94,7 @@ mod tests {
         let lens = Lens::new(&view);
         let [x, y, w] = lens.corner(lens.point([100.0, 50.0], 8.0));
         assert!((x / w - 100.0).abs() < 1e-4 && (y / w - 50.0).abs() < 1e-4 && (w - 8.0).abs() < 1e-5);
-        let [x, y, w] = lens.corner(view.toward());
+        let [x, y, w] = lens.corner(view.toward().map(|value| value as f32));
         let [dx, dy] = View::GENERIC_OFFSET;
         assert!((x / w + dx - 320.0).abs() < 1e-9 && (y / w + dy - 240.0).abs() < 1e-9 && w > 0.0);
     }

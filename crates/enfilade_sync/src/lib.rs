@@ -1,4 +1,4 @@
-//! EntityMaps the entities of any engine in an [Enfilade](enfilade) scene, and lists the visible ones by the engine's keys.
+//! Mirrors the entities of any engine in an [Enfilade](enfilade) scene, and lists the visible ones by the engine's keys.
 //!
 //! Each frame, hand the changes of the engine's world to [`EntityMap::sync`]; after each look, hand the visible set to the
 //! [`VisibleKeys`](enfilade::VisibleKeys) of that view.

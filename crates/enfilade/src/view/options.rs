@@ -46,7 +46,8 @@ pub struct ViewerOptions {
     /// GPUs snap vertices to a grid of 1/256 pixel (some to 1/16), and compute them in `f32`. Then an item may show up at a
     /// sample that its exact outline just misses, or an occluder may miss one that it should just cover. With a margin, boxes
     /// and faces that are tested grow by it, and outlines of occluders shrink by it: nothing is missed that any such picture
-    /// shows. Set it to the step of the grid, 1/256 or 1/16. Values are clamped to 0 to ½.
+    /// shows. Set it to the step of the grid, 1/256 or 1/16. Values are clamped to 0 to ½. Here and not in the view, because
+    /// it belongs to the renderer, not to where the camera is.
     ///
     /// Methods that take a cover size ([`Method::takes_cover_size`](crate::Method::takes_cover_size)) are conservative with
     /// a margin, and cost about as much as with a cover of another size. All others but `pvs` then cull by the clip region

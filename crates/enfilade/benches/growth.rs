@@ -55,7 +55,7 @@ const OUTWARD: [(&str, u8); 3] = [("enfilade", 0), ("mirror room", 0), ("court",
 const MAX_GROWTH: f64 = 2.0;
 
 /// Maximum bytes of a geometry per added item.
-const BYTES_AN_ITEM: u64 = 100;
+const BYTES_AN_ITEM: u64 = 120;
 
 /// Maximum bytes built by a method per added item.
 const BYTES_BUILT: u64 = 200;

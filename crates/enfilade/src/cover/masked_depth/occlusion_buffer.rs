@@ -35,7 +35,7 @@ use fearless_simd::prelude::*;
 /// let mut visible = [0];
 /// buffer.test_boxes(&[behind, beside], &mut visible);
 /// assert_eq!(visible, [0b10]);
-/// # Ok::<(), enfilade::OccluderMeshError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # What is guaranteed

@@ -166,7 +166,7 @@ fn instances_that_make_no_sense_are_refused() {
             file.floats(&[3e38, 0.0, 0.0], 3);
             file.json["nodes"][0]["scale"] = json!([100, 1, 1]);
         },
-        "the transform of item Leaf[0] is not finite",
+        "the transform of item `Leaf[0]` (key 0) is not finite",
     );
 }
 

@@ -148,7 +148,8 @@ fn view(palace: &BuiltIn, name: &str, turns: u8) -> View {
         toward[1],
         eye[2] + x * sine + z * cosine,
     ];
-    View::new(eye, toward, SIZE).expect("a valid view")
+    // In f32, as the numbers of visible items were counted.
+    View::new(eye, toward.map(|value| f64::from(value as f32)), SIZE).expect("a valid view")
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

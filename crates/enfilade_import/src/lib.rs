@@ -90,7 +90,7 @@
 //! # What is read of glTF
 //!
 //! Base color and emissive textures (PNG and JPEG; embedded, in separate files, or data URIs), samplers, alpha test and
-//! alpha blend, emission, vertex normals and colors, lights, and perspective and orthographic cameras ([`Camera`](enfilade::Camera)).
+//! alpha blend, emission, vertex normals and colors, lights, and perspective and orthographic cameras ([`Camera`]).
 //! Accessors may be sparse, quantized or compressed. Supported extensions:
 //!
 //! | extension | result |

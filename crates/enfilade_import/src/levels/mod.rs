@@ -138,7 +138,7 @@ pub fn details_of(
                 let source = known
                     .entry(address)
                     .or_insert_with(|| Arc::new(Levels::of(Arc::clone(mesh))));
-                large.push((sector, number, Arc::clone(source)));
+                large.push((sector, geometry.id_of(number), Arc::clone(source)));
             }
         }
     }

@@ -164,7 +164,7 @@ fn large_items_of_a_scene_get_levels_and_copies_share_them() {
         let set = viewer.look(&scene, &view);
         details.refine(&mut scene, &[set]).expect("they fit");
     }
-    let levels = [0, 1, 2].map(|item| details.level(sector, enfilade::ItemIndex(item)));
+    let levels = [0, 1, 2].map(|item| details.level(sector, enfilade::ItemIndex(item).into()));
     assert!(
         levels[0].flatten().is_some() && levels[0] == levels[1] && levels[2].is_none(),
         "{levels:?}"

@@ -43,7 +43,7 @@ impl Leveled {
             let refined = self.details.refine(&mut prepared.scene, &[set])?;
             for (sector, item, why) in &refined.failed {
                 let geometry = self.full.geometry(*sector);
-                let name = geometry.map_or("", |geometry| geometry.name(*item));
+                let name = geometry.map_or("", |geometry| geometry.name(item.index));
                 out::warn(format_args!("no LODs for `{name}`: {why}"));
             }
             if refined.changed == 0 && refined.waiting == 0 {
@@ -62,7 +62,7 @@ impl Leveled {
         };
         let [full, now] = [&self.full, &prepared.scene].map(triangles);
         let items = seen.iter().filter(|(sector, item)| {
-            let level = self.details.level(*sector, *item).flatten();
+            let level = self.details.level(*sector, (*item).into()).flatten();
             level.is_some() && !is_occluder(&prepared.scene, *sector, *item)
         });
         Ok(format!(

@@ -60,7 +60,7 @@ pub(crate) fn compare(
         .iter()
         .map(|view| ours.picture(&mut viewer, scene, view))
         .collect();
-    let size = place.views[0].size;
+    let size = place.views[0].size();
     let file = |view: usize, whose: &str| {
         pictures.map(|start| start.with_added_extension(format!("{view:02}.{whose}.png")))
     };

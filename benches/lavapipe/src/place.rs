@@ -22,6 +22,7 @@ impl SurveyedScene {
         };
         let scene = read(file, &options)?.scene(Method::ZBuffer, Method::DEFAULT_LIMIT)?;
         let views: Vec<View> = survey(&scene, views)
+            .views
             .iter()
             .map(|at| View::new(at.eye, at.toward, size).expect("a valid view"))
             .collect();

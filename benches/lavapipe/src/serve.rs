@@ -53,7 +53,7 @@ pub(crate) fn serve(
     mut answer: impl Write,
 ) -> Result<()> {
     let stock = Stock::new(place.geometry()?);
-    let size = place.views[0].size;
+    let size = place.views[0].size();
     let mut server = Server {
         scene: place.seen_by(seen_by)?,
         gpu: Gpu::new(&stock, size)?,

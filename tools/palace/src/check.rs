@@ -26,7 +26,11 @@ pub(crate) fn check(palace: &BuiltIn, file: &str, views: usize) -> Result<()> {
     println!("built in {:.2?}", start.elapsed());
     contents(&palace.scene, &scene)?;
     ensure!(import.cameras.len() == palace.cameras.len(), "cameras");
-    let mut looked: Vec<View> = palace.cameras.iter().map(|camera| camera.view(SIZE).expect("a valid view")).collect();
+    let mut looked: Vec<View> = palace
+        .cameras
+        .iter()
+        .map(|camera| camera.view(SIZE).expect("a valid view"))
+        .collect();
     for (ours, view) in import.cameras.iter().zip(&looked) {
         ensure!(
             ours.eye == view.eye() && ours.fov_y == view.fov_y(),
@@ -53,8 +57,12 @@ pub(crate) fn check(palace: &BuiltIn, file: &str, views: usize) -> Result<()> {
         both += sets[0].intersection(&sets[1]).count();
         lost += sets[0].difference(&sets[1]).count();
         new += sets[1].difference(&sets[0]).count();
-        let mut small = *view;
-        small.size = SMALL;
+        let camera = Camera {
+            sector: view.sector,
+            fov_y: view.fov_y(),
+            ..Camera::new(view.eye(), view.toward())
+        };
+        let small = camera.view(SMALL)?;
         let truth = Reference::new(&read).see(&read, &small, &Limits::default());
         viewers[1].look(&read, &small);
         missed += truth.check(viewers[1].visible(), None).missed.len();

@@ -62,10 +62,12 @@ pub(crate) fn cameras() -> Vec<Camera> {
         ("tribune", [-24.0, 1.65, -85.0], [-32.0, 3.4, -89.6], 76.0),
         ("gallery's return", [-45.9, 1.7, -88.4], [-12.0, 1.9, -87.0], 60.0),
     ]
-    .map(|(name, eye, toward, degrees): (&str, [f32; 3], [f32; 3], f32)| Camera {
-        name: name.to_owned(),
-        fov_y: degrees.to_radians(),
-        ..Camera::new(eye, toward)
-    })
+    .map(
+        |(name, eye, toward, degrees): (&str, [f32; 3], [f32; 3], f32)| Camera {
+            name: name.to_owned(),
+            fov_y: degrees.to_radians(),
+            ..Camera::new(eye, toward)
+        },
+    )
     .to_vec()
 }

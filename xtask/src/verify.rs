@@ -6,9 +6,9 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use enfilade::laws::{LayerPicture, OwnerPicture, Reference, Verdict};
-use enfilade::{Contract, Method, Scene, View, Viewer, survey, survey_hard};
+use enfilade::{Camera, Contract, Method, Scene, SurveyView, View, Viewer, survey, survey_hard};
 use enfilade_import::{ReadOptions, read};
-use enfilade_scenes::{Random, random_edits};
+use enfilade_scenes::{Random, engine_view, random_edits};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -22,6 +22,9 @@ pub(crate) struct Args {
     /// Use views that are hard to decide: in doorways, at corners and edges, in planes of faces
     #[arg(long)]
     hard: bool,
+    /// Look through random matrices of engines: off-centre, jittered, reversed or infinite depth, left-handed
+    #[arg(long)]
+    matrices: bool,
     /// Viewport width and height, in pixels
     #[arg(long, num_args = 2, default_values_t = [320, 180])]
     size: Vec<u32>,
@@ -144,6 +147,19 @@ fn contract(method: Method, args: &Args) -> Contract {
     }
 }
 
+/// Returns the view from a position; with a seed, through random matrices.
+fn view_from(place: &SurveyView, seed: Option<usize>, size: [u32; 2]) -> View {
+    let camera = Camera {
+        // Items that move may enlarge the bounds of sectors.
+        sector: Some(place.sector),
+        ..Camera::new(place.eye, place.toward)
+    };
+    match seed {
+        Some(seed) => engine_view(&camera, size, &mut Random::new(seed as u64)),
+        None => camera.view(size).expect("a view of the survey"),
+    }
+}
+
 /// Returns the number of failed views, summed over all methods.
 fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let start = Instant::now();
@@ -195,9 +211,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
             }
             reference = Reference::new(&scene);
         }
-        let mut view = View::new(place.eye, place.toward, size).expect("a valid view");
-        // Items that move may enlarge the bounds of sectors.
-        view.sector = Some(place.sector);
+        let view = view_from(place, args.matrices.then_some(number), size);
         let truth = reference.see(&scene, &view, &limits);
         let layers = args.glass.then(|| reference.layers(&scene, &view, &limits));
         visible += truth.visible().len();
@@ -223,7 +237,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
         if !candidates.iter_mut().any(|candidate| strict(&candidate)) {
             break;
         }
-        let view = View::new(place.eye, place.toward, strict_size).expect("a valid view");
+        let view = view_from(place, args.matrices.then_some(number), strict_size);
         let truth = reference.see_anywhere(&scene, &view, &limits, args.places, number as u64);
         for candidate in candidates.iter_mut().filter(strict) {
             let verdict = truth.check(candidate.viewer.look(&candidate.scene, &view), None);

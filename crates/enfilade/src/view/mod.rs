@@ -30,7 +30,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
 
 /// A perspective camera with its viewport: what a look takes.
 ///
-/// Four constructors, for cameras as they are at hand: [`View::new`] from a position and a target, [`Camera::view`] with
+/// Four constructors: [`View::new`] from a position and a target, [`Camera::view`] with
 /// more parameters, [`View::from_pose`] from a position, an orientation and the four tangents of an off-centre frustum,
 /// [`View::from_matrices`] from the matrices of an engine. Each refuses an invalid view with the rule that it breaks, so
 /// every `View` is valid.

@@ -15,7 +15,7 @@ mod suite;
 mod terrain;
 
 use enfilade::laws::{self, Report};
-use enfilade::{Method, View};
+use enfilade::{Method, Scene, View};
 use enfilade_scenes::{BuiltIn, Group, SCENES, random_scene};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -28,7 +28,12 @@ fn the_laws_hold(name: &str, built: &BuiltIn, size: [u32; 2]) -> Report {
         .iter()
         .map(|camera| camera.view(size).expect("a valid view"))
         .collect();
-    let report = laws::check(&built.scene, &views, limits());
+    the_laws_hold_in(name, &built.scene, &views)
+}
+
+/// Tests every law with every method in the given views.
+fn the_laws_hold_in(name: &str, scene: &Scene, views: &[View]) -> Report {
+    let report = laws::check(scene, views, limits());
     let broken: Vec<String> = report
         .broken
         .iter()

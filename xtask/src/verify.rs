@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 use enfilade::laws::{LayerPicture, OwnerPicture, Reference, Verdict};
 use enfilade::{Camera, Contract, Method, Scene, SurveyView, View, Viewer, survey, survey_hard};
 use enfilade_import::{ReadOptions, read};
-use enfilade_scenes::{Random, engine_view, random_edits};
+use enfilade_scenes::{Random, engine_view, random_edits, random_graph_edits};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -43,6 +43,10 @@ pub(crate) struct Args {
     /// Number of random edits after every eighth view: items are added, removed, moved and changed
     #[arg(long, default_value_t = 0)]
     edits: usize,
+    /// Number of random changes after every eighth view: sectors, openings and portals are added and removed, and items
+    /// move between sectors
+    #[arg(long, default_value_t = 0)]
+    graph_edits: usize,
     /// Compare glass with the reference too, layer by layer
     #[arg(long)]
     glass: bool,
@@ -177,8 +181,8 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let mut reference = Reference::new(&scene);
     let mut candidates = Vec::new();
     for &method in methods {
-        if args.edits > 0 && method.requires().is_some() {
-            println!("{name}: {method} needs static walls: skipped with --edits");
+        if args.edits + args.graph_edits > 0 && method.requires().is_some() {
+            println!("{name}: {method} needs static walls: skipped with edits");
             continue;
         }
         match scene.with_method(method, Method::DEFAULT_LIMIT) {
@@ -201,13 +205,16 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
     let at_first: Vec<usize> = (scene.sectors())
         .map(|id| scene.geometry(id).map_or(0, |geometry| geometry.item_count()))
         .collect();
-    let (mut wrong, mut visible, mut edited, mut glass) = (0, 0, 0, 0);
+    let (mut wrong, mut visible, mut glass) = (0, 0, 0);
+    let (mut edited, mut changes) = (0, 0);
     for (number, place) in places[..args.views.min(places.len())].iter().enumerate() {
-        if args.edits > 0 && number % VIEWS_BETWEEN_EDITS == VIEWS_BETWEEN_EDITS - 1 {
+        if args.edits + args.graph_edits > 0 && number % VIEWS_BETWEEN_EDITS == VIEWS_BETWEEN_EDITS - 1 {
             let scenes = candidates.iter_mut().map(|candidate| &mut candidate.scene);
             for scene in scenes.chain([&mut scene]) {
                 let mut random = Random::new(number as u64);
                 edited += random_edits(scene, args.edits, &at_first, &mut random)?.items;
+                let sectors = at_first.len() + args.graph_edits;
+                changes += random_graph_edits(scene, args.graph_edits, sectors, &mut random)?;
             }
             reference = Reference::new(&scene);
         }
@@ -249,8 +256,10 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
         args.views.min(places.len()),
         start.elapsed().as_secs_f64()
     );
-    if args.edits > 0 {
-        println!("  {edited} items edited, over all methods");
+    if args.edits + args.graph_edits > 0 {
+        println!(
+            "  {edited} items edited and {changes} changes of sectors, openings and portals, over all methods"
+        );
     }
     if args.glass {
         println!("  {glass} samples of glass compared, over all methods");

@@ -102,6 +102,9 @@ error_codes! {
         NoSuchOpening => "scene/no-such-opening",
         NoSuchExit => "scene/no-such-exit",
         NoOpening => "scene/no-opening",
+        RemovedSector => "scene/removed-sector",
+        RemovedPortal => "scene/removed-portal",
+        DoorFacesOneWay => "scene/door-faces-one-way",
         CustomSector => "scene/custom-sector",
         Openings => "scene/openings",
         BadLight => "scene/bad-light",
@@ -114,6 +117,7 @@ error_codes! {
     }
     EditError {
         NoSuchSector => "edit/no-such-sector",
+        RemovedSector => "edit/removed-sector",
         CustomSector => "edit/custom-sector",
         NoSuchItem => "edit/no-such-item",
         NotFinite => "edit/not-finite",
@@ -121,6 +125,8 @@ error_codes! {
         NoFaces => "edit/no-faces",
         NoSuchMaterial => "edit/no-such-material",
         TooManyFaces => "edit/too-many-faces",
+        NoSuchOpening => "edit/no-such-opening",
+        TooManyOpenings => "edit/too-many-openings",
     }
     Unsuited {
         TooLarge => "unsuited/too-large",

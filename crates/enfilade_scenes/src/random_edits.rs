@@ -37,7 +37,8 @@ pub fn random_edits(
         let there = elsewhere(geometry, item, random);
         let is_there = geometry.holds(item);
         let id = geometry.id_of(item);
-        let crowded = geometry.item_count() > at_first[sector.0 as usize];
+        let before = at_first.get(sector.0 as usize).copied().unwrap_or(0);
+        let crowded = geometry.item_count() > before;
         // Edits of removed items, and edits that leave an item without faces, return an error and change nothing.
         let _ = match random.below(10) {
             0 if crowded => edit.remove(sector, id),

@@ -1,10 +1,11 @@
 //! Builds a geometry and checks it.
 
 use super::names::Names;
+use super::openings::{MAX_OPENINGS, Openings};
 #[cfg(feature = "terrain")]
 use super::terrain::Terrain;
 use super::{BakedCells, Geometry, Item, ItemOptions, Material, Opening, Texture};
-use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Octree, Transform, is_in_range};
+use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform, is_in_range};
 use crate::ids::{ItemId, ItemIndex, MeshId, OpeningId};
 use crate::mesh::Mesh;
 use std::fmt;
@@ -151,8 +152,8 @@ impl GeometryBuilder {
         let mut keys = Vec::with_capacity(placed.len());
         let mut first_faces = Vec::with_capacity(placed.len() + 1);
         let mut faces = 0_u64;
-        let holes: Vec<Aabb> = openings.iter().map(|o| o.outline.bounds()).collect();
-        let mut bounds = holes.iter().fold(Aabb::EMPTY, |sum, hole| sum.union(hole));
+        let openings = Openings::new(openings);
+        let mut bounds = openings.bounds();
         for (number, item) in placed.into_iter().enumerate() {
             let NewItem {
                 mesh,
@@ -196,11 +197,6 @@ impl GeometryBuilder {
             return Err(GeometryError::TooManyFaces(faces));
         }
         first_faces.push(faces as u32);
-        let outline_ends: Vec<[u32; 2]> = openings
-            .iter()
-            .map(|o| [0, o.outline.corners().len() as u32])
-            .collect();
-        let outline_corners = (0..outline_ends.iter().map(|ends| ends[1]).max().unwrap_or(0)).collect();
         let mut geometry = Geometry {
             meshes,
             materials,
@@ -216,9 +212,6 @@ impl GeometryBuilder {
             #[cfg(feature = "terrain")]
             terrains,
             item_tree: OnceLock::new(),
-            opening_tree: Octree::build(&holes, FEW_OPENINGS),
-            outline_corners,
-            outline_ends,
             first_faces,
             bounds,
             shared: Mutex::new(Weak::<()>::new()),
@@ -227,11 +220,6 @@ impl GeometryBuilder {
         Ok(geometry)
     }
 }
-
-pub(crate) const MAX_OPENINGS: usize = 60_000;
-
-/// Maximum number of openings in a leaf of the octree; a leaf yields its openings in order of their ids.
-const FEW_OPENINGS: usize = 16;
 
 /// Returns the AABB of a transformed mesh: for up to 64 positions from the positions, which is tighter; otherwise from
 /// the corners of the mesh's AABB.

@@ -1,17 +1,19 @@
-//! Adds, removes, moves and replaces items between looks.
+//! Adds, removes, moves and replaces items, and adds and removes openings, between looks.
 //!
 //! The changes of an edit are checked one by one and collected; then all of them are swapped with the current state, so
 //! that swapping again undoes them. Ids stay valid; a new item takes the lowest free index.
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, section 3: a small change touches a few
 //!     nodes.
 //! Cost: O(1) to collect a change, O(log items) to apply it; O(items) additions per edit if the number of faces of an
-//!     item changes. Changes that move items allocate nothing once the buffers have grown.
+//!     item changes; O(openings) per edit that changes these. Changes that move items allocate nothing once the buffers
+//!     have grown.
 
-use super::builder::{MAX_OPENINGS, placed_bounds};
+use super::builder::placed_bounds;
+use super::openings::{MAX_OPENINGS, Openings};
 use super::slots::Slots;
-use super::{Geometry, Item, ItemLabel, ItemOptions};
+use super::{BakedCells, Geometry, Item, ItemLabel, ItemOptions, Opening};
 use crate::geom::{Aabb, Transform, is_in_range};
-use crate::ids::{ItemId, ItemIndex, MeshId};
+use crate::ids::{ItemId, ItemIndex, MeshId, OpeningId};
 use crate::mesh::{Cluster, Mesh};
 use std::sync::{Arc, Mutex, Weak};
 
@@ -29,7 +31,19 @@ pub(crate) struct Changes {
     more_faces: i64,
     /// The last generation that was given to an item, by this edit or an earlier one.
     generation: u32,
+    /// The new or, once swapped in, the previous openings; `None` if they do not change.
+    openings: Option<OpeningsChange>,
     pub(crate) exchanged: Exchanged,
+}
+
+/// The openings after the changes, and which of them existed before.
+#[derive(Debug)]
+pub(crate) struct OpeningsChange {
+    list: Vec<Opening>,
+    /// For each opening after the changes its id before; `None` if it is new.
+    pub(crate) ids_before: Vec<Option<OpeningId>>,
+    /// The baked PVS after the changes: none if an opening was removed, because a line of sight may go on there.
+    cells: Option<Arc<BakedCells>>,
 }
 
 /// The new or, once swapped in, the previous state of an item.
@@ -98,6 +112,17 @@ pub(crate) enum Unfit {
     NoSuchMaterial(u32),
     TooManyFaces,
 }
+
+/// An item without its place.
+pub(crate) struct ItemState {
+    pub(crate) name: String,
+    pub(crate) key: u64,
+    pub(crate) mesh: Arc<Mesh>,
+    pub(crate) options: ItemOptions,
+}
+
+/// The maximum number of openings is reached.
+pub(crate) struct TooManyOpenings;
 
 impl Changes {
     /// Replaces the transform of an item.
@@ -205,6 +230,19 @@ impl Changes {
         Ok(ItemId { index, generation })
     }
 
+    /// Returns what an item takes along to another sector.
+    pub(crate) fn state(&self, geometry: &Geometry, item: ItemId) -> Result<ItemState, Unfit> {
+        self.check_exists(geometry, item)?;
+        let ItemLabel { name, key } = self.label(geometry, item.index);
+        let rest = self.get(item.index).and_then(|change| change.rest.as_ref());
+        Ok(ItemState {
+            name,
+            key,
+            mesh: Arc::clone(self.mesh_of(geometry, item.index)),
+            options: rest.map_or_else(|| geometry.item(item.index).options, |rest| rest.options),
+        })
+    }
+
     /// Returns the index that the next added item gets: the lowest free one.
     pub(crate) fn next_index(&self, geometry: &Geometry) -> ItemIndex {
         let next = self.last_free.map_or(0, |last| last + 1);
@@ -223,9 +261,59 @@ impl Changes {
         }
     }
 
+    /// Adds an opening; returns its id.
+    pub(crate) fn add_opening(
+        &mut self,
+        geometry: &Geometry,
+        opening: Opening,
+    ) -> Result<OpeningId, TooManyOpenings> {
+        let change = self.openings_of(geometry);
+        let id = change.ids_before.len();
+        if id >= MAX_OPENINGS {
+            return Err(TooManyOpenings);
+        }
+        change.list.push(opening);
+        change.ids_before.push(None);
+        Ok(OpeningId(id as u16))
+    }
+
+    /// Removes an opening, and gives its id to the last one; returns `false` if there is none.
+    pub(crate) fn remove_opening(&mut self, geometry: &Geometry, opening: OpeningId) -> bool {
+        let number = usize::from(opening.0);
+        if number >= self.opening_count(geometry) {
+            return false;
+        }
+        let change = self.openings_of(geometry);
+        change.list.swap_remove(number);
+        change.ids_before.swap_remove(number);
+        change.cells = None;
+        true
+    }
+
+    /// Returns the number of openings after the changes.
+    pub(crate) fn opening_count(&self, geometry: &Geometry) -> usize {
+        let change = self.openings.as_ref();
+        change.map_or(geometry.openings().len(), |change| change.ids_before.len())
+    }
+
+    fn openings_of(&mut self, geometry: &Geometry) -> &mut OpeningsChange {
+        self.openings.get_or_insert_with(|| OpeningsChange {
+            list: geometry.openings().to_vec(),
+            ids_before: (0..geometry.openings().len() as u16)
+                .map(|id| Some(OpeningId(id)))
+                .collect(),
+            cells: geometry.cells.clone(),
+        })
+    }
+
+    /// Returns the changes of openings, if there are any.
+    pub(crate) fn openings(&self) -> Option<&OpeningsChange> {
+        self.openings.as_ref()
+    }
+
     /// Returns `true` if there are no changes.
     pub(crate) fn is_empty(&self) -> bool {
-        self.list.is_empty()
+        self.list.is_empty() && self.openings.is_none()
     }
 
     /// Discards all changes.
@@ -236,6 +324,7 @@ impl Changes {
         self.last_free = None;
         self.appended = 0;
         self.more_faces = 0;
+        self.openings = None;
     }
 
     fn get(&self, item: ItemIndex) -> Option<&Change> {
@@ -349,13 +438,20 @@ impl Geometry {
         &self.meshes[self.item(item).mesh.0 as usize]
     }
 
-    /// Swaps the items with those of `changes`; swapping again undoes it. [`Changes::exchanged`] holds what was done.
+    /// Swaps items and openings with those of `changes`; swapping again undoes it. [`Changes::exchanged`] holds what was
+    /// done.
     pub(crate) fn exchange(&mut self, changes: &mut Changes) {
         let Changes {
             list,
+            openings,
             exchanged: done,
             ..
         } = changes;
+        if let Some(change) = openings {
+            let after = Openings::new(std::mem::take(&mut change.list));
+            change.list = std::mem::replace(&mut self.openings, after).list;
+            std::mem::swap(&mut self.cells, &mut change.cells);
+        }
         // So that trees do not depend on the order of requests, and new items are appended in order.
         if !list.is_sorted_by_key(|change| change.item) {
             list.sort_unstable_by_key(|change| change.item);
@@ -482,11 +578,7 @@ impl Geometry {
                 .iter()
                 .fold(Aabb::EMPTY, |sum, item| sum.union(&item.bounds))
         };
-        let holes = self
-            .opening_tree
-            .root()
-            .map(|root| self.opening_tree.bounds(root));
-        self.bounds = holes.map_or(all, |holes| all.union(holes));
+        self.bounds = all.union(&self.openings.bounds());
     }
 }
 
@@ -520,9 +612,6 @@ impl Clone for Geometry {
             #[cfg(feature = "terrain")]
             terrains: self.terrains.clone(),
             item_tree: self.item_tree.clone(),
-            opening_tree: self.opening_tree.clone(),
-            outline_corners: self.outline_corners.clone(),
-            outline_ends: self.outline_ends.clone(),
             first_faces: self.first_faces.clone(),
             bounds: self.bounds,
             shared: Mutex::new(Weak::<()>::new()),

@@ -6,6 +6,7 @@ mod edit;
 mod item_options;
 mod material;
 mod names;
+mod openings;
 mod owners;
 mod slots;
 #[cfg(feature = "terrain")]
@@ -14,13 +15,13 @@ mod texture;
 
 pub use baked_cells::{BakedCells, BakedCellsError, CellNode, CellSide, CellTree};
 pub(crate) use baked_cells::{Leaf, Room};
-#[cfg(feature = "terrain")]
-pub(crate) use builder::MAX_OPENINGS;
 pub use builder::{GeometryBuilder, GeometryError, ItemLabel};
 pub use edit::MovedItem;
 pub(crate) use edit::{Changes, Exchanged, Unfit};
 pub use item_options::ItemOptions;
 pub use material::{Alpha, Material};
+#[cfg(feature = "terrain")]
+pub(crate) use openings::MAX_OPENINGS;
 pub use owners::Owners;
 pub use texture::{Filter, Minify, Texture, TextureError, Wrap};
 
@@ -28,6 +29,7 @@ use crate::geom::{Aabb, ConvexPolygon, Octree, Transform};
 use crate::ids::{ItemId, ItemIndex, MeshId, OpeningId};
 use crate::mesh::{Cluster, Mesh};
 use names::Names;
+use openings::Openings;
 use slots::Slots;
 use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -91,18 +93,13 @@ pub struct Geometry {
     not_drawn: Vec<ItemIndex>,
     /// Free and used slots, once items were edited.
     slots: Option<Slots>,
-    openings: Vec<Opening>,
+    openings: Openings,
     cells: Option<Arc<BakedCells>>,
     /// Height fields whose blocks are some of the items, unless these were changed since.
     #[cfg(feature = "terrain")]
     terrains: Vec<Terrain>,
     /// Octree over the boxes of items; built on first use.
     item_tree: OnceLock<Octree>,
-    /// Octree over the boxes of openings.
-    opening_tree: Octree,
-    /// 0, 1, 2 … up to the maximum number of corners, and the end of each opening: openings as indexed faces.
-    outline_corners: Vec<u32>,
-    outline_ends: Vec<[u32; 2]>,
     /// For each item the number of faces before it, and finally the number of all faces.
     first_faces: Vec<u32>,
     bounds: Aabb,
@@ -194,7 +191,7 @@ impl Geometry {
 
     /// Returns the openings, by [`OpeningId`].
     pub fn openings(&self) -> &[Opening] {
-        &self.openings
+        &self.openings.list
     }
 
     /// Returns the baked PVS cells, if any.
@@ -212,7 +209,7 @@ impl Geometry {
 
     /// Returns the octree over the boxes of openings.
     pub(crate) fn opening_tree(&self) -> &Octree {
-        &self.opening_tree
+        &self.openings.tree
     }
 
     /// Returns the AABB of all items and openings, in the space of the sector.
@@ -285,7 +282,7 @@ impl Geometry {
     pub fn bytes(&self) -> u64 {
         self.meshes.iter().map(|mesh| mesh.bytes()).sum::<u64>()
             + self.item_tree.get().map_or(0, Octree::bytes)
-            + self.opening_tree.bytes()
+            + self.openings.tree.bytes()
             + self.cells.as_ref().map_or(0, |cells| cells.bytes())
             + (size_of_val(&*self.items)
                 + size_of_val(&*self.keys)
@@ -320,8 +317,7 @@ impl Geometry {
 
     /// Returns an opening as an indexed face: its corners, and their start and end.
     pub(crate) fn outline_face(&self, opening: OpeningId) -> (&[u32], &[u32]) {
-        let ends = &self.outline_ends[usize::from(opening.0)];
-        (&self.outline_corners[..ends[1] as usize], ends)
+        self.openings.face(usize::from(opening.0))
     }
 
     /// Returns the face number of an opening; openings are numbered after all faces.

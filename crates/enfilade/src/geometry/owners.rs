@@ -59,6 +59,6 @@ impl Owners for Geometry {
     }
 
     fn has_openings(&self) -> bool {
-        !self.openings.is_empty()
+        !self.openings.list.is_empty()
     }
 }

@@ -1,4 +1,4 @@
-//! Sectors whose items can be edited.
+//! Sectors whose items and openings can be edited.
 
 use crate::geometry::{Changes, Geometry};
 use crate::order::Order;
@@ -6,11 +6,11 @@ use crate::sector::Sector;
 use crate::unsuited::Unsuited;
 use std::sync::Arc;
 
-/// A sector with geometry and a built-in method, whose items can be edited.
+/// A sector with geometry and a built-in method, whose items and openings can be edited.
 pub(crate) trait EditableSector: Sector {
     fn geometry(&self) -> &Arc<Geometry>;
 
-    /// Swaps the items of the geometry with those of `changes`, so that another call undoes the edit. A shared geometry
+    /// Swaps items and openings of the geometry with those of `changes`, so that another call undoes the edit. A shared geometry
     /// is copied first. If the result needs more than `limit` bytes or violates the requirement of the method, nothing
     /// changes.
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited>;
@@ -48,9 +48,10 @@ pub(super) fn edit_order<O: Order>(
     let edited = Arc::make_mut(geometry);
     edited.exchange(changes);
     let needs = O::needs_bytes(edited) + beside(edited);
+    let is_outdated = O::INCLUDES_OPENINGS && changes.openings().is_some();
     let done = &mut changes.exchanged;
     done.touched.clear();
-    let follows = needs <= limit && order.follow(edited, &done.moved, &mut done.touched);
+    let follows = needs <= limit && !is_outdated && order.follow(edited, &done.moved, &mut done.touched);
     if !follows {
         let built = if needs <= limit {
             O::build(edited, limit)

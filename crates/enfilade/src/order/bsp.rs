@@ -192,6 +192,7 @@ impl<D: Direction> Order for Bsp<D> {
 
     const NAME: &'static str = "Bsp";
     const SPLITS_FACES: bool = true;
+    const INCLUDES_OPENINGS: bool = true;
 
     fn build(geometry: &Geometry, limit_bytes: u64) -> Result<Bsp<D>, Unsuited> {
         let options = BspOptions {

@@ -113,6 +113,9 @@ pub trait Order: sealed::Sealed + Send + Sync + Sized + 'static {
     /// Whether building sorts all faces into a BSP tree. That splits some, and takes long for many faces.
     const SPLITS_FACES: bool = false;
 
+    /// Whether what was built includes the openings, and so must be built again when these change.
+    const INCLUDES_OPENINGS: bool = false;
+
     /// Returns `true` if a geometry meets [`Order::REQUIRES`].
     fn suits(geometry: &Geometry) -> bool {
         Self::REQUIRES.is_none() || Self::build(geometry, u64::MAX).is_ok()

@@ -139,6 +139,9 @@ impl Scene {
     /// Returns `true` if `portal` leads back through the opening by which `came` arrived, as the other portal of a door
     /// does.
     pub fn leads_back(&self, came: PortalId, portal: PortalId) -> bool {
+        if ![came, portal].into_iter().all(|id| self.has_portal(id)) {
+            return false;
+        }
         let [came, portal] = [came, portal].map(|id| &self.portals()[id.0 as usize]);
         if portal.from != came.to || portal.to != came.from {
             return false;

@@ -1,5 +1,6 @@
 //! Builds a scene from sectors and portals, and validates it.
 
+use super::graph::check_door;
 use super::locate::Boxes;
 use super::{Body, ErrorSubject, Exit, Light, Portal, Scene, SceneError, SceneSector};
 use crate::geom::{Transform, is_in_range};
@@ -30,13 +31,15 @@ pub struct SceneBuilder {
     sectors: Vec<PendingSector>,
     nested: Vec<Scene>,
     portals: Vec<(PortalEnd, PortalEnd, Transform)>,
+    /// The portals out of the first openings of doors, by their index; the next portal leads back.
+    doors: Vec<usize>,
     exits: Vec<(String, PortalEnd)>,
     lights: Vec<Light>,
     open_above: Vec<SectorId>,
     limit_bytes: Option<u64>,
 }
 
-enum PendingSector {
+pub(super) enum PendingSector {
     BuiltIn(String, Arc<Geometry>, Method),
     Custom(String, Arc<dyn Sector>),
 }
@@ -133,14 +136,15 @@ impl SceneBuilder {
 
     /// Adds two portals, one each way, between two coincident openings of sectors that share a coordinate space.
     ///
-    /// [`SceneBuilder::build`] checks that both openings exist and that no other portal leads out of them. It does not
-    /// check that their outlines coincide and face opposite ways ([`ConvexPolygon::flipped`]): if they do not, the door
-    /// leads to the wrong part of the other sector, or cannot be seen through from one side.
+    /// [`SceneBuilder::build`] checks that both openings exist, that no other portal leads out of them, and that they face
+    /// opposite ways ([`ConvexPolygon::flipped`]). It does not check that their outlines coincide: if they do not, the door
+    /// leads to another part of the other sector.
     ///
     /// [`ConvexPolygon::flipped`]: crate::ConvexPolygon::flipped
     #[doc(alias = "doorway")]
     pub fn door(&mut self, a: impl Into<PortalEnd>, b: impl Into<PortalEnd>) -> &mut Self {
         let (a, b) = (a.into(), b.into());
+        self.doors.push(self.portals.len());
         self.portal(a.clone(), b.clone(), Transform::IDENTITY)
             .portal(b, a, Transform::IDENTITY)
     }
@@ -185,7 +189,8 @@ impl SceneBuilder {
     /// Builds the method of every sector and connects the portals.
     ///
     /// Of a portal it checks that its sectors and openings exist, that its transform is a similarity and keeps the
-    /// opening within [`MAX_COORDINATE`](crate::MAX_COORDINATE), and that no other portal leads out of the opening.
+    /// opening within [`MAX_COORDINATE`](crate::MAX_COORDINATE), that no other portal leads out of the opening, and that
+    /// the openings of a door face opposite ways.
     /// Of a custom sector it checks the bounds.
     ///
     /// # Errors
@@ -224,12 +229,9 @@ impl SceneBuilder {
         }
         let nested_portals = joined.portals.len();
         for (number, (from, to, there_from_here)) in self.portals.into_iter().enumerate() {
-            if !there_from_here.is_similarity() {
-                return Err(SceneError::NotSimilar(number));
-            }
             let subject = ErrorSubject::Portal(number);
             let (from, opening) = joined.resolve_opening(&subject, &from)?;
-            let (to, _) = joined.resolve(&subject, &to)?;
+            let (to, end) = joined.resolve(&subject, &to)?;
             let portal = Portal {
                 from,
                 opening,
@@ -237,8 +239,11 @@ impl SceneBuilder {
                 there_from_here,
                 open: true,
             };
-            if !portal.leads_in_range(&joined.sectors[from.0 as usize].openings()[usize::from(opening.0)]) {
-                return Err(SceneError::TooFar(number));
+            let openings = joined.sectors[from.0 as usize].openings();
+            portal.check(number, openings)?;
+            if let Some(end) = end.filter(|_| self.doors.binary_search(&number).is_ok()) {
+                let there = joined.sectors[to.0 as usize].openings();
+                check_door(&openings[usize::from(opening.0)], &there[usize::from(end.0)])?;
             }
             joined.portals.push(portal);
         }
@@ -259,7 +264,7 @@ impl SceneBuilder {
     }
 }
 
-fn build_sector(pending: PendingSector, limit: u64) -> Result<SceneSector, SceneError> {
+pub(super) fn build_sector(pending: PendingSector, limit: u64) -> Result<SceneSector, SceneError> {
     Ok(match pending {
         PendingSector::Custom(name, sector) => {
             let bounds = sector.bounds();
@@ -268,24 +273,12 @@ fn build_sector(pending: PendingSector, limit: u64) -> Result<SceneSector, Scene
             if !bounds.min.into_iter().chain(bounds.max).all(is_sound) {
                 return Err(SceneError::BadBounds(name));
             }
-            SceneSector {
-                name,
-                body: Body::Custom(sector),
-                open_above: false,
-                builds: 0,
-                changes: Changes::default(),
-            }
+            SceneSector::new(name, Body::Custom(sector))
         }
         PendingSector::BuiltIn(name, geometry, method) => {
             let built = method.build_editable(geometry, limit);
             let sector = built.map_err(|why| SceneError::unsuited(&name, why))?;
-            SceneSector {
-                name,
-                body: Body::BuiltIn { method, sector },
-                open_above: false,
-                builds: 1,
-                changes: Changes::default(),
-            }
+            SceneSector::new(name, Body::BuiltIn { method, sector })
         }
     })
 }
@@ -303,10 +296,14 @@ impl FlatGraph {
     fn append(&mut self, scene: Scene) {
         let shift = self.sectors.len() as u32;
         let moved = |id: SectorId| SectorId(id.0 + shift);
-        self.portals.extend(scene.portals.into_iter().map(|p| Portal {
-            from: moved(p.from),
-            to: moved(p.to),
-            ..p
+        let kept = (0..)
+            .map(PortalId)
+            .zip(&scene.portals)
+            .filter(|&(id, _)| scene.has_portal(id));
+        self.portals.extend(kept.map(|(_, portal)| Portal {
+            from: moved(portal.from),
+            to: moved(portal.to),
+            ..portal.clone()
         }));
         self.scenes.push(
             scene
@@ -361,50 +358,32 @@ impl FlatGraph {
                 sectors: self.direct_sectors,
             });
         }
-        let placed = &self.sectors[sector.0 as usize];
-        let openings = placed.openings().len();
-        if let Some(opening) = opening.filter(|opening| usize::from(opening.0) >= openings) {
-            let sector = placed.name.clone();
-            return Err(SceneError::NoSuchOpening {
-                subject: subject.clone(),
-                sector,
-                opening: opening.0,
-                openings,
-            });
-        }
+        self.sectors[sector.0 as usize].check_opening(subject, opening)?;
         Ok((sector, opening))
     }
 
-    fn finish(self, nested_portals: usize, exits: Vec<Exit>, limit_bytes: u64) -> Result<Scene, SceneError> {
-        let mut first_opening = vec![0];
-        for placed in &self.sectors {
-            first_opening.push(first_opening[first_opening.len() - 1] + placed.openings().len() as u32);
-        }
-        let mut portal_of: Vec<Option<PortalId>> = vec![None; first_opening[self.sectors.len()] as usize];
-        let subject = |number: usize| {
-            number
-                .checked_sub(nested_portals)
-                .map_or(ErrorSubject::PortalWithin, ErrorSubject::Portal)
+    fn finish(
+        mut self,
+        nested_portals: usize,
+        exits: Vec<Exit>,
+        limit_bytes: u64,
+    ) -> Result<Scene, SceneError> {
+        let subject = |PortalId(number): PortalId| {
+            let added = (number as usize).checked_sub(nested_portals);
+            added.map_or(ErrorSubject::PortalWithin, ErrorSubject::Portal)
         };
-        for (number, portal) in self.portals.iter().enumerate() {
-            let slot = first_opening[portal.from.0 as usize] as usize + usize::from(portal.opening.0);
-            if let Some(first) = portal_of[slot].replace(PortalId(number as u32)) {
-                let placed = &self.sectors[portal.from.0 as usize];
-                return Err(SceneError::TwoPortals {
-                    first: subject(first.0 as usize),
-                    second: subject(number),
-                    opening: placed.openings()[usize::from(portal.opening.0)].name.clone(),
-                    sector: placed.name.clone(),
-                });
-            }
+        for placed in &mut self.sectors {
+            // Those of nested scenes have the ids that they had there.
+            placed.portals.fill(None);
+        }
+        for (id, portal) in (0..).map(PortalId).zip(&self.portals) {
+            self.sectors[portal.from.0 as usize].connect(portal.opening, id, subject)?;
         }
         let boxes = self.sectors.iter().map(SceneSector::space).collect();
         Ok(Scene {
             boxes: Boxes::new(boxes),
             sectors: self.sectors,
             portals: self.portals,
-            portal_of,
-            first_opening,
             flat: false,
             lights: self.lights,
             limit_bytes,
@@ -414,7 +393,58 @@ impl FlatGraph {
 }
 
 impl SceneSector {
-    fn openings(&self) -> &[Opening] {
+    pub(super) fn new(name: String, body: Body) -> SceneSector {
+        let mut placed = SceneSector {
+            name,
+            open_above: false,
+            builds: u64::from(matches!(body, Body::BuiltIn { .. })),
+            body,
+            portals: Vec::new(),
+            changes: Changes::default(),
+        };
+        placed.portals = vec![None; placed.openings().len()];
+        placed
+    }
+
+    pub(super) fn openings(&self) -> &[Opening] {
         self.sector().openings()
+    }
+
+    /// Checks that an opening exists.
+    pub(super) fn check_opening(
+        &self,
+        subject: &ErrorSubject,
+        opening: Option<OpeningId>,
+    ) -> Result<(), SceneError> {
+        let openings = self.openings().len();
+        match opening.filter(|opening| usize::from(opening.0) >= openings) {
+            Some(opening) => Err(SceneError::NoSuchOpening {
+                subject: subject.clone(),
+                sector: self.name.clone(),
+                opening: opening.0,
+                openings,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Lets a portal lead out of an opening. `subject` names portals in the error.
+    pub(super) fn connect(
+        &mut self,
+        opening: OpeningId,
+        portal: PortalId,
+        subject: impl Fn(PortalId) -> ErrorSubject,
+    ) -> Result<(), SceneError> {
+        let number = usize::from(opening.0);
+        if let Some(first) = self.portals[number] {
+            return Err(SceneError::TwoPortals {
+                first: subject(first),
+                second: subject(portal),
+                opening: self.openings()[number].name.clone(),
+                sector: self.name.clone(),
+            });
+        }
+        self.portals[number] = Some(portal);
+        Ok(())
     }
 }

@@ -1,19 +1,21 @@
-//! Item edits between looks: add, remove, move and change items.
+//! Edits between looks: add, remove, move and change items; add and remove openings.
 //!
 //! An [`Edit`] validates each change when it is requested and applies all of them in [`Edit::finish`], all or none.
 //! Orders that support it are updated in place; others are rebuilt. A viewer's temporal coherence stays valid: it skips
 //! remembered clusters that no longer exist.
 
 use super::{Body, Scene, SceneError};
-use crate::geom::{MAX_COORDINATE, Transform};
-use crate::geometry::{Changes, Geometry, ItemLabel, ItemOptions, Unfit};
-use crate::ids::{ItemId, SectorId};
+use crate::geom::{ConvexPolygon, MAX_COORDINATE, Transform};
+use crate::geometry::{Changes, Geometry, ItemLabel, ItemOptions, Opening, Unfit};
+use crate::ids::{ItemId, OpeningId, SectorId};
 use crate::mesh::Mesh;
 use crate::method::{EditStats, UnsuitedMethod};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// A batch of pending item changes. [`Edit::finish`] applies them; dropping the edit discards them.
+/// A batch of pending changes of items and openings. [`Edit::finish`] applies them; dropping the edit discards them.
+///
+/// Sectors and portals are added and removed directly: see [`Scene::add_sector`] and [`Scene::add_portal`].
 ///
 /// An item that is in several sectors is a separate item in each.
 #[doc(alias = "dynamic objects")]
@@ -22,7 +24,7 @@ pub struct Edit<'a> {
     scene: &'a mut Scene,
 }
 
-/// An error of an item change. The item stays unchanged, and the rest of the edit can continue.
+/// An error of a change. What it concerns stays unchanged, and the rest of the edit can continue.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EditError {
@@ -34,6 +36,9 @@ pub enum EditError {
         /// The number of sectors.
         sectors: usize,
     },
+    /// The sector was removed.
+    #[error("sector {0} was removed")]
+    RemovedSector(u32),
     /// The sector is custom, so the scene does not hold its items.
     #[error("sector `{0}` is custom; its items cannot be edited through the scene")]
     CustomSector(String),
@@ -70,10 +75,23 @@ pub enum EditError {
     /// The sector would have more faces than 32-bit face numbers can address.
     #[error("item {0} would bring its sector to 4 billion faces; use more sectors")]
     TooManyFaces(ItemLabel),
+    /// The opening does not exist.
+    #[error("sector `{sector}` has no opening {opening}, only {openings}")]
+    NoSuchOpening {
+        /// The sector's name.
+        sector: String,
+        /// The requested opening.
+        opening: u16,
+        /// The number of openings.
+        openings: usize,
+    },
+    /// The sector, by name, has 60,000 openings; openings have 16-bit ids.
+    #[error("sector `{0}` has 60,000 openings already; split it")]
+    TooManyOpenings(String),
 }
 
 impl Scene {
-    /// Begins a batch of item changes.
+    /// Begins a batch of changes of items and openings.
     ///
     /// ```
     /// # use enfilade::*;
@@ -89,7 +107,8 @@ impl Scene {
     ///
     /// Cost: O(log items) per change if the order of the sector can be updated in place.
     /// [`Method::Bsp`](crate::Method::Bsp), [`Method::BspFront`](crate::Method::BspFront) and, where an occluder
-    /// changes, [`Method::Cell`](crate::Method::Cell) rebuild their order in [`Edit::finish`] instead. The first edit
+    /// changes, [`Method::Cell`](crate::Method::Cell) rebuild their order in [`Edit::finish`] instead; so does
+    /// [`Method::Pvs`](crate::Method::Pvs) where openings change. The first edit
     /// of a sector whose data is shared, with a clone of the scene or another owner of the geometry, copies that data.
     #[doc(alias = "dynamic objects")]
     pub fn edit(&mut self) -> Edit<'_> {
@@ -131,7 +150,7 @@ impl Edit<'_> {
     /// Removes an item from a sector.
     ///
     /// # Errors
-    /// Returns [`EditError::NoSuchSector`], [`EditError::CustomSector`] or [`EditError::NoSuchItem`] and removes nothing.
+    /// Returns an [`EditError`] and removes nothing.
     pub fn remove(&mut self, sector: SectorId, item: ItemId) -> Result<(), EditError> {
         self.change(sector, item, |changes, geometry| changes.remove(geometry, item))
     }
@@ -160,7 +179,7 @@ impl Edit<'_> {
     /// scene have grown, except where nodes of an octree or kd-tree split.
     ///
     /// # Errors
-    /// Returns [`EditError::NoSuchSector`] or [`EditError::CustomSector`] and moves nothing.
+    /// Returns [`EditError::NoSuchSector`], [`EditError::RemovedSector`] or [`EditError::CustomSector`] and moves nothing.
     pub fn set_transforms(
         &mut self,
         sector: SectorId,
@@ -211,11 +230,79 @@ impl Edit<'_> {
     /// Sets the key of an item; see [`GeometryBuilder::set_key`](crate::GeometryBuilder::set_key).
     ///
     /// # Errors
-    /// Returns [`EditError::NoSuchSector`], [`EditError::CustomSector`] or [`EditError::NoSuchItem`] and changes nothing.
+    /// Returns an [`EditError`] and changes nothing.
     pub fn set_key(&mut self, sector: SectorId, item: ItemId, key: u64) -> Result<(), EditError> {
         self.change(sector, item, |changes, geometry| {
             changes.set_key(geometry, item, key)
         })
+    }
+
+    /// Moves an item to another sector, with its name, key, mesh and options; `sector_from_item` is its transform there.
+    /// Returns its id there. The materials of its mesh are those of the new sector with the same numbers.
+    ///
+    /// An item that reaches through an opening belongs in both sectors: use [`Edit::add`] for the second.
+    ///
+    /// # Errors
+    /// Returns an [`EditError`] and leaves the item where it is.
+    pub fn move_to(
+        &mut self,
+        from: SectorId,
+        item: ItemId,
+        to: SectorId,
+        sector_from_item: Transform,
+    ) -> Result<ItemId, EditError> {
+        let (name, geometry, changes) = self.parts(from)?;
+        let state = changes.state(geometry, item);
+        let state = state.map_err(|unfit| refusal(unfit, name, item, geometry, changes))?;
+        let moved = self.add(to, &state.name, state.mesh, sector_from_item)?;
+        self.set_key(to, moved, state.key)?;
+        self.set_options(to, moved, state.options)?;
+        self.remove(from, item)?;
+        Ok(moved)
+    }
+
+    /// Adds an opening to a sector and returns its id, after those of the others. It is visible from its front, the side
+    /// from which its corners are counter-clockwise, and an opaque face until [`Scene::add_portal`] or
+    /// [`Scene::add_door`] connects it.
+    ///
+    /// # Errors
+    /// Returns an [`EditError`] and adds nothing.
+    pub fn add_opening(
+        &mut self,
+        sector: SectorId,
+        name: &str,
+        outline: ConvexPolygon,
+    ) -> Result<OpeningId, EditError> {
+        let (sector, geometry, changes) = self.parts(sector)?;
+        let name = name.to_owned();
+        let added = changes.add_opening(geometry, Opening { name, outline });
+        added.map_err(|_| EditError::TooManyOpenings(sector.to_owned()))
+    }
+
+    /// Removes an opening; [`Edit::finish`] removes the portal that leads out of it. The last opening of the sector takes
+    /// its id; returns the id that the last one had, unless it is the removed one. Portals keep their ids and their
+    /// openings.
+    ///
+    /// A baked PVS of the sector is dropped: lines of sight that ended at the opening may go on, so bake again, and until
+    /// then use another method than [`Method::Pvs`](crate::Method::Pvs).
+    ///
+    /// # Errors
+    /// Returns an [`EditError`] and removes nothing.
+    pub fn remove_opening(
+        &mut self,
+        sector: SectorId,
+        opening: OpeningId,
+    ) -> Result<Option<OpeningId>, EditError> {
+        let (sector, geometry, changes) = self.parts(sector)?;
+        if !changes.remove_opening(geometry, opening) {
+            return Err(EditError::NoSuchOpening {
+                sector: sector.to_owned(),
+                opening: opening.0,
+                openings: changes.opening_count(geometry),
+            });
+        }
+        let last = OpeningId(changes.opening_count(geometry) as u16);
+        Ok((last != opening).then_some(last))
     }
 
     /// Applies all pending changes.
@@ -245,6 +332,9 @@ impl Edit<'_> {
                 }
             }
         }
+        for sector in (0..scene.sectors.len() as u32).map(SectorId) {
+            scene.follow_openings(sector);
+        }
         Ok(edited)
     }
 
@@ -270,6 +360,7 @@ impl Edit<'_> {
         match &placed.body {
             Body::BuiltIn { sector, .. } => Ok((&placed.name, sector.geometry(), &mut placed.changes)),
             Body::Custom(_) => Err(EditError::CustomSector(placed.name.clone())),
+            Body::Removed(_) => Err(EditError::RemovedSector(sector.0)),
         }
     }
 }

@@ -47,6 +47,18 @@ pub enum SceneError {
         "{0} starts at a sector, not at an opening; start it at an opening or at an exit of a nested scene"
     )]
     NoOpening(ErrorSubject),
+    /// The sector was removed.
+    #[error("sector {0} was removed")]
+    RemovedSector(u32),
+    /// The portal was removed.
+    #[error("portal {0} was removed")]
+    RemovedPortal(u32),
+    /// The openings of a door, by name, face the same way, so it could be seen through from one side only, and led there
+    /// to the wrong side of the wall.
+    #[error(
+        "openings `{0}` and `{1}` face the same way; the two sides of a door face opposite ways: flip one of the outlines"
+    )]
+    DoorFacesOneWay(String, String),
     /// The sector is custom, so its geometry and its method cannot be replaced.
     #[error("sector `{0}` is custom; its geometry and method cannot be replaced")]
     CustomSector(String),

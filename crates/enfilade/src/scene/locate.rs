@@ -56,6 +56,12 @@ impl Boxes {
         }
     }
 
+    /// Adds the box of a new sector.
+    pub(super) fn push(&mut self, bounds: Aabb) {
+        self.boxes.push(Aabb::EMPTY);
+        self.change(SectorId(self.boxes.len() as u32 - 1), bounds);
+    }
+
     /// Replaces the box of a sector.
     pub(super) fn change(&mut self, sector: SectorId, bounds: Aabb) {
         let was = std::mem::replace(&mut self.boxes[sector.0 as usize], bounds);
@@ -77,12 +83,10 @@ impl Boxes {
         self.tree.tidy(self.boxes.len(), &boxes);
     }
 
-    /// See [`Scene::locate`](super::Scene::locate).
+    /// See [`Scene::locate`](super::Scene::locate); `None` if all boxes are empty.
     pub(super) fn locate(&self, point: [f64; 3], toward: [f64; 3]) -> Option<SectorId> {
-        self.around(point, toward)
-            .or_else(|| self.nearest(point))
-            .or((!self.boxes.is_empty()).then_some(0))
-            .map(SectorId)
+        let found = self.around(point, toward).or_else(|| self.nearest(point));
+        found.map(SectorId)
     }
 
     /// Returns the smallest box that contains a point in its interior; otherwise, of those with the point on their
@@ -202,7 +206,6 @@ mod tests {
             })
             .or_else(|| solid().min_by(|a, b| away(a.1).total_cmp(&away(b.1))))
             .map(|(number, _)| SectorId(number))
-            .or_else(|| (!boxes.is_empty()).then_some(SectorId(0)))
     }
 
     /// Returns whole numbers, so that boxes touch and coincide.

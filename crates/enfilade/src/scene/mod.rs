@@ -8,6 +8,7 @@
 mod builder;
 mod edit;
 mod error;
+mod graph;
 mod light;
 mod locate;
 mod portal;
@@ -40,9 +41,6 @@ pub struct Scene {
     sectors: Vec<SceneSector>,
     boxes: Boxes,
     portals: Vec<Portal>,
-    /// The portal of each opening, all openings of a sector in a row; `first_opening` holds the start of each row.
-    portal_of: Vec<Option<PortalId>>,
-    first_opening: Vec<u32>,
     flat: bool,
     lights: Vec<Light>,
     /// Memory limit per sector for what its method builds, in bytes.
@@ -60,6 +58,8 @@ struct SceneSector {
     open_above: bool,
     /// Number of times its method was built.
     builds: u64,
+    /// The portal that leads out of each opening.
+    portals: Vec<Option<PortalId>>,
     /// The changes of an edit in progress; empty between edits, but keeps its buffers.
     changes: Changes,
 }
@@ -73,6 +73,8 @@ enum Body {
     },
     /// A sector implemented by the user.
     Custom(Arc<dyn Sector>),
+    /// A sector that was removed; holds nothing.
+    Removed(Arc<dyn EditableSector>),
 }
 
 /// A named opening of a scene, for use when the scene is nested.
@@ -84,7 +86,7 @@ pub(crate) struct Exit {
 }
 
 impl Scene {
-    /// Returns the number of sectors.
+    /// Returns the number of sectors. [Removed](Scene::remove_sector) ones count, as empty sectors.
     pub fn sector_count(&self) -> usize {
         self.sectors.len()
     }
@@ -107,52 +109,49 @@ impl Scene {
         &self.sectors[id.0 as usize].name
     }
 
-    /// Returns the geometry of a sector; `None` for a custom sector.
+    /// Returns the geometry of a sector; `None` for a custom or removed sector.
     pub fn geometry(&self, id: SectorId) -> Option<&Arc<Geometry>> {
         match &self.sectors[id.0 as usize].body {
             Body::BuiltIn { sector, .. } => Some(sector.geometry()),
-            Body::Custom(_) => None,
+            Body::Custom(_) | Body::Removed(_) => None,
         }
     }
 
-    /// Returns the method of a sector; `None` for a custom sector.
+    /// Returns the method of a sector; `None` for a custom or removed sector.
     pub fn method(&self, id: SectorId) -> Option<Method> {
         match &self.sectors[id.0 as usize].body {
             Body::BuiltIn { method, .. } => Some(*method),
-            Body::Custom(_) => None,
+            Body::Custom(_) | Body::Removed(_) => None,
         }
     }
 
-    /// Returns all portals, indexed by [`PortalId`].
+    /// Returns all portals, indexed by [`PortalId`]. Removed ones stay in the list, closed: test with
+    /// [`Scene::has_portal`].
     pub fn portals(&self) -> &[Portal] {
         &self.portals
     }
 
     /// Returns the portal that leads out of an opening; `None` if the opening has none.
     pub fn portal_of(&self, sector: SectorId, opening: OpeningId) -> Option<PortalId> {
-        let [first, end] = [0, 1].map(|next| self.first_opening[sector.0 as usize + next]);
-        let index = first + u32::from(opening.0);
-        if index < end {
-            self.portal_of[index as usize]
-        } else {
-            None
-        }
+        let portals = &self.sectors[sector.0 as usize].portals;
+        portals.get(usize::from(opening.0)).copied().flatten()
     }
 
-    /// Opens or closes a portal, in O(1). A closed portal is opaque. A portal is one-way: the portal back, if there is
+    /// Opens or closes a portal, in O(1); a removed one stays closed. A closed portal is opaque. A portal is one-way: the portal back, if there is
     /// one, keeps its state.
     pub fn set_open(&mut self, portal: PortalId, open: bool) {
-        self.portals[portal.0 as usize].open = open;
+        self.portals[portal.0 as usize].open = open && self.has_portal(portal);
     }
 
     /// Replaces the geometry of a sector and keeps its method. No other sector is rebuilt, so put geometry that changes
-    /// every frame in a sector of its own. The number of openings must not change, but the openings may move.
+    /// every frame in a sector of its own. The number of openings must not change, but the openings may move; to change it,
+    /// use [`Edit::add_opening`] and [`Edit::remove_opening`].
     ///
     /// Cost: that of building the method, which is negligible for [`Method::ZBuffer`] and [`Method::SBuffer`].
     ///
     /// # Errors
-    /// Returns [`SceneError::CustomSector`], [`SceneError::Openings`] or [`SceneError::Unsuited`], and leaves the
-    /// sector unchanged.
+    /// Returns [`SceneError::CustomSector`], [`SceneError::RemovedSector`], [`SceneError::Openings`] or
+    /// [`SceneError::Unsuited`], and leaves the sector unchanged.
     pub fn set_geometry(
         &mut self,
         id: SectorId,
@@ -174,7 +173,8 @@ impl Scene {
     /// Replaces the method of a sector. No other sector is rebuilt.
     ///
     /// # Errors
-    /// Returns [`SceneError::CustomSector`] or [`SceneError::Unsuited`], and leaves the sector unchanged.
+    /// Returns [`SceneError::CustomSector`], [`SceneError::RemovedSector`] or [`SceneError::Unsuited`], and leaves the
+    /// sector unchanged.
     pub fn set_method(&mut self, id: SectorId, method: Method) -> Result<(), SceneError> {
         let (geometry, _) = self.editable(id)?;
         self.rebuild(id, Arc::clone(geometry), method)
@@ -184,6 +184,7 @@ impl Scene {
         match &self.sectors[id.0 as usize].body {
             Body::BuiltIn { sector, method } => Ok((sector.geometry(), *method)),
             Body::Custom(_) => Err(SceneError::CustomSector(self.sector_name(id).to_owned())),
+            Body::Removed(_) => Err(SceneError::RemovedSector(id.0)),
         }
     }
 
@@ -201,17 +202,15 @@ impl Scene {
     /// Replaces the transform of a portal, in O(1). The sector behind it appears moved as a whole.
     ///
     /// # Errors
-    /// Returns [`SceneError::NotSimilar`] or [`SceneError::TooFar`], and leaves the portal unchanged.
+    /// Returns [`SceneError::NotSimilar`], [`SceneError::TooFar`] or [`SceneError::RemovedPortal`], and leaves the portal
+    /// unchanged.
     pub fn set_portal(&mut self, portal: PortalId, there_from_here: Transform) -> Result<(), SceneError> {
-        if !there_from_here.is_similarity() {
-            return Err(SceneError::NotSimilar(portal.0 as usize));
+        if !self.has_portal(portal) {
+            return Err(SceneError::RemovedPortal(portal.0));
         }
         let mut moved = self.portals[portal.0 as usize].clone();
         moved.there_from_here = there_from_here;
-        let openings = self.sector(moved.from).openings();
-        if !moved.leads_in_range(&openings[usize::from(moved.opening.0)]) {
-            return Err(SceneError::TooFar(portal.0 as usize));
-        }
+        moved.check(portal.0 as usize, self.sector(moved.from).openings())?;
         self.portals[portal.0 as usize] = moved;
         Ok(())
     }
@@ -230,7 +229,7 @@ impl Scene {
         let mut geometries = HashSet::new();
         let is_first = |placed: &&mut SceneSector| match &placed.body {
             Body::BuiltIn { sector, .. } => geometries.insert(Arc::as_ptr(sector.geometry())),
-            Body::Custom(_) => false,
+            Body::Custom(_) | Body::Removed(_) => false,
         };
         let (first, others): (Vec<_>, Vec<_>) = scene.sectors.iter_mut().partition(is_first);
         for sectors in [first, others] {
@@ -278,7 +277,8 @@ impl Scene {
     /// Cost: O(log sectors) where few boxes overlap.
     #[doc(alias = "point location")]
     pub fn locate<T: Into<f64>>(&self, point: [T; 3], toward: [T; 3]) -> Option<SectorId> {
-        self.boxes.locate(point.map(Into::into), toward.map(Into::into))
+        let around = self.boxes.locate(point.map(Into::into), toward.map(Into::into));
+        around.or_else(|| self.sectors().find(|&id| self.has_sector(id)))
     }
 
     /// Returns the sector of a view: [`View::sector`] if it is set, else the one that contains the eye
@@ -330,7 +330,12 @@ impl Scene {
     /// Returns the memory used by the geometries and by what the methods built, in bytes.
     pub fn bytes(&self) -> u64 {
         let sectors = self.sectors().map(|id| self.sector(id).bytes()).sum::<u64>();
-        let portals = size_of_val(&*self.portals) + size_of_val(&*self.portal_of);
+        let of_openings: usize = self
+            .sectors
+            .iter()
+            .map(|placed| size_of_val(&*placed.portals))
+            .sum();
+        let portals = size_of_val(&*self.portals) + of_openings;
         sectors + self.boxes.bytes() + portals as u64
     }
 
@@ -351,6 +356,7 @@ impl SceneSector {
         match &self.body {
             Body::BuiltIn { sector, .. } => &**sector,
             Body::Custom(sector) => &**sector,
+            Body::Removed(sector) => &**sector,
         }
     }
 

@@ -1,5 +1,6 @@
 //! Portals: the targets of openings.
 
+use super::SceneError;
 use crate::geom::{Transform, is_in_range};
 use crate::geometry::Opening;
 use crate::ids::{OpeningId, SectorId};
@@ -25,13 +26,18 @@ pub struct Portal {
 }
 
 impl Portal {
-    /// Returns `true` if the transform is invertible and maps `opening`, the one of this portal, within
-    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE).
-    pub(super) fn leads_in_range(&self, opening: &Opening) -> bool {
-        let corners = opening.outline.corners().iter();
-        self.there_from_here.inverse().is_some()
-            && corners
-                .flat_map(|&corner| self.there_from_here.point(corner))
-                .all(is_in_range)
+    /// Checks the transform: that it is a similarity, can be inverted, and maps the opening of this portal, one of
+    /// `openings`, within [`MAX_COORDINATE`](crate::MAX_COORDINATE). `number` names the portal in the error.
+    pub(super) fn check(&self, number: usize, openings: &[Opening]) -> Result<(), SceneError> {
+        if !self.there_from_here.is_similarity() {
+            return Err(SceneError::NotSimilar(number));
+        }
+        let mut corners = openings[usize::from(self.opening.0)].outline.corners().iter();
+        let is_in_range =
+            |&corner: &[f32; 3]| self.there_from_here.point(corner).into_iter().all(is_in_range);
+        if self.there_from_here.inverse().is_none() || !corners.all(is_in_range) {
+            return Err(SceneError::TooFar(number));
+        }
+        Ok(())
     }
 }

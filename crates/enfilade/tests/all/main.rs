@@ -10,6 +10,7 @@ mod detail;
 mod draw_runs;
 mod dynamic;
 mod edits;
+mod graph_edits;
 mod kinds;
 mod known;
 mod large_terrain;

@@ -56,10 +56,10 @@ fn a_sector_that_is_not_there() {
     let nowhere = SectorId(12);
     let error = refused(|scene, hall| {
         scene
-            .door((hall, DOOR), (hall, WINDOW))
+            .mirror(hall, WINDOW)
             .portal((hall, DOOR), nowhere, Transform::IDENTITY);
     });
-    says(&error, "portal 2 names sector 12, but there are only 1");
+    says(&error, "portal 1 names sector 12, but there are only 1");
     let error = refused(|scene, _| {
         scene.exit("gate", (nowhere, DOOR));
     });
@@ -148,11 +148,11 @@ fn two_portals_out_of_one_opening() {
     let inner = inner.build().expect("a cabinet");
     let error = refused(|scene, hall| {
         let inner = scene.nest(&inner);
-        scene.door((hall, DOOR), (inner, "front"));
+        scene.portal((inner, "front"), hall, Transform::IDENTITY);
     });
     says(
         &error,
-        "a portal of a nested scene and portal 1 both lead out of opening `door` of sector `cabinet`",
+        "a portal of a nested scene and portal 0 both lead out of opening `door` of sector `cabinet`",
     );
 }
 

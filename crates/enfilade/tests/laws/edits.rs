@@ -10,7 +10,7 @@ use enfilade_scenes::{Random, random_edits};
 use std::sync::{Arc, LazyLock};
 
 /// Returns the same geometry, built from scratch without the removed items.
-fn afresh(geometry: &Geometry) -> Geometry {
+pub(crate) fn afresh(geometry: &Geometry) -> Geometry {
     let mut builder = GeometryBuilder::new(geometry.materials());
     builder.textures(geometry.textures());
     for number in (0..geometry.items().len() as u32).map(ItemIndex) {
@@ -29,7 +29,7 @@ fn afresh(geometry: &Geometry) -> Geometry {
 
 /// The methods without requirements, which suit any edited geometry. Baked data is valid only while walls stay (see
 /// `tests/all/baked_cells/`), and convex cells only while they are convex (see `tests/laws/convex/`).
-static FOLLOWING: LazyLock<Vec<Method>> = LazyLock::new(|| {
+pub(crate) static FOLLOWING: LazyLock<Vec<Method>> = LazyLock::new(|| {
     let all = Method::ALL.into_iter();
     all.filter(|method| method.requires().is_none()).collect()
 });

@@ -6,6 +6,7 @@ mod doorways;
 mod edits;
 mod extremes;
 mod glass;
+mod graph_edits;
 mod kinds;
 mod matrices;
 mod mixed;

@@ -83,6 +83,7 @@ impl Order for BakedCellsOrder {
 
     const NAME: &'static str = "BakedCellsOrder";
     const REQUIRES: Option<Requirement> = Some(Requirement::BakedCells);
+    const INCLUDES_OPENINGS: bool = true;
 
     fn suits(geometry: &Geometry) -> bool {
         geometry.cells().is_some()

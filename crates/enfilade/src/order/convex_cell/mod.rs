@@ -79,6 +79,7 @@ impl Order for ConvexCell {
 
     const NAME: &'static str = "ConvexCell";
     const REQUIRES: Option<Requirement> = Some(Requirement::Convex);
+    const INCLUDES_OPENINGS: bool = true;
 
     fn build(geometry: &Geometry, limit_bytes: u64) -> Result<ConvexCell, Unsuited> {
         let mut walls = Walls::new(geometry, limit_bytes);

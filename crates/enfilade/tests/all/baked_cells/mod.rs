@@ -5,8 +5,8 @@ mod deep;
 
 use enfilade::laws::{OwnerPicture, Reference};
 use enfilade::{
-    BakedCells, Camera, Geometry, GeometryBuilder, ItemIndex, Limits, Method, Scene, SceneBuilder, SectorId,
-    Transform, View, Viewer,
+    BakedCells, Camera, ConvexPolygon, Geometry, GeometryBuilder, ItemIndex, Limits, Method, Scene,
+    SceneBuilder, SectorId, Transform, View, Viewer,
 };
 use enfilade_scenes::{BuiltIn, Random, built_in, random_house};
 use std::sync::Arc;
@@ -139,6 +139,39 @@ fn eyes_on_walls_in_doorways_in_rock_and_outside_miss_nothing() {
         }
     }
     assert!(seen > 1000, "{seen}");
+}
+
+#[test]
+fn openings_cut_anywhere_into_a_baked_house_miss_nothing() {
+    let mut seen = 0;
+    for seed in 200..212 {
+        let BuiltIn { scene, cameras } = random_house(seed);
+        let mut scene = by_cells(&scene);
+        let (mut random, bounds) = (Random::new(seed), scene.bounds(HOUSE));
+        for number in 0..3 {
+            let corner = random.point_in(&bounds);
+            let turn = Transform::rotation(random.point(1.0), f64::from(random.between(0.0, 6.0)));
+            let [along, up] = [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]].map(|side| turn.direction(side));
+            let outline = ConvexPolygon::rectangle(corner, along, up).expect("a square");
+            let there = match number {
+                0 => Transform::reflection(corner, outline.normal()),
+                1 => turn,
+                _ => Transform::IDENTITY,
+            };
+            let mut edit = scene.edit();
+            let opening = edit.add_opening(HOUSE, "new", outline).expect("few");
+            assert_eq!(edit.finish().expect("small").rebuilt, 1);
+            scene
+                .add_portal((HOUSE, opening), HOUSE, there)
+                .expect("a portal");
+        }
+        let reference = Reference::new(&scene);
+        for camera in &cameras {
+            let view = camera.view(SIZE).expect("a valid view");
+            seen += holds(&scene, &reference, &view, 3, &format!("house {seed}, {camera:?}"))[0];
+        }
+    }
+    assert!(seen > 500, "{seen}");
 }
 
 #[test]

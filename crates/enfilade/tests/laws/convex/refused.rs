@@ -3,8 +3,8 @@
 use super::worlds::{Dress, Solid, materials, place, polygons};
 use super::{alone, keeps_its_contract, view};
 use enfilade::{
-    FaceName, Geometry, GeometryBuilder, ItemIndex, ItemOptions, MaterialId, Mesh, Method, NotConvex,
-    SceneBuilder, SceneError, SectorId, Transform, Unsuited, UnsuitedMethod,
+    ConvexPolygon, FaceName, Geometry, GeometryBuilder, ItemIndex, ItemOptions, MaterialId, Mesh, Method,
+    NotConvex, SceneBuilder, SceneError, SectorId, Transform, Unsuited, UnsuitedMethod,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -167,6 +167,12 @@ fn an_edit_that_dents_a_cell_is_refused_and_leaves_it_as_it_was() {
     assert!(why.to_string().contains("`screen`"), "{why}");
     assert_eq!(scene.item_count(), 6);
     let seen = keeps_its_contract(&scene, &[ahead], "as before");
+    let mut edit = scene.edit();
+    let frame = ConvexPolygon::rectangle([0.0; 3], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]).expect("a square");
+    edit.add_opening(SectorId(0), "gate", frame).expect("few");
+    let why = edit.finish().expect_err("a gate in the middle");
+    assert!(why.to_string().contains("`gate`"), "{why}");
+    assert_eq!(scene.sector(SectorId(0)).openings(), []);
     // Items that are no occluders may be added and removed without a rebuild.
     let mut edit = scene.edit();
     let ghost = edit.add(

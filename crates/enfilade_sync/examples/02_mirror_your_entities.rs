@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         entities.sync(&mut scene, &changes)?;
         let set = viewer.look(&scene, &view);
-        keys.update_with(set, entities.in_view_without_mesh(set));
+        keys.update_with(set, entities.always_visible());
         let [all, entered, left] = [keys.all(), keys.entered(), keys.left()].map(<[u64]>::len);
         println!("frame {frame}: {all} of 2500 visible, {entered} entered, {left} left");
     }

@@ -1,12 +1,10 @@
 //! The entities of an engine, and the items of a scene that represent them.
 //!
-//! Idea: an entity with a mesh is an item of the scene. One without is an AABB beside the scene, which is culled by
-//! frustum and portals but not by occluders: unlike a mesh of that box, it is found however near the eye is, and inside.
-//! Cost: O(log entities) per change, besides that of [`Edit`].
+//! Idea: an entity is an item of the scene, by its mesh or else by [`Mesh::bounds_only`]. What the scene refuses either
+//! way is listed in every view. Cost: O(log entities) per change, besides that of [`Edit`].
 
 use enfilade::{
-    Aabb, Edit, EditError, EditStats, ItemId, ItemOptions, MAX_COORDINATE, Mesh, Scene, SceneError, SectorId,
-    Transform, VisibleSet,
+    Aabb, Edit, EditError, EditStats, ItemId, ItemOptions, Mesh, Scene, SceneError, SectorId, Transform,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -14,7 +12,8 @@ use std::sync::Arc;
 /// An entity of the engine in one sector.
 ///
 /// An entity that reaches through a doorway is spawned in each sector that it reaches into, with the same key. To move
-/// an entity to another sector, despawn it in one and spawn it in the other.
+/// an entity to another sector, despawn it in one and spawn it in the other. Before a sector is removed, despawn its
+/// entities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Entity {
     /// The engine's number for the entity. Items that are in the scene without this crate have keys too; keep them apart
@@ -63,8 +62,8 @@ pub struct Changes<'a> {
 pub struct Synced {
     /// Work of the scene.
     pub edited: EditStats,
-    /// Entities with a mesh that the scene refused, and the reason. They are listed wherever their boxes may be in view,
-    /// until a later change of them is accepted.
+    /// Entities with a mesh that the scene refused, and the reason. They are represented otherwise until a later change
+    /// of them is accepted; see [`Representation`].
     pub refused: Vec<(Entity, EditError)>,
     /// Entities that were to be moved or despawned but do not exist.
     pub unknown: Vec<Entity>,
@@ -76,11 +75,11 @@ pub struct Synced {
 pub enum Representation {
     /// By an item of the scene with its mesh.
     Mesh(ItemId),
-    /// By its AABB in the space of the sector, because its mesh is absent or was refused. It hides nothing, and is
-    /// culled by frustum and portals alone.
-    Box(Aabb),
-    /// By nothing: its box is empty, not finite or beyond [`MAX_COORDINATE`], or its sector does not exist. It is
-    /// listed in every view.
+    /// By an item of the scene with its box alone, because its mesh is absent or was refused: it is culled as others, and
+    /// hides nothing.
+    Box(ItemId),
+    /// By nothing, because the scene refused its box too: it is empty, not finite or out of range, or its sector does not
+    /// exist. It is listed in every view.
     AlwaysVisible,
 }
 
@@ -98,8 +97,8 @@ pub struct EntityMap {
     meshes: BTreeMap<u64, Arc<Mesh>>,
     /// In a fixed order, as all maps here: visible sets depend on the order of additions where faces coincide.
     entities: BTreeMap<Entity, Placed>,
-    /// The entities without an item; `None` is visible everywhere.
-    outside: BTreeMap<Entity, Option<Aabb>>,
+    /// The entities without an item.
+    always_visible: BTreeSet<Entity>,
     /// The meshes that changed since the last sync.
     changed_meshes: BTreeSet<u64>,
     /// The entities as they were before this sync, in the order of changes.
@@ -159,7 +158,7 @@ impl EntityMap {
                 continue;
             };
             spawn.transform = *transform;
-            if let Representation::Mesh(item) = representation
+            if let Representation::Mesh(item) | Representation::Box(item) = representation
                 && edit.set_transform(entity.sector, item, *transform).is_ok()
             {
                 self.put(
@@ -190,20 +189,10 @@ impl EntityMap {
         }
     }
 
-    /// Iterates over the keys of the entities that are no items of the scene and may be in view, each once per sector: hand
-    /// them to [`VisibleKeys::update_with`](enfilade::VisibleKeys::update_with).
-    ///
-    /// `set` must be of the scene as it is since the last [`EntityMap::sync`]. If it is not
-    /// [complete](VisibleSet::complete), keys may be missing here too.
-    pub fn in_view_without_mesh(&self, set: &VisibleSet) -> impl Iterator<Item = u64> {
-        let may_show = |entity: &Entity, bounds: &Aabb| {
-            let passages = set.passages().iter();
-            let mut into_sector = passages.filter(|passage| passage.sector == entity.sector);
-            into_sector.any(|passage| passage.may_show(bounds))
-        };
-        let in_view =
-            move |entry: &(&Entity, &Option<Aabb>)| entry.1.is_none_or(|bounds| may_show(entry.0, &bounds));
-        self.outside.iter().filter(in_view).map(|(entity, _)| entity.key)
+    /// Iterates over the keys of the entities that no item represents, each once per sector: hand them to
+    /// [`VisibleKeys::update_with`](enfilade::VisibleKeys::update_with).
+    pub fn always_visible(&self) -> impl Iterator<Item = u64> {
+        self.always_visible.iter().map(|entity| entity.key)
     }
 
     /// Places the entities anew whose mesh changed.
@@ -225,7 +214,7 @@ impl EntityMap {
     fn remove(&mut self, edit: &mut Edit, entity: Entity) -> bool {
         let was = self.put(entity, None);
         if let Some(Placed {
-            representation: Representation::Mesh(item),
+            representation: Representation::Mesh(item) | Representation::Box(item),
             ..
         }) = was
         {
@@ -238,15 +227,14 @@ impl EntityMap {
     /// Adds an entity by its mesh, or else by its box, or else by nothing.
     fn place(&mut self, edit: &mut Edit, spawn: Spawn, refused: &mut Vec<(Entity, EditError)>) {
         let entity = spawn.entity;
-        let item = self.meshes.get(&spawn.mesh).and_then(|mesh| {
+        let by_mesh = self.meshes.get(&spawn.mesh).and_then(|mesh| {
             let added = add(edit, &spawn, Arc::clone(mesh));
             added.map_err(|why| refused.push((entity, why))).ok()
         });
-        let sector_exists = (entity.sector.0 as usize) < edit.scene().sector_count();
-        let representation = match (item, box_in_sector(&spawn)) {
-            (Some(item), _) => Representation::Mesh(item),
-            (None, Some(bounds)) if sector_exists => Representation::Box(bounds),
-            _ => Representation::AlwaysVisible,
+        let mut by_box = || add(edit, &spawn, Arc::new(mesh_of_box(&spawn.bounds)?)).ok();
+        let representation = match by_mesh {
+            Some(item) => Representation::Mesh(item),
+            None => by_box().map_or(Representation::AlwaysVisible, Representation::Box),
         };
         self.put(
             entity,
@@ -260,9 +248,8 @@ impl EntityMap {
     /// Replaces the state of an entity, and notes and returns the previous one.
     fn put(&mut self, entity: Entity, placed_entity: Option<Placed>) -> Option<Placed> {
         match placed_entity.map(|placed_entity| placed_entity.representation) {
-            Some(Representation::Box(bounds)) => self.outside.insert(entity, Some(bounds)),
-            Some(Representation::AlwaysVisible) => self.outside.insert(entity, None),
-            Some(Representation::Mesh(_)) | None => self.outside.remove(&entity),
+            Some(Representation::AlwaysVisible) => self.always_visible.insert(entity),
+            _ => self.always_visible.remove(&entity),
         };
         let was = match placed_entity {
             Some(placed_entity) => self.entities.insert(entity, placed_entity),
@@ -286,21 +273,22 @@ fn add(edit: &mut Edit, spawn: &Spawn, mesh: Arc<Mesh>) -> Result<ItemId, EditEr
     Ok(item)
 }
 
-/// Returns the AABB of an entity in the space of its sector, rounded outwards; `None` if it is empty, not finite, or
-/// out of range.
-fn box_in_sector(spawn: &Spawn) -> Option<Aabb> {
-    let Spawn {
-        bounds, transform, ..
-    } = spawn;
-    let ends = || bounds.min.iter().chain(&bounds.max);
-    if !transform.is_finite() || !ends().all(|end| end.is_finite()) || bounds.is_empty() {
-        return None;
-    }
-    let there = Aabb::of(bounds.corners().map(|corner| transform.point(corner)));
-    let grown = Aabb {
-        min: there.min.map(f32::next_down),
-        max: there.max.map(f32::next_up),
-    };
-    let in_range = |end: &f32| end.abs() <= MAX_COORDINATE;
-    grown.min.iter().chain(&grown.max).all(in_range).then_some(grown)
+/// Returns a mesh for a box, grown where it is flat; `None` if it is empty, not finite, or out of range.
+fn mesh_of_box(bounds: &Aabb) -> Option<Mesh> {
+    let flat = |axis: usize| bounds.min[axis] == bounds.max[axis];
+    let min = [0, 1, 2].map(|axis| {
+        if flat(axis) {
+            bounds.min[axis].next_down()
+        } else {
+            bounds.min[axis]
+        }
+    });
+    let max = [0, 1, 2].map(|axis| {
+        if flat(axis) {
+            bounds.max[axis].next_up()
+        } else {
+            bounds.max[axis]
+        }
+    });
+    Mesh::bounds_only(min, max).ok()
 }

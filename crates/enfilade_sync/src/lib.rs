@@ -25,18 +25,18 @@
 //! let (mut viewer, mut keys) = (Viewer::new(), VisibleKeys::default());
 //! let view = View::new([0.0; 3], [0.0, 0.0, -1.0], [640, 360])?;
 //! let set = viewer.look(&scene, &view);
-//! keys.update_with(set, entities.in_view_without_mesh(set));
+//! keys.update_with(set, entities.always_visible());
 //! assert_eq!(keys.all(), [100]);
 //!
 //! entities.sync(&mut scene, &Changes { despawned: &[spawned[0].entity], ..Changes::default() })?;
 //! let set = viewer.look(&scene, &view);
-//! keys.update_with(set, entities.in_view_without_mesh(set));
+//! keys.update_with(set, entities.always_visible());
 //! assert_eq!((keys.entered(), keys.left()), (&[200][..], &[100][..]));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! An entity is never lost: one without a mesh is listed wherever its box may be in view, and one that the scene refuses
-//! altogether is listed in every view.
+//! An entity is never lost: one without a mesh is culled by its box, and one that the scene refuses altogether is listed
+//! in every view.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 

@@ -154,7 +154,7 @@ fn a_world_that_changes_shows_what_a_scene_built_anew_shows() {
         seen += expected.len();
 
         let set = viewer.look(&scene, &view);
-        keys.update_with(set, entities.in_view_without_mesh(set));
+        keys.update_with(set, entities.always_visible());
         let now: BTreeSet<u64> = keys.all().iter().copied().collect();
         let is_item = |key: &u64| has_mesh(&&world[key]);
         let shown: BTreeSet<u64> = now.iter().copied().filter(is_item).collect();
@@ -208,12 +208,49 @@ fn a_box_is_listed_while_the_eye_is_inside_it_or_looks_at_it_through_a_door() {
     let eye = [0.0, 1.0, 3.0];
     let view = View::new(eye, [0.0, 1.0, 0.0], SIZE).expect("a valid view");
     let set = viewer.look(&scene, &view);
-    keys.update_with(set, entities.in_view_without_mesh(set));
+    keys.update_with(set, entities.always_visible());
     assert_eq!(keys.all(), [1, 2]);
     let view = View::new(eye, [9.0, 1.0, 3.0], SIZE).expect("a valid view");
     let set = viewer.look(&scene, &view);
-    keys.update_with(set, entities.in_view_without_mesh(set));
+    keys.update_with(set, entities.always_visible());
     assert_eq!((keys.all(), keys.left()), (&[1][..], &[2][..]));
+}
+
+#[test]
+fn a_box_behind_a_wall_is_listed_once_the_wall_is_gone() {
+    const WALL: u64 = 20;
+    let (mut scene, mut entities) = (rooms(&[]), EntityMap::new());
+    let wall = Mesh::cuboid([-9.0, -9.0, -0.1], [9.0, 9.0, 0.1], MaterialId(0)).expect("a box");
+    entities.set_mesh(WALL, Some(Arc::new(wall)));
+    let at = |key, mesh, z| Spawn {
+        entity: Entity { key, sector: HALL },
+        mesh,
+        bounds: BOUNDS,
+        transform: Transform::translation([0.0, 0.0, z]),
+        is_occluder: true,
+    };
+    let [wall, smoke] = [at(1, WALL, 2.0), at(2, ABSENT, 1.0)];
+    let spawned = [wall, smoke];
+    let changes = Changes {
+        spawned: &spawned,
+        ..Changes::default()
+    };
+    entities.sync(&mut scene, &changes).expect("a wall and a box");
+    assert!(matches!(
+        entities.representation(smoke.entity),
+        Some(Representation::Box(_))
+    ));
+    let (mut viewer, mut keys) = (Viewer::new(), VisibleKeys::default());
+    let view = View::new([0.0, 1.0, 4.0], [0.0, 1.0, 0.0], SIZE).expect("a valid view");
+    keys.update_with(viewer.look(&scene, &view), entities.always_visible());
+    assert_eq!(keys.all(), [1]);
+    let changes = Changes {
+        despawned: &[wall.entity],
+        ..Changes::default()
+    };
+    entities.sync(&mut scene, &changes).expect("a box");
+    keys.update_with(viewer.look(&scene, &view), entities.always_visible());
+    assert_eq!(keys.all(), [2]);
 }
 
 #[test]
@@ -259,7 +296,7 @@ fn what_the_scene_refuses_is_listed_everywhere_until_it_is_sound_again() {
     let (mut viewer, mut keys) = (Viewer::new(), VisibleKeys::default());
     let away = View::new([0.0, 1.0, 3.0], [9.0, 1.0, 3.0], SIZE).expect("a valid view");
     let set = viewer.look(&scene, &away);
-    keys.update_with(set, entities.in_view_without_mesh(set));
+    keys.update_with(set, entities.always_visible());
     assert_eq!(keys.all(), [1, 2]);
 
     let changes = Changes {
@@ -273,6 +310,6 @@ fn what_the_scene_refuses_is_listed_everywhere_until_it_is_sound_again() {
         (vec![], vec![spawn(3, HALL).entity])
     );
     let set = viewer.look(&scene, &away);
-    keys.update_with(set, entities.in_view_without_mesh(set));
+    keys.update_with(set, entities.always_visible());
     assert_eq!((keys.all(), keys.left()), (&[][..], &[1, 2][..]));
 }

@@ -41,6 +41,37 @@ pub(crate) fn baseline() -> impl fearless_simd::Simd {
     level
 }
 
+/// Evaluates a part of a long kernel. Where the compiler knows no SIMD instructions, as for WebAssembly without `simd128`,
+/// the part is a function of its own: as scalar code, long kernels as a whole take LLVM hours.
+macro_rules! apart {
+    ($part:expr) => {
+        crate::simd::call_apart(
+            #[inline(always)]
+            || $part,
+        )
+    };
+}
+pub(crate) use apart;
+
+/// See [`apart!`].
+#[inline(always)]
+pub(crate) fn call_apart<R>(part: impl FnOnce() -> R) -> R {
+    #[inline(never)]
+    fn outlined<R>(part: impl FnOnce() -> R) -> R {
+        part()
+    }
+    if cfg!(any(
+        target_arch = "x86",
+        target_arch = "x86_64",
+        target_arch = "aarch64",
+        all(target_arch = "wasm32", target_feature = "simd128")
+    )) {
+        part()
+    } else {
+        outlined(part)
+    }
+}
+
 /// Why a SIMD level cannot be selected; returned by [`use_simd_level`].
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]

@@ -24,7 +24,7 @@ pub(crate) use half_plane::HalfPlane;
 pub(crate) use triangle::{Row, Triangle};
 
 use crate::faces::{Cut, FaceSource, Faces};
-use crate::simd::{dispatch, level};
+use crate::simd::{apart, dispatch, level};
 use crate::stats::Stats;
 use crate::view::aperture::Rect;
 use crate::view::passage::{BEYOND, Passage};
@@ -93,7 +93,7 @@ impl Raster {
         let batch = Batch::new(faces, passage);
         let buffers = &mut self.buffers;
         // Of these two, only the second is compiled for each sink.
-        dispatch!(self.level, simd => buffers.project(simd, faces, &batch, stats));
+        dispatch!(self.level, simd => apart!(buffers.project(simd, faces, &batch, stats)));
         dispatch!(self.level, simd => batch.draw(simd, buffers, sink, stats));
     }
 }
@@ -350,9 +350,9 @@ fn walk_rows<S: Simd>(
 ) {
     let mut y = rect.y0 - rect.y0 % BAND as u16;
     while y < rect.y1 {
-        if let Some((band, samples)) = Band::of(simd, y, rect, planes) {
+        if let Some((band, samples)) = apart!(Band::of(simd, y, rect, planes)) {
             stats.samples += samples;
-            sink.band(&band, triangle);
+            apart!(sink.band(&band, triangle));
         }
         y += BAND as u16;
     }

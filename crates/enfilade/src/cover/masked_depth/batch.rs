@@ -21,7 +21,7 @@ use super::tiles::Tiles;
 use super::{LANES, project, small, wide};
 use crate::faces::Faces;
 use crate::raster::{BAND, Band, Clipper, Raster, Sink, Triangle};
-use crate::simd::dispatch;
+use crate::simd::{apart, dispatch};
 use crate::stats::Stats;
 use crate::view::aperture::Rect;
 use crate::view::passage::Passage;
@@ -190,7 +190,7 @@ impl Batch {
             self.queues.uncertain.extend(all);
             return;
         }
-        project::project(simd, frame, positions, &mut self.corners);
+        apart!(project::project(simd, frame, positions, &mut self.corners));
         let mut last_quads = [[first_position; 4]; LANES];
         let mut last_triangles = [[first_position; 3]; LANES];
         let groups_of_quads = quads.len().div_ceil(LANES);
@@ -200,25 +200,25 @@ impl Batch {
         // Also while clipped faces are left: they are classified by the winding of these faces.
         while next < groups || self.queues.clipped.count > 0 {
             if next == groups || self.queues.clipped.count >= LANES {
-                self.queues.queue_clipped(simd, frame);
+                apart!(self.queues.queue_clipped(simd, frame));
             } else if next < groups_of_quads {
                 let group = Group::new(&shapes, quads, next, first as usize, &mut last_quads);
-                let found = group.project(simd, &self.corners);
-                self.queues.queue_quads(simd, frame, &found);
+                let found = apart!(group.project(simd, &self.corners));
+                apart!(self.queues.queue_quads(simd, frame, &found));
                 self.queues
                     .clip(frame, positions, &group, found.to_clip, &mut self.clipper);
                 next += 1;
             } else {
                 let which = next - groups_of_quads;
                 let group = Group::new(&shapes, triangles, which, first_triangle, &mut last_triangles);
-                let found = group.project(simd, &self.corners);
-                self.queues.queue_triangles(simd, frame, &found);
+                let found = apart!(group.project(simd, &self.corners));
+                apart!(self.queues.queue_triangles(simd, frame, &found));
                 self.queues
                     .clip(frame, positions, &group, found.to_clip, &mut self.clipper);
                 next += 1;
             }
             if self.queues.are_full() {
-                self.flush(simd, frame, tiles, LANES);
+                apart!(self.flush(simd, frame, tiles, LANES));
             }
         }
     }
@@ -299,13 +299,17 @@ impl Batch {
         let mut from = 0;
         while wide.count >= from + least {
             let faces = wide.load(simd, from);
-            wide::draw(simd, frame, &faces, tiles, run_queue, uncertain);
+            apart!(wide::draw(simd, frame, &faces, tiles, run_queue, uncertain));
             from += faces.lanes;
         }
         run_queue.cover(simd, tiles);
         wide.discard_before(from);
-        small::draw_queued::<S, 4, 2>(simd, frame, quads, least, records, tiles, uncertain);
-        small::draw_queued::<S, 3, 1>(simd, frame, small, least, records, tiles, uncertain);
+        apart!(small::draw_queued::<S, 4, 2>(
+            simd, frame, quads, least, records, tiles, uncertain
+        ));
+        apart!(small::draw_queued::<S, 3, 1>(
+            simd, frame, small, least, records, tiles, uncertain
+        ));
     }
 }
 

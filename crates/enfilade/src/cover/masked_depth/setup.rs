@@ -11,6 +11,7 @@
 
 use super::project::{Frame, ONE, ONE_SHIFT};
 use super::sort::{EXACTNESS, FaceLanes, Samples};
+use crate::simd::apart;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16};
 
@@ -107,18 +108,25 @@ impl<S: Simd, const OTHERS: usize> FaceSetup<S, OTHERS> {
         }
         let size = width + height;
         let unit = size * EXACTNESS + PER_UNIT * 2.0;
-        let first = Edge::new(simd, [px[0], py[0]], [dx[0], dy[0]], unit);
+        let first = apart!(Edge::new(simd, [px[0], py[0]], [dx[0], dy[0]], unit));
         let mut edges = [first; SIDES];
         for corner in 1..SIDES {
             let at = [px[corner], py[corner]];
-            edges[corner] = Edge::new(simd, at, [dx[corner], dy[corner]], unit);
+            edges[corner] = apart!(Edge::new(simd, at, [dx[corner], dy[corner]], unit));
         }
         FaceSetup {
             columns: [columns.first - origin[0], columns.end - origin[0]],
             rows: [rows.first - origin[1], rows.end - origin[1]],
             origin,
-            edges: Edges::sorted(simd, &edges, &dy),
-            plane: Plane::new(simd, [px[0], py[0]], [&dx, &dy], &rev_depth, area.abs(), size),
+            edges: apart!(Edges::sorted(simd, &edges, &dy)),
+            plane: apart!(Plane::new(
+                simd,
+                [px[0], py[0]],
+                [&dx, &dy],
+                &rev_depth,
+                area.abs(),
+                size
+            )),
             unsure: !rows.sure,
         }
     }

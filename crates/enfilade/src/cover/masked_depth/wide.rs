@@ -12,6 +12,7 @@ use super::setup::{Edge, FaceSetup};
 use super::sort::FaceLanes;
 use super::tiles::{COLUMNS, ROWS, Tiles};
 use super::{COUNT, LANES};
+use crate::simd::apart;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, f64x8, i32x16, u32x16};
 
@@ -37,7 +38,8 @@ pub(super) fn draw<S: Simd>(
     run_queue: &mut RunQueue,
     uncertain: &mut Vec<u32>,
 ) {
-    let lanes = FaceSetup::<S, 1>::new(simd, frame, triangles, [COLUMNS as i32, ROWS as i32]);
+    let align = [COLUMNS as i32, ROWS as i32];
+    let lanes = apart!(FaceSetup::<S, 1>::new(simd, frame, triangles, align));
     let edge = |edge: &Edge<S>| {
         [
             edge.slope.to_array(),
@@ -73,7 +75,7 @@ pub(super) fn draw<S: Simd>(
         if unsure >> lane & 1 != 0 {
             uncertain.push(stored.number[lane]);
         } else {
-            draw_one(simd, frame, &stored, lane, tiles, run_queue, uncertain);
+            apart!(draw_one(simd, frame, &stored, lane, tiles, run_queue, uncertain));
         }
     }
 }
@@ -133,7 +135,7 @@ fn draw_one<S: Simd>(
     while row < end_row {
         let [start, stop] = match &huge {
             Some(sides) => sides.ends(simd, row, between),
-            None => ends(simd, &stored.edges, lane, row, between),
+            None => apart!(ends(simd, &stored.edges, lane, row, between)),
         };
         let number = u32x16::from_slice(simd, &COUNT).bitcast::<i32x16<S>>() + row;
         let inside = number.simd_ge(first_row) & number.simd_lt(end_row);

@@ -8,7 +8,7 @@
 //! Conservative with respect to faces: an item is found if its bounding box intersects the query, even if none of its
 //! faces does.
 
-use crate::geom::{Aabb, Enter, Step};
+use crate::geom::{Aabb, Enter};
 use crate::geometry::Geometry;
 use crate::ids::{ItemIndex, SectorId};
 use crate::view::View;
@@ -34,7 +34,7 @@ impl Geometry {
             }
         };
         let item = |item: ItemIndex| self.item(item).bounds.meets(bounds);
-        self.items_by(bounds.center().map(f64::from), meets, item, visit);
+        self.items_by(meets, item, visit);
     }
 
     /// Visits the items whose bounding boxes are at most `radius` from `center`, in scene units, each once, in no
@@ -61,7 +61,7 @@ impl Geometry {
             }
         };
         let item = |item: ItemIndex| nearest_squared(&self.item(item).bounds, center) <= square;
-        self.items_by(center.into(), meets, item, visit);
+        self.items_by(meets, item, visit);
     }
 
     /// Visits the items that are potentially in the frustum of a view inside this geometry: beyond [`View::z_near`] and
@@ -89,24 +89,20 @@ impl Geometry {
             passage.frustum_meets(&passage.screen_from_sector, &placed.bounds)
                 && passage.frustum_meets(&screen_from_item, &self.mesh_of(item).bounds())
         };
-        self.items_by(passage.eye(), meets, item, visit);
+        self.items_by(meets, item, visit);
     }
 
     /// Visits the items that pass `is_in`, in nodes that pass `node`.
     fn items_by(
         &self,
-        near: [f64; 3],
         node: impl Fn(&Aabb) -> Enter,
         is_in: impl Fn(ItemIndex) -> bool,
         mut visit: impl FnMut(ItemIndex),
     ) {
-        self.item_tree().walk_by(near, |step, all| match step {
-            Step::Node(bounds) => node(bounds),
-            Step::Thing(item) => {
-                if all || is_in(ItemIndex(item)) {
-                    visit(ItemIndex(item));
-                }
-                Enter::Skip
+        self.item_tree().search(node, |item, all| {
+            let item = ItemIndex(item);
+            if all || is_in(item) {
+                visit(item);
             }
         });
     }

@@ -291,6 +291,26 @@ impl Octree {
         }
     }
 
+    /// Visits primitives in no order, and says of each whether it is in a node that `enter` accepted as a whole
+    /// ([`Enter::All`]); none of the nodes in such a node is asked for.
+    pub(crate) fn search(&self, enter: impl Fn(&Aabb) -> Enter, mut visit: impl FnMut(u32, bool)) {
+        let enter = |node: u32, all: bool| match all {
+            true => Some((node, true)),
+            false => match enter(&self.nodes[node as usize].bounds) {
+                Enter::Skip => None,
+                decision => Some((node, decision == Enter::All)),
+            },
+        };
+        let mut pending = Pending::new();
+        pending.extend(self.root().and_then(|root| enter(root, false)));
+        while let Some((node, all)) = pending.pop() {
+            for &thing in self.things(node) {
+                visit(thing, all);
+            }
+            pending.extend(self.children(node).filter_map(|child| enter(child, all)));
+        }
+    }
+
     /// Returns the root node; `None` if the tree is empty.
     pub(crate) fn root(&self) -> Option<u32> {
         (self.count > 0).then_some(0)

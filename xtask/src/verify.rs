@@ -6,7 +6,7 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use enfilade::laws::{LayerPicture, OwnerPicture, Reference, Verdict};
-use enfilade::{Camera, Contract, Method, Scene, SurveyView, View, Viewer, survey, survey_hard};
+use enfilade::{Camera, Contract, Method, Scene, SurveyView, Tightness, View, Viewer, survey, survey_hard};
 use enfilade_import::{ReadOptions, read};
 use enfilade_scenes::{Random, engine_view, random_edits, random_graph_edits};
 use std::path::{Path, PathBuf};
@@ -40,6 +40,9 @@ pub(crate) struct Args {
     /// Width and height of covers; tests only the methods that support a cover size
     #[arg(long, num_args = 2)]
     cover_size: Option<Vec<u32>>,
+    /// Test the faces of what `masked` found too
+    #[arg(long)]
+    faces: bool,
     /// Number of random edits after every eighth view: items are added, removed, moved and changed
     #[arg(long, default_value_t = 0)]
     edits: usize,
@@ -139,6 +142,9 @@ pub(crate) fn open(name: &str) -> Result<Scene> {
 fn viewer(args: &Args) -> Viewer {
     let mut viewer = Viewer::new();
     viewer.options.cover_size = args.cover_size.as_ref().map(|size| [size[0], size[1]]);
+    if args.faces {
+        viewer.options.tightness = Tightness::Faces;
+    }
     viewer
 }
 

@@ -252,6 +252,7 @@ fn finish(
         coherence: !how.no_coherence,
         occluders: how.occluders,
         cover_size,
+        tightness: how.tightness.into(),
         ..ViewerOptions::default()
     };
     Ok(PreparedScene {

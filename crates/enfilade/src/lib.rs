@@ -166,7 +166,7 @@ pub use view::canvas::{Canvas, CoverShape, CoverSpan, HiddenBy, Span};
 pub use view::collector::Collector;
 pub use view::draw_runs::DrawRun;
 pub use view::memory::Memory;
-pub use view::options::{Limits, ViewerOptions};
+pub use view::options::{Limits, Tightness, ViewerOptions};
 pub use view::passage::Passage;
 pub use view::region::{Region, Visibility};
 pub use view::viewer::Viewer;

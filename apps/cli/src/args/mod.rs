@@ -10,6 +10,7 @@ pub(crate) use maps::{PortalsArgs, VisArgs};
 
 use crate::values::{self, Choice};
 use clap::{Parser, Subcommand};
+use enfilade::Tightness;
 use enfilade_draw::Show;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -338,6 +339,9 @@ pub(crate) struct HowArgs {
     pub(crate) occluders: Option<u32>,
     #[arg(long, value_name = "WxH", help = values::cover_size_help(), value_parser = values::size)]
     pub(crate) cover_size: Option<[u32; 2]>,
+    /// What `masked` tests at the end: boxes, or also faces, which leaves fewer hidden items in the set and takes longer
+    #[arg(long, value_enum, default_value = "boxes")]
+    pub(crate) tightness: TightnessArg,
     #[command(flatten)]
     pub(crate) portals: PortalArgs,
     /// Let --method auto also consider conservative and strict methods, whose sets may contain hidden items
@@ -347,6 +351,21 @@ pub(crate) struct HowArgs {
     pub(crate) simd: Option<String>,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
+pub(crate) enum TightnessArg {
+    Boxes,
+    Faces,
+}
+
+impl From<TightnessArg> for Tightness {
+    fn from(arg: TightnessArg) -> Tightness {
+        match arg {
+            TightnessArg::Boxes => Tightness::Boxes,
+            TightnessArg::Faces => Tightness::Faces,
+        }
+    }
 }
 
 /// Controls how portals are followed.

@@ -193,6 +193,11 @@ pub trait Hides: Cover + Sync {
     /// [`Hides::TAKES_FACES`] is `true`.
     fn hide_faces(&mut self, _faces: &Faces, _region: &Region, _passage: &Passage, _stats: &mut Stats) {}
 
+    /// Returns `true` if any of the faces may be visible; `true` when unsure. Called with the finished cover.
+    fn sees_faces(&mut self, _faces: &Faces, _passage: &Passage) -> bool {
+        true
+    }
+
     /// Makes this cover answer all queries as `from` does. Called only if queries do not change the answers, that is,
     /// if [`Hides::TAKES_FACES`] is `false`.
     fn copy(&mut self, _from: &Self) {}

@@ -10,15 +10,17 @@ use super::gathered::draw_gathered;
 use super::shares::find_by_shares;
 use crate::contract::Contract;
 use crate::cover::Hides;
-use crate::faces::Faces;
+use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
 use crate::geometry::{Exchanged, Geometry};
+use crate::ids::ItemIndex;
 use crate::occluders::{OccluderRoom, OccluderSelection, OccluderSet};
 use crate::order::{Gives, Order};
 use crate::stats::Stats;
 use crate::view::canvas::{Canvas, CoverShape};
 use crate::view::collector::Collector;
 use crate::view::memory::Memory;
+use crate::view::options::Tightness;
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
 use glam::DAffine3;
@@ -171,18 +173,42 @@ impl<O: Order, C: Hides> Culled<O, C> {
             find_by_shares(order, geometry, passage, cover, memory, seen);
             return;
         }
-        find(order, geometry, passage, &mut SampleCover(cover), memory, seen);
+        find(
+            order,
+            geometry,
+            passage,
+            &mut SampleCover::new(cover),
+            memory,
+            seen,
+        );
     }
 }
 
 /// Occlusion test against a cover at its normal resolution.
-pub(super) struct SampleCover<'a, C>(pub(super) &'a mut C);
+pub(super) struct SampleCover<'a, C> {
+    cover: &'a mut C,
+    /// The item whose faces were tested last, and how many of them.
+    tested: Option<(ItemIndex, usize)>,
+}
+
+/// Maximum number of faces of an item that are tested: more take longer than to draw the item.
+const MAX_FACES_TESTED: usize = 512;
+
+impl<'a, C> SampleCover<'a, C> {
+    pub(super) fn new(cover: &'a mut C) -> SampleCover<'a, C> {
+        SampleCover { cover, tested: None }
+    }
+
+    pub(super) fn cover(&self) -> &C {
+        self.cover
+    }
+}
 
 impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
     const TAKES_FACES: bool = C::TAKES_FACES;
 
     fn test(&mut self, region: &Region) -> Visibility {
-        self.0.test(region)
+        self.cover.test(region)
     }
 
     fn test_local(
@@ -191,26 +217,42 @@ impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
         screen_from_local: &DAffine3,
         bounds: &Aabb,
     ) -> Option<Visibility> {
-        self.0.test_local(passage, screen_from_local, bounds)
+        self.cover.test_local(passage, screen_from_local, bounds)
     }
 
     fn go_within(&mut self) {
-        self.0.go_within();
+        self.cover.go_within();
     }
 
     fn go_back(&mut self) {
-        self.0.go_back();
+        self.cover.go_back();
     }
 
     fn test_and_add(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool {
         if faces.can_occlude {
-            self.0.hide_faces(faces, region, passage, stats);
+            self.cover.hide_faces(faces, region, passage, stats);
         }
         true
     }
 
-    fn test_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
-        true
+    fn splits_groups(&self, passage: &Passage) -> bool {
+        passage.options.tightness == Tightness::Faces
+    }
+
+    fn test_faces(&mut self, faces: &Faces, _: &Region, passage: &Passage, _: &mut Stats) -> bool {
+        let FaceSource::Item(item, _) = faces.source else {
+            return true;
+        };
+        if passage.options.tightness == Tightness::Boxes {
+            return true;
+        }
+        let before = self
+            .tested
+            .filter(|tested| tested.0 == item)
+            .map_or(0, |tested| tested.1);
+        let count = before + faces.count();
+        self.tested = Some((item, count));
+        count > MAX_FACES_TESTED || self.cover.sees_faces(faces, passage)
     }
 
     fn accepts_node(&self, triangles: u64, region: &Region) -> bool {

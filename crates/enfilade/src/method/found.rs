@@ -47,6 +47,11 @@ pub(super) trait OcclusionTest {
         false
     }
 
+    /// Returns `true` to test the clusters of an accepted mesh node one by one at the end.
+    fn splits_groups(&self, _passage: &Passage) -> bool {
+        false
+    }
+
     /// Returns `true` if any of the faces within `region` may be visible; `true` when unsure.
     fn test_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
 }
@@ -119,6 +124,19 @@ impl<A: OcclusionTest> Walk<'_, A> {
         }
     }
 
+    /// Tests a cluster, by its box and its faces, against the complete cover.
+    fn sees_cluster(&mut self, item: ItemIndex, cluster: u32) -> bool {
+        let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
+        let faces = Faces::of_cluster(self.geometry, item, cluster, &screen_from_item);
+        self.region_of(&faces, item, cluster).is_some_and(|region| {
+            self.enter(&region) != Visibility::Hidden
+                && (faces.count() == 0
+                    || self
+                        .occlusion
+                        .test_faces(&faces, &region, self.passage, self.stats))
+        })
+    }
+
     /// Tests openings, and clusters that were found before all occluders were known, against the complete cover. Once
     /// one cluster of an item passes, its others are kept untested: the renderer draws the item, and drawing them too
     /// costs hardly more.
@@ -130,26 +148,20 @@ impl<A: OcclusionTest> Walk<'_, A> {
         if A::TAKES_FACES {
             let mut seen = None;
             clusters.retain(|item, cluster| {
-                if seen == Some(item) {
-                    return true;
-                }
-                let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
-                let faces = Faces::of_cluster(self.geometry, item, cluster, &screen_from_item);
-                let stays = self.region_of(&faces, item, cluster).is_some_and(|region| {
-                    self.enter(&region) != Visibility::Hidden
-                        && (faces.count() == 0
-                            || self
-                                .occlusion
-                                .test_faces(&faces, &region, self.passage, self.stats))
-                });
+                let stays = seen == Some(item) || self.sees_cluster(item, cluster);
                 seen = stays.then_some(item).or(seen);
                 stays
             });
-            clusters.retain_groups(|item, node| {
+            clusters.retain_groups(|item, node, clusters| {
                 let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
                 let bounds = self.geometry.mesh_of(item).tree().bounds(node);
                 let region = Region::of(self.passage, &screen_from_item, bounds);
-                region.is_some_and(|region| self.enter(&region) != Visibility::Hidden)
+                let stays = region.is_some_and(|region| self.enter(&region) != Visibility::Hidden)
+                    && (seen == Some(item)
+                        || !self.occlusion.splits_groups(self.passage)
+                        || clusters.iter().any(|&cluster| self.sees_cluster(item, cluster)));
+                seen = stays.then_some(item).or(seen);
+                stays
             });
         }
         openings.retain(|opening| {

@@ -52,7 +52,7 @@ pub(super) fn find_by_shares<O: Order, C: Hides>(
     let mut walk = Walk {
         passage,
         geometry,
-        occlusion: &mut SampleCover(cover),
+        occlusion: &mut SampleCover::new(cover),
         marks: &mut memory.marks,
         stats: &mut memory.stats,
         found: &mut found,
@@ -69,7 +69,7 @@ pub(super) fn find_by_shares<O: Order, C: Hides>(
         for (number, share) in shares.iter_mut().enumerate() {
             order.deal(&scratch, [number, parts], &mut share.scratch);
         }
-        let cover = &*walk.occlusion.0;
+        let cover = walk.occlusion.cover();
         threads::for_each(shares, |_, share| share.go_on(order, geometry, passage, cover));
         for share in shares {
             walk.stats.add(&share.stats);
@@ -92,7 +92,7 @@ impl<O: Order, C: Hides> Share<O, C> {
         let mut walk = Walk {
             passage,
             geometry,
-            occlusion: &mut SampleCover(&mut self.cover),
+            occlusion: &mut SampleCover::new(&mut self.cover),
             marks: &mut self.marks,
             stats: &mut self.stats,
             found: &mut self.found,

@@ -351,10 +351,14 @@ impl FoundClusters {
             .retain(|run| run.kind == RunKind::Whole || run.clusters[0] < run.clusters[1]);
     }
 
-    /// Removes the groups for which `stays` returns `false` for the item and the node.
-    pub(crate) fn retain_groups(&mut self, mut stays: impl FnMut(ItemIndex, u32) -> bool) {
+    /// Removes the groups for which `stays` returns `false` for the item, the node and its clusters.
+    pub(crate) fn retain_groups(&mut self, mut stays: impl FnMut(ItemIndex, u32, &[u32]) -> bool) {
+        let clusters = &self.clusters;
         self.runs.retain(|run| match run.kind {
-            RunKind::Group(node) => stays(run.item, node),
+            RunKind::Group(node) => {
+                let [first, end] = run.clusters.map(|place| place as usize);
+                stays(run.item, node, &clusters[first..end])
+            }
             RunKind::Each | RunKind::Whole => true,
         });
     }

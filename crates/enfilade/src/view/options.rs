@@ -40,6 +40,10 @@ pub struct ViewerOptions {
     /// much as all of them, and `masked` is fastest at the resolution of the screen. Values are clamped to 1 to the
     /// screen's size.
     pub cover_size: Option<[u32; 2]>,
+    /// How closely methods without a picture test what they found, once all occluders are known. Default
+    /// [`Tightness::Boxes`]. Changes the number of hidden items in the set, and how long a look takes. Only
+    /// [`Method::Masked`](crate::Method::Masked) without a margin and with a cover of the resolution of the screen uses it.
+    pub tightness: Tightness,
     /// How far the renderer may move a vertex on the screen, in pixels along each axis. Default 0: a set is true of the
     /// samples of the exact picture.
     ///
@@ -74,6 +78,7 @@ impl Default for ViewerOptions {
             parallel: true,
             occluders: None,
             cover_size: None,
+            tightness: Tightness::Boxes,
             margin_px: 0.0,
             layers: u32::MAX,
         }
@@ -98,6 +103,18 @@ impl ViewerOptions {
     pub(crate) fn cells(&self, screen: [u32; 2]) -> Option<[u32; 2]> {
         self.cover_size.or((self.margin() > 0.0).then_some(screen))
     }
+}
+
+/// What is tested against the finished cover: see [`ViewerOptions::tightness`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Tightness {
+    /// The boxes of items and clusters.
+    #[default]
+    Boxes,
+    /// The faces of what passes by its box, at each sample, until one may be visible. Of items with many faces in view
+    /// only the first 512 are tested; the item stays in the set if these are hidden.
+    Faces,
 }
 
 /// Recursion limits of a look. If one is hit, items may be missing and [`VisibleSet::complete`](crate::VisibleSet::complete) returns `false`.

@@ -14,6 +14,7 @@ mod snapping;
 mod subject;
 mod suite;
 mod terrain;
+mod tightness;
 
 use enfilade::laws::{self, Report};
 use enfilade::{Method, Scene, View};

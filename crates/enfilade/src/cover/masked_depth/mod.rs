@@ -35,7 +35,7 @@ use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::order::Unsorted;
-use crate::raster::{BAND, Band, Triangle};
+use crate::raster::{Band, Raster, Sink, Triangle};
 use crate::simd::{dispatch, level};
 use crate::stats::Stats;
 use crate::view::aperture::Rect;
@@ -47,7 +47,7 @@ use fearless_simd::Level;
 pub use mesh::{OccluderMesh, OccluderMeshError};
 use occluder::{Fill, Slope};
 pub use occlusion_buffer::OcclusionBuffer;
-use tiles::{BandTiles, COLUMNS, Grid, ROWS, Tile};
+use tiles::{COLUMNS, Grid, ROWS, Tile};
 
 /// SIMD lanes of a kernel, at every level, and their indices.
 const LANES: usize = 16;
@@ -65,6 +65,8 @@ pub struct MaskedDepth {
     worker: Worker,
     grid: Grid,
     near: f64,
+    /// For [`Hides::sees_faces`].
+    raster: Raster,
 }
 
 impl Default for MaskedDepth {
@@ -82,6 +84,7 @@ impl MaskedDepth {
             worker: Worker::at(level),
             grid: Grid::default(),
             near: 0.0,
+            raster: Raster::at(level),
         }
     }
 }
@@ -136,9 +139,38 @@ impl Hides for MaskedDepth {
         }
     }
 
+    fn sees_faces(&mut self, faces: &Faces, passage: &Passage) -> bool {
+        let mut sink = SeenFace {
+            grid: &self.grid,
+            seen: false,
+        };
+        self.raster.run(faces, passage, &mut sink, &mut Stats::default());
+        sink.seen
+    }
+
     fn are_too_fine(triangles: u64, region: &Region) -> bool {
         let Rect { x0, y0, x1, y1 } = region.rect;
         u64::from(x1 - x0) * u64::from(y1 - y0) < WORTH * triangles
+    }
+}
+
+/// Rasterizer output that finds whether any sample of a batch may be visible.
+struct SeenFace<'a> {
+    grid: &'a Grid,
+    seen: bool,
+}
+
+impl Sink for SeenFace<'_> {
+    fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
+        self.grid.hides(rect, nearest)
+    }
+
+    fn is_done(&self) -> bool {
+        self.seen
+    }
+
+    fn band(&mut self, band: &Band, triangle: &Triangle) {
+        self.seen = self.seen || self.grid.sees_plane(band, triangle);
     }
 }
 
@@ -153,14 +185,7 @@ impl Coarse for MaskedDepth {
     }
 
     fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool {
-        let slope = Slope::of(rev_depth, &self.grid.rect);
-        let across = BandTiles::new(cells);
-        let y = usize::from(cells.y);
-        across.tiles().any(|column| {
-            let most = slope.most_over_band([column * COLUMNS, y]);
-            let tile = &self.grid.tiles[y / ROWS * self.grid.columns + column];
-            tile.sees(y % ROWS / BAND, &across.samples(column), &most)
-        })
+        self.grid.sees_plane(cells, rev_depth)
     }
 
     fn cover_cells(&mut self, cells: &Band, rev_depth: &Triangle) {

@@ -9,11 +9,12 @@
 //!     triangles.
 //! Conservative: lines are moved outwards, and planes towards the eye, by more than the rounding error.
 
+use super::occluder::Slope;
 use super::tiles::{
     ACROSS, BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
     columns_within, masks_of_rect, rows_within, tiles,
 };
-use crate::raster::{BAND, Band, HalfPlane, greater, smaller};
+use crate::raster::{BAND, Band, HalfPlane, Triangle, greater, smaller};
 use crate::view::aperture::Rect;
 use crate::view::region::{ROUND_UP, Region, Volume};
 use fearless_simd::prelude::*;
@@ -75,6 +76,24 @@ impl Grid {
             return false;
         };
         outline.rev_depth_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(self.rev_depth_at(x, y))
+    }
+
+    /// Returns `true` if nothing with reversed depth up to `nearest` can be visible at any sample of `rect`.
+    pub(super) fn hides(&self, rect: &Rect, nearest: f32) -> bool {
+        let rect = rect.intersection(&self.rect);
+        rect.is_empty() || self.first_seen(&rect, nearest).is_none()
+    }
+
+    /// Returns `true` if a face with the depth plane of `triangle` may be visible at any sample of a band.
+    pub(super) fn sees_plane(&self, band: &Band, triangle: &Triangle) -> bool {
+        let slope = Slope::of(triangle, &self.rect);
+        let across = BandTiles::new(band);
+        let y = usize::from(band.y);
+        across.tiles().any(|column| {
+            let most = slope.most_over_band([column * COLUMNS, y]);
+            let tile = &self.tiles[y / ROWS * self.columns + column];
+            tile.sees(y % ROWS / BAND, &across.samples(column), &most)
+        })
     }
 
     /// Returns the first row of tiles in which a sample of `rect` may show geometry with reversed depth `nearest`.

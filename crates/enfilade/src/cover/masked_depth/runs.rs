@@ -220,7 +220,7 @@ fn cover_tile<S: Simd>(
     let reference = u32x16::from_slice(simd, &tile.reference);
     let working = u32x16::from_slice(simd, &tile.working);
     let closed = u32x16::from_slice(simd, &tile.closed);
-    let acts = rev_depth.simd_gt(reference);
+    let acts = rev_depth.simd_gt(reference) & covered.simd_gt(none);
     let fresh = covered | closed;
     let before = rev_depth.simd_ge(working);
     let (near, far) = (rev_depth.max(working), rev_depth.min(working));

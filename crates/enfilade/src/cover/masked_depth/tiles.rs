@@ -95,7 +95,8 @@ impl Tile {
     #[inline(always)]
     pub(super) fn cover(&mut self, sub: usize, covered: u32, rev_depth: u32) -> bool {
         let [mask, reference, working] = [self.mask[sub], self.reference[sub], self.working[sub]];
-        if rev_depth <= reference {
+        // A face beside the sub-tile must not displace a layer.
+        if rev_depth <= reference || covered == 0 {
             return false;
         }
         let fresh = covered | self.closed[sub];

@@ -54,6 +54,19 @@ fn a_wall_hides_what_is_behind_it_and_nothing_else() {
 }
 
 #[test]
+fn a_post_near_the_eye_displaces_nothing_beside_it() {
+    let passage = square(100);
+    let far = pane(&passage, [0.0, 0.0, 100.0, 100.0], 100.0);
+    let board = pane(&passage, [4.0, 2.0, 12.0, 14.0], 10.0);
+    // In the same tile.
+    let post = pane(&passage, [20.0, 0.0, 32.0, 100.0], 1.0);
+    let depth_of_board = |polygons: &[Polygon]| covered(&passage, polygons).grid.rev_depth_at(8, 8);
+    let alone = depth_of_board(&[far.clone(), board.clone()]);
+    assert!(alone > 0.09, "{alone}");
+    assert_eq!(depth_of_board(&[far, board, post]), alone);
+}
+
+#[test]
 fn the_part_of_a_wall_behind_a_doorway_hides_what_is_behind_it() {
     let mut passage = square(100);
     passage.entry = Some((DVec3::Z, 2.0));

@@ -10,9 +10,9 @@ use std::sync::Arc;
 pub(crate) trait EditableSector: Sector {
     fn geometry(&self) -> &Arc<Geometry>;
 
-    /// Swaps items and openings of the geometry with those of `changes`, so that another call undoes the edit. A shared geometry
-    /// is copied first. If the result needs more than `limit` bytes or violates the requirement of the method, nothing
-    /// changes.
+    /// Swaps items and openings of the geometry with those of `changes`, so that another call undoes the edit. A shared
+    /// geometry is copied first. If the result needs more than `limit` bytes or violates the requirement of the method,
+    /// nothing changes.
     fn edit(&mut self, changes: &mut Changes, limit: u64) -> Result<EditStats, Unsuited>;
 }
 

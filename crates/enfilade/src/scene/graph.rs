@@ -1,7 +1,8 @@
 //! Adds and removes sectors and portals between looks.
 //!
 //! Ids of sectors and portals are never reused: what was removed leaves an empty place, so a stale id never names another
-//! sector or portal. Cost: O(log sectors + portals of the sector), and for a new sector that of building its method.
+//! sector or portal. Cost: O(1) for a portal; O(log sectors) for a new sector, and that of building its method; O(portals)
+//! to remove a sector.
 
 use super::builder::{PendingSector, build_sector};
 use super::{Body, ErrorSubject, Portal, Scene, SceneError, SceneSector};

@@ -46,3 +46,49 @@ impl Trace {
         canvas.work(y, rect.x0, &self.tested[run.clone()], &self.batches[run]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ids::PassageId;
+    use crate::view::canvas::Span;
+    use crate::view::passage::Passage;
+
+    #[derive(Default)]
+    struct Rows(Vec<(u16, u16, Vec<u16>, Vec<u32>)>);
+
+    impl Canvas for Rows {
+        fn enter(&mut self, _id: PassageId, _passage: &Passage) {}
+
+        fn row(&mut self, _y: u16, _spans: &[Span]) {}
+
+        fn work(&mut self, y: u16, x0: u16, tested: &[u16], batch: &[u32]) {
+            self.0.push((y, x0, tested.to_vec(), batch.to_vec()));
+        }
+    }
+
+    #[test]
+    fn each_row_tells_what_was_done_in_it() {
+        let rect = Rect {
+            x0: 1,
+            y0: 0,
+            x1: 4,
+            y1: 3,
+        };
+        let mut trace = Trace::new(&rect);
+        trace.test(1, 1, 3);
+        trace.test(1, 2, 4);
+        trace.own(1, 2, 3, 7);
+        trace.test(2, 3, 4);
+        let mut rows = Rows::default();
+        for y in 0..3 {
+            trace.emit_row(y, &rect, &mut rows);
+        }
+        let expected = [
+            (0, 1, vec![0, 0, 0], vec![0, 0, 0]),
+            (1, 1, vec![1, 2, 1], vec![0, 7, 0]),
+            (2, 1, vec![0, 0, 1], vec![0, 0, 0]),
+        ];
+        assert_eq!(rows.0, expected);
+    }
+}

@@ -1,12 +1,13 @@
 //! Every law holds for scenes that are edited between looks, with viewers that remember removed items.
 
 use crate::subject::{SIZE, Subject, drawn, limits, names, subject, subjects, viewer};
-use enfilade::laws::Reference;
+use enfilade::laws::{Reference, Truth};
 use enfilade::{
     Contract, Geometry, GeometryBuilder, ItemIndex, Material, MaterialId, Mesh, Method, Scene, SceneBuilder,
     SectorId, Transform, View, Viewer,
 };
 use enfilade_scenes::{Random, random_edits};
+use std::collections::BTreeSet;
 use std::sync::{Arc, LazyLock};
 
 /// Returns the same geometry, built from scratch without the removed items.
@@ -33,6 +34,44 @@ pub(crate) static FOLLOWING: LazyLock<Vec<Method>> = LazyLock::new(|| {
     let all = Method::ALL.into_iter();
     all.filter(|method| method.requires().is_none()).collect()
 });
+
+/// Looks and draws, and compares both with the reference at the samples and anywhere in the pixels, and with a viewer
+/// without memory. Returns the set.
+pub(crate) fn keeps_its_contract(
+    method: Method,
+    scene: &Scene,
+    view: &View,
+    [viewer, forgetful]: [&mut Viewer; 2],
+    [truth, anywhere]: [&Truth; 2],
+    place: &str,
+) -> BTreeSet<String> {
+    let contract = method.contract();
+    viewer.look(scene, view);
+    let looked = names(scene, viewer.visible());
+    forgetful.look(scene, view);
+    assert_eq!(
+        looked,
+        names(scene, forgetful.visible()),
+        "{place}: without memory"
+    );
+    let picture = drawn(viewer, scene, view);
+    assert_eq!(looked, names(scene, viewer.visible()), "{place}: drawn");
+    let verdict = truth.check(viewer.visible(), Some(&picture));
+    let first = truth.different(&picture).next();
+    let why = first.map(|at| format!("{at:?} is {:?}, not {}", picture.owner(at), truth.describe(at)));
+    if contract.never_misses() {
+        assert_eq!(verdict.pixels_different, 0, "{place}: {why:?}");
+        assert_eq!(verdict.missed, [], "{place}");
+    }
+    if contract == Contract::Strict {
+        let verdict = anywhere.check(viewer.visible(), None);
+        assert_eq!(verdict.missed, [], "{place}, anywhere in a pixel");
+    }
+    if contract == Contract::Exact {
+        assert_eq!(verdict.extra, 0, "{place}");
+    }
+    looked
+}
 
 /// Edits a scene round after round with each method. Tests every look against the method's contract and against the
 /// same scene built from scratch. Returns the number of edited items and of certainly visible ones.
@@ -73,18 +112,15 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
         looked_at += truth.visible().len();
         for (method, scene, viewer) in &mut scenes {
             let place = format!("{method} on @{} in round {round}", subject.name);
-            viewer.look(scene, &view);
-            let looked = names(scene, viewer.visible());
             let mut forgetful = crate::subject::viewer();
-            forgetful.look(scene, &view);
-            assert_eq!(
-                looked,
-                names(scene, forgetful.visible()),
-                "{place}: differs from a viewer without memory"
+            let looked = keeps_its_contract(
+                *method,
+                scene,
+                &view,
+                [viewer, &mut forgetful],
+                [&truth, &anywhere],
+                &place,
             );
-            let picture = drawn(viewer, scene, &view);
-            assert_eq!(looked, names(scene, viewer.visible()), "{place}: drawn");
-            let verdict = truth.check(viewer.visible(), Some(&picture));
             for budget in [0, 1, 100_000] {
                 forgetful.options.occluders = Some(budget);
                 let verdict = truth.check(forgetful.look(scene, &view), None);
@@ -92,19 +128,7 @@ fn laws_hold_under_edits(subject: &Subject, methods: &[Method], rounds: u64, cou
                     assert_eq!(verdict.missed, [], "{place} with {budget} occluders");
                 }
             }
-            let first = truth.different(&picture).next();
-            let why =
-                first.map(|at| format!("{at:?} is {:?}, not {}", picture.owner(at), truth.describe(at)));
-            if method.contract().never_misses() {
-                assert_eq!(verdict.pixels_different, 0, "{place}: {why:?}");
-                assert_eq!(verdict.missed, [], "{place}");
-            }
-            if method.contract() == Contract::Strict {
-                let verdict = anywhere.check(viewer.visible(), None);
-                assert_eq!(verdict.missed, [], "{place}, anywhere in a pixel");
-            }
             if method.contract() == Contract::Exact {
-                assert_eq!(verdict.extra, 0, "{place}");
                 let fresh = fresh.with_method(*method, u64::MAX).expect("small");
                 let mut viewer = crate::subject::viewer();
                 viewer.look(&fresh, &view);

@@ -1,7 +1,7 @@
 //! Every law holds while sectors, openings and portals come and go, with viewers that remember what was removed.
 
-use crate::edits::{FOLLOWING, afresh};
-use crate::subject::{SIZE, Subject, drawn, names, subjects, viewer};
+use crate::edits::{FOLLOWING, afresh, keeps_its_contract};
+use crate::subject::{SIZE, Subject, names, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{Contract, GeometryBuilder, Limits, Method, PortalId, Scene, SceneBuilder, Viewer};
 use enfilade_scenes::{Random, random_graph_edits};
@@ -69,31 +69,16 @@ fn laws_hold_while_the_graph_changes(subject: &Subject, rounds: u64, count: usiz
         looked_at += truth.visible().len();
         for (method, scene, viewer) in &mut scenes {
             let place = format!("{method} on @{} in round {round}", subject.name);
-            viewer.look(scene, &view);
-            let looked = names(scene, viewer.visible());
             let mut forgetful = short_sighted();
-            forgetful.look(scene, &view);
-            assert_eq!(
-                looked,
-                names(scene, forgetful.visible()),
-                "{place}: without memory"
+            let looked = keeps_its_contract(
+                *method,
+                scene,
+                &view,
+                [viewer, &mut forgetful],
+                [&truth, &anywhere],
+                &place,
             );
-            let picture = drawn(viewer, scene, &view);
-            assert_eq!(looked, names(scene, viewer.visible()), "{place}: drawn");
-            let verdict = truth.check(viewer.visible(), Some(&picture));
-            let first = truth.different(&picture).next();
-            let why =
-                first.map(|at| format!("{at:?} is {:?}, not {}", picture.owner(at), truth.describe(at)));
-            if method.contract().never_misses() {
-                assert_eq!(verdict.missed, [], "{place}");
-                assert_eq!(verdict.pixels_different, 0, "{place}: {why:?}");
-            }
-            if method.contract() == Contract::Strict {
-                let verdict = anywhere.check(viewer.visible(), None);
-                assert_eq!(verdict.missed, [], "{place}, anywhere in a pixel");
-            }
             if method.contract() == Contract::Exact {
-                assert_eq!(verdict.extra, 0, "{place}");
                 let fresh = built_afresh(scene, *method);
                 forgetful.look(&fresh, &view);
                 assert_eq!(

@@ -1,6 +1,6 @@
 //! Builds the requested methods over a scene, each within the memory limit.
 
-use crate::args::HowArgs;
+use crate::args::{HowArgs, TightnessArg};
 use crate::choose::{self, ChoiceReport};
 use crate::open::{OpenedScene, stays_visible};
 use crate::progress::Progress;
@@ -87,6 +87,7 @@ pub(crate) fn prepare(
     view: Option<&View>,
 ) -> Result<(Vec<PreparedScene>, Vec<SkippedMethod>)> {
     check_cover_size(opened, choice, how, view)?;
+    check_tightness(opened, choice, how)?;
     if let Choice::One(method) = choice {
         stays_visible(opened, Some(method))?;
     }
@@ -177,18 +178,42 @@ fn check_cover_size(opened: &OpenedScene, choice: Choice, how: &HowArgs, view: O
         screen[0],
         screen[1]
     );
+    check_has_effect("--cover-size", opened, choice, |method| method.takes_cover_size())
+}
+
+/// Fails if `--tightness faces` would have no effect.
+fn check_tightness(opened: &OpenedScene, choice: Choice, how: &HowArgs) -> Result<()> {
+    if how.tightness == TightnessArg::Boxes {
+        return Ok(());
+    }
+    ensure!(
+        how.cover_size.is_none(),
+        "--tightness faces has no effect with --cover-size; leave one of them out"
+    );
+    check_has_effect("--tightness faces", opened, choice, |method| {
+        method == Method::Masked
+    })
+}
+
+/// Fails if an option affects none of the selected methods.
+fn check_has_effect(
+    option: &str,
+    opened: &OpenedScene,
+    choice: Choice,
+    affects: impl Fn(Method) -> bool,
+) -> Result<()> {
     let methods = match choice {
         Choice::One(method) => vec![method],
         Choice::Own => methods_of(&opened.scene),
         Choice::All | Choice::Auto => return Ok(()),
     };
-    if methods.iter().any(|method| method.takes_cover_size()) {
+    if methods.iter().any(|&method| affects(method)) {
         return Ok(());
     }
-    let able = Method::ALL.iter().filter(|method| method.takes_cover_size());
+    let able = Method::ALL.into_iter().filter(|&method| affects(method));
     let able: Vec<&str> = able.map(|method| method.name()).collect();
     bail!(
-        "{}: --cover-size has no effect on {}; use it with --method {}, or leave it out",
+        "{}: {option} has no effect on {}; use it with --method {}, or leave it out",
         opened.file,
         methods[0],
         able.join(", ")

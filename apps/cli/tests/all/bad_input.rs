@@ -307,6 +307,21 @@ fn a_cover_size_that_makes_no_sense_is_refused() {
     );
 }
 
+#[test]
+fn faces_that_no_method_would_test_are_refused() {
+    let folder = Folder::new();
+    refused(
+        &folder,
+        "look scene.glb --tightness faces --method z-buffer",
+        &["--tightness faces has no effect on z-buffer", "--method masked"],
+    );
+    refused(
+        &folder,
+        "look scene.glb --size 64x36 --tightness faces --cover-size 32x18 --method masked",
+        &["--tightness faces", "--cover-size", "leave one of them out"],
+    );
+}
+
 /// The yard as a room with two portals, both of which lead nowhere.
 fn yard_with_bad_portals() -> serde_json::Value {
     let mut yard = yard();

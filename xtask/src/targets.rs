@@ -42,7 +42,7 @@ impl Target {
     fn build(self, workspace: &Workspace) -> Result<PathBuf> {
         const LIBRARY: &[&str] = &["rustc", "--lib", "--crate-type", "cdylib"];
         let (command, flags, made, kept) = match self {
-            // Optimizing scalar kernels across the units of a crate takes LLVM hours.
+            // Scalar kernels are not optimized across the units of the crate in eight minutes.
             Target::Wasm => (LIBRARY, "-Clto=off", "conformance.wasm", "conformance-plain.wasm"),
             Target::WasmSimd128 => (
                 LIBRARY,

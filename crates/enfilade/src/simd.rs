@@ -42,7 +42,7 @@ pub(crate) fn baseline() -> impl fearless_simd::Simd {
 }
 
 /// Evaluates a part of a long kernel. Where the compiler knows no SIMD instructions, as for WebAssembly without `simd128`,
-/// the part is a function of its own: as scalar code, long kernels as a whole take LLVM hours.
+/// the part is a function of its own: LLVM did not finish long kernels as one function of scalar code in twenty minutes.
 macro_rules! apart {
     ($part:expr) => {
         crate::simd::call_apart(

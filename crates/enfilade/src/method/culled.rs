@@ -191,7 +191,7 @@ pub(super) struct SampleCover<'a, C> {
     tested: Option<(ItemIndex, usize)>,
 }
 
-/// Maximum number of faces of an item that are tested: more take longer than to draw the item.
+/// Maximum number of faces of an item that are tested, so that a large hidden item does not cost more than it saves.
 const MAX_FACES_TESTED: usize = 512;
 
 impl<'a, C> SampleCover<'a, C> {

@@ -112,8 +112,8 @@ pub enum Tightness {
     /// The boxes of items and clusters.
     #[default]
     Boxes,
-    /// The faces of what passes by its box, at each sample, until one may be visible. Of items with many faces in view
-    /// only the first 512 are tested; the item stays in the set if these are hidden.
+    /// The faces of what passes by its box, at each sample, until one may be visible. An item that covers no sample is left
+    /// out, as by exact methods. Of an item only the first 512 faces are tested; it stays in the set if these are hidden.
     Faces,
 }
 

@@ -1,15 +1,14 @@
-//! Measures how many faces and boxes per second the masked depth buffer processes, relative to the machine and to other
-//! cullers.
+//! Measures how many faces and boxes per second the masked depth buffer processes.
 //!
-//! All rows run in turn, round after round, and the median of each is reported, so that other load on the cores slows
-//! all alike. The results of the timed work are then compared with a reference in f64, in the same run.
+//! All rows run in turn, round after round, so that other load on the cores slows all alike; the median and the fastest
+//! round of each are reported. The results of the timed work are then compared with a reference in f64, in the same run.
 #![allow(clippy::print_stdout, reason = "a program prints what it measures")]
 #![forbid(unsafe_code)]
 
 mod boxes;
-mod ceilings;
 mod faces;
 mod items;
+mod look;
 mod lens;
 mod report;
 mod rows;
@@ -19,7 +18,6 @@ mod truth;
 mod walk;
 
 use anyhow::{Context, Result, ensure};
-use ceilings::{Ceiling, Ceilings};
 use clap::Parser;
 use clap::builder::PossibleValuesParser;
 use enfilade::Method;
@@ -27,6 +25,7 @@ use enfilade_import::{ReadOptions, read};
 use report::MicroReport;
 use screen::Screen;
 use std::path::PathBuf;
+use std::rc::Rc;
 use truth::ErrorCounts;
 
 /// Measures the masked depth buffer alone, on one thread.
@@ -35,15 +34,14 @@ use truth::ErrorCounts;
 #[derive(Parser)]
 #[command(after_help = "\
 Columns:
-  M/s, ns          millions of faces or boxes per second; nanoseconds each
-  ms per view      all opaque triangles of SCENE in view, mean of 16 positions
-  peer, of peer    best figure known of another culler (AVX-512, another machine), and the ratio
-  of ceiling       minimum of bytes the row must touch, as a share of what L1 or L2 delivers
+  M/s, best M/s    millions of faces or boxes per second: the median round, and the fastest
+  best ns          nanoseconds per face or box in the fastest round
+  ms per view      rows of SCENE: mean of 16 positions, in the median round; best ms: in the fastest
+  samples          samples covered at the end of a run, of all views
   wrong            samples or boxes that would cull something visible: must be 0
   loose            samples or boxes kept though hidden: costs time, never correctness
 
-It runs at 1920x1080; rows take turns in each round, and the median round counts. The chapter Benchmarks of the book \
-defines rows and ceilings.")]
+It runs at 1920x1080; rows take turns in each round. The chapter Benchmarks of the book defines rows.")]
 struct Args {
     /// A .glb, .gltf or .obj file; without one, rows of scenes are left out
     #[arg(value_name = "SCENE")]
@@ -65,13 +63,9 @@ struct Args {
 /// Screen size of all rows except those of scenes.
 const SIZE: [u32; 2] = [1920, 1080];
 
-/// Bytes of one sub-tile of the buffer: a mask of the open ones of its 32 samples, a mask of its working layer, and the
-/// reversed depths of both layers.
-const SUB_TILE_BYTES: u64 = 16;
-
 /// Returns the names of all rows, those of scenes last.
 fn names() -> impl Iterator<Item = &'static str> {
-    rows::names().chain(walk::NAMES)
+    rows::names().chain(walk::NAMES).chain([look::NAME])
 }
 
 /// Work that is timed and then compared with the truth.
@@ -82,23 +76,13 @@ trait Workload {
     /// Runs the work, and returns the seconds it took.
     fn run(&mut self, screen: &mut Screen) -> f64;
 
-    /// Runs the work once more, counts its errors and the minimum of bytes it must touch.
-    fn check(&mut self, screen: &mut Screen) -> Verification;
-}
-
-/// Result of [`Workload::check`].
-struct Verification {
-    errors: ErrorCounts,
-    /// Minimum number of bytes of the buffer that must be touched, and the cache whose ceiling applies.
-    min_bytes: u64,
-    ceiling: Ceiling,
+    /// Runs the work once more, and counts its errors.
+    fn check(&mut self, screen: &mut Screen) -> ErrorCounts;
 }
 
 /// A row of the table.
 struct Row {
     name: &'static str,
-    /// Figure of the best other culler, in millions per second.
-    peer: f64,
     work: Box<dyn Workload>,
     /// Time of each round.
     seconds: Vec<f64>,
@@ -107,10 +91,9 @@ struct Row {
 }
 
 impl Row {
-    fn new(name: &'static str, peer: f64, work: Box<dyn Workload>) -> Row {
+    fn new(name: &'static str, work: Box<dyn Workload>) -> Row {
         Row {
             name,
-            peer,
             work,
             seconds: Vec::new(),
             views: None,
@@ -120,6 +103,11 @@ impl Row {
     /// Returns the median time of all rounds.
     fn median_seconds(&self) -> f64 {
         median(&self.seconds)
+    }
+
+    /// Returns the time of the fastest round.
+    fn best_seconds(&self) -> f64 {
+        self.seconds.iter().copied().fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -148,16 +136,15 @@ fn main() -> Result<()> {
             flat: true,
             ..ReadOptions::default()
         };
-        let scene = read(scene, &options)?.scene(Method::ZBuffer, Method::DEFAULT_LIMIT)?;
+        let scene = read(scene, &options)?.scene(Method::Masked, Method::DEFAULT_LIMIT)?;
+        let scene = Rc::new(scene);
         rows.extend(walk::rows(&scene, wanted)?);
+        if wanted(look::NAME) {
+            rows.push(look::row(&scene)?);
+        }
     }
-    let mut ceilings = Ceilings::new();
     // The first round warms up.
     for round in 0..=args.rounds {
-        ceilings.measure();
-        if round == 0 {
-            ceilings.clear();
-        }
         for row in &mut rows {
             let seconds = row.work.run(&mut screen);
             if round > 0 {
@@ -165,8 +152,8 @@ fn main() -> Result<()> {
             }
         }
     }
-    let found: Vec<Verification> = rows.iter_mut().map(|row| row.work.check(&mut screen)).collect();
-    let report = MicroReport::new(&rows, &found, &ceilings, args.rounds, wanted);
+    let found: Vec<ErrorCounts> = rows.iter_mut().map(|row| row.work.check(&mut screen)).collect();
+    let report = MicroReport::new(&rows, &found, args.rounds, wanted);
     print!("{}", report.for_people());
     if let Some(path) = &args.json {
         let text = serde_json::to_string_pretty(&report)? + "\n";

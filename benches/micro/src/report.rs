@@ -1,7 +1,7 @@
 //! The report, as text and as JSON. The JSON keys are a stable interface.
 
-use super::ceilings::{Ceiling, Ceilings};
-use super::{Row, SIZE, Verification};
+use super::truth::ErrorCounts;
+use super::{Row, SIZE};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -13,36 +13,28 @@ pub(super) struct MicroReport {
     simd: &'static str,
     rounds: u32,
     pub(super) rows: Vec<RowReport>,
-    ceilings: CeilingReport,
     left_out: Vec<OmittedRow>,
 }
 
 #[derive(Debug, Serialize)]
 pub(super) struct RowReport {
     pub(super) name: &'static str,
-    /// Faces or boxes, in millions per second.
+    /// Faces or boxes, in millions per second: in the median round, and in the fastest.
     m_per_s: f64,
-    /// Nanoseconds per face or box.
-    ns: f64,
-    /// Milliseconds per view, for rows of scenes.
+    best_m_per_s: f64,
+    /// Nanoseconds per face or box in the fastest round.
+    best_ns: f64,
+    /// Milliseconds per view, for rows of scenes: in the median round, and in the fastest.
     #[serde(skip_serializing_if = "Option::is_none")]
     ms: Option<f64>,
-    /// Rate of the bytes that must be touched, as a share of the ceiling.
-    of_ceiling: f64,
-    ceiling: &'static str,
-    /// Figure of the best other culler, in the unit of this row, and the speed relative to it.
-    peer: f64,
-    of_peer: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    best_ms: Option<f64>,
+    /// Number of samples that the buffer covers at the end of a run, of all views.
+    samples: u64,
     /// Number of samples or boxes with which something visible may be culled.
     pub(super) wrong: u64,
     /// Number of samples or boxes that are conservative though they could be decided.
     loose: u64,
-}
-
-#[derive(Debug, Serialize)]
-struct CeilingReport {
-    l1_gb_s: f64,
-    l2_gb_s: f64,
 }
 
 /// A row that was not measured.
@@ -55,8 +47,7 @@ struct OmittedRow {
 impl MicroReport {
     pub(super) fn new(
         rows: &[Row],
-        found: &[Verification],
-        ceilings: &Ceilings,
+        found: &[ErrorCounts],
         rounds: u32,
         wanted: impl Fn(&str) -> bool,
     ) -> MicroReport {
@@ -70,12 +61,8 @@ impl MicroReport {
             rows: rows
                 .iter()
                 .zip(found)
-                .map(|(row, found)| RowReport::new(row, found, ceilings))
+                .map(|(row, found)| RowReport::new(row, found))
                 .collect(),
-            ceilings: CeilingReport {
-                l1_gb_s: rounded(ceilings.gb_s(Ceiling::L1)),
-                l2_gb_s: rounded(ceilings.gb_s(Ceiling::L2)),
-            },
             left_out: left_out
                 .map(|name| OmittedRow {
                     name,
@@ -85,16 +72,16 @@ impl MicroReport {
         }
     }
 
-    /// Returns the text output: the table and the ceilings.
+    /// Returns the text output.
     pub(super) fn for_people(&self) -> String {
         let header = [
             "row",
             "M/s",
-            "ns",
+            "best M/s",
+            "best ns",
             "ms per view",
-            "peer",
-            "of peer",
-            "of ceiling",
+            "best ms",
+            "samples",
             "wrong",
             "loose",
         ];
@@ -102,23 +89,21 @@ impl MicroReport {
             vec![
                 row.name.to_owned(),
                 short(row.m_per_s),
-                short(row.ns),
+                short(row.best_m_per_s),
+                short(row.best_ns),
                 row.ms.map_or_else(String::new, short),
-                short(row.peer),
-                format!("{:.2}×", row.of_peer),
-                format!("{:.2} % {}", 100.0 * row.of_ceiling, row.ceiling),
+                row.best_ms.map_or_else(String::new, short),
+                row.samples.to_string(),
                 row.wrong.to_string(),
                 row.loose.to_string(),
             ]
         };
         let [width, height] = self.size;
         let mut text = format!(
-            "masked depth buffer at {width}x{height}, 1 thread, {}, median of {} rounds\n\n",
+            "masked depth buffer at {width}x{height}, 1 thread, {}, median and fastest of {} rounds\n\n",
             self.simd, self.rounds
         );
         text += &table(&header, &self.rows.iter().map(row).collect::<Vec<_>>());
-        let CeilingReport { l1_gb_s, l2_gb_s } = self.ceilings;
-        text += &format!("ceilings: L1 {l1_gb_s:.0} GB/s, L2 {l2_gb_s:.0} GB/s read, changed and written\n");
         for OmittedRow { name, why } in &self.left_out {
             text += &format!("  {name} is left out: {why}\n");
         }
@@ -127,26 +112,20 @@ impl MicroReport {
 }
 
 impl RowReport {
-    fn new(row: &Row, found: &Verification, ceilings: &Ceilings) -> RowReport {
-        let seconds = row.median_seconds();
+    fn new(row: &Row, found: &ErrorCounts) -> RowReport {
+        let [seconds, best] = [row.median_seconds(), row.best_seconds()];
         let count = row.work.count() as f64;
-        let m_per_s = count / seconds / 1e6;
-        let of_peer = m_per_s / row.peer;
-        let ms = row.views.map(|views| seconds / views as f64 * 1e3);
+        let ms = |seconds: f64| row.views.map(|views| rounded(seconds / views as f64 * 1e3));
         RowReport {
             name: row.name,
-            m_per_s: rounded(m_per_s),
-            ns: rounded(seconds / count * 1e9),
-            ms: ms.map(rounded),
-            of_ceiling: rounded(found.min_bytes as f64 / seconds / 1e9 / ceilings.gb_s(found.ceiling)),
-            ceiling: match found.ceiling {
-                Ceiling::L1 => "L1",
-                Ceiling::L2 => "L2",
-            },
-            peer: rounded(ms.map_or(row.peer, |ms| ms * of_peer)),
-            of_peer: rounded(of_peer),
-            wrong: found.errors.wrong,
-            loose: found.errors.loose,
+            m_per_s: rounded(count / seconds / 1e6),
+            best_m_per_s: rounded(count / best / 1e6),
+            best_ns: rounded(best / count * 1e9),
+            ms: ms(seconds),
+            best_ms: ms(best),
+            samples: found.covered,
+            wrong: found.wrong,
+            loose: found.loose,
         }
     }
 }

@@ -27,10 +27,8 @@ impl Screen {
         filled.begin(&view);
         let walls = Shapes::new(&lens, 3, 1000.0, 20_000, FaceOrder::BackToFront);
         for shapes in [Shapes::backdrop(&lens, BACKDROP), walls] {
-            filled.draw(&shapes.mesh(), &Transform::IDENTITY);
-            shapes.faces().for_each(|face| {
-                filled_truth.add(face);
-            });
+            draw(&mut filled, &shapes.meshes());
+            shapes.faces().for_each(|face| filled_truth.add(face));
         }
         Screen {
             lens,
@@ -59,16 +57,25 @@ impl Screen {
 }
 
 impl Shapes {
-    /// Converts the faces to the engine's mesh.
-    pub(super) fn mesh(&self) -> OccluderMesh {
-        let corners = 0..self.positions.len() as u32;
-        let first = corners.step_by(self.sides);
+    /// Converts the faces to the engine's meshes, in the same order: small ones, because the faces of a large one are
+    /// sorted.
+    pub(super) fn meshes(&self) -> Vec<OccluderMesh> {
+        const FACES: usize = 64;
         // The first three corners, and of a quad the first and the last two.
-        let halves = (2..self.sides as u32).collect::<Vec<_>>();
-        let face = |first: u32| halves.iter().flat_map(move |&last| [first, first + last - 1, first + last]);
-        let indices: Vec<u32> = first.flat_map(face).collect();
-        OccluderMesh::triangles(&self.positions, &indices).expect("whole triangles")
+        let halves =
+            |first: u32| (2..self.sides as u32).flat_map(move |last| [first, first + last - 1, first + last]);
+        let mesh = |positions: &[[f32; 3]]| {
+            let first = (0..positions.len() as u32).step_by(self.sides);
+            let indices: Vec<u32> = first.flat_map(halves).collect();
+            OccluderMesh::triangles(positions, &indices).expect("whole triangles")
+        };
+        self.positions.chunks(FACES * self.sides).map(mesh).collect()
     }
+}
+
+/// Rasterizes meshes.
+pub(super) fn draw(buffer: &mut OcclusionBuffer, meshes: &[OccluderMesh]) {
+    buffer.draw_all(meshes.iter().map(|mesh| (mesh, Transform::IDENTITY)));
 }
 
 /// Returns a buffer that uses one thread.

@@ -21,8 +21,6 @@ const RAYS: [[f64; 2]; 5] = [
 ];
 /// Relative tolerance: how much nearer than the truth a buffer may be, and a face than the near plane.
 const SLACK: f64 = 1.0 / (1 << 16) as f64;
-/// Columns and rows of a sub-tile of the buffer, whose samples share 16 bytes.
-pub(super) const SUB_TILE: [usize; 2] = [8, 4];
 
 /// The true depths of all samples of a screen.
 pub(super) struct Truth {
@@ -40,12 +38,15 @@ pub(super) struct ErrorCounts {
     pub(super) wrong: u64,
     /// Samples or boxes that are certainly occluded but not found to be; costs time only.
     pub(super) loose: u64,
+    /// Samples that the buffer covers.
+    pub(super) covered: u64,
 }
 
 impl ErrorCounts {
     pub(super) fn add(&mut self, more: ErrorCounts) {
         self.wrong += more.wrong;
         self.loose += more.loose;
+        self.covered += more.covered;
     }
 }
 
@@ -60,12 +61,11 @@ impl Truth {
         }
     }
 
-    /// Adds a planar convex single-sided face, counter-clockwise from its front. Returns the number of sub-tiles in
-    /// which it has a sample.
-    pub(super) fn add(&mut self, corners: &[[f32; 3]]) -> u64 {
+    /// Adds a planar convex single-sided face, counter-clockwise from its front.
+    pub(super) fn add(&mut self, corners: &[[f32; 3]]) {
         let mut at = corners.iter().map(|&corner| self.lens.corner(corner));
         let (Some(first), Some(mut before)) = (at.next(), at.next()) else {
-            return 0;
+            return;
         };
         let triangles: Vec<Triangle> = at
             .filter_map(|corner| {
@@ -78,36 +78,20 @@ impl Truth {
             .map(|t| t.rows)
             .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
         else {
-            return 0;
+            return;
         };
-        let mut sub_tiles = 0;
-        // Range of sub-tile columns covered so far in the current row of sub-tiles.
-        let mut reached = [usize::MAX, 0];
         for y in rows[0]..rows[1] {
             for triangle in &triangles {
-                let [from, to] = self.add_row(triangle, y);
-                if from < to {
-                    reached = [
-                        reached[0].min(from / SUB_TILE[0]),
-                        reached[1].max(to.div_ceil(SUB_TILE[0])),
-                    ];
-                }
-            }
-            if (y + 1) % SUB_TILE[1] == 0 || y + 1 == rows[1] {
-                sub_tiles += reached[1].saturating_sub(reached[0]) as u64;
-                reached = [usize::MAX, 0];
+                self.add_row(triangle, y);
             }
         }
-        sub_tiles
     }
 
-    /// Adds one row of a triangle. Returns the range of columns whose centres it covers.
-    fn add_row(&mut self, triangle: &Triangle, y: usize) -> [usize; 2] {
+    /// Adds one row of a triangle.
+    fn add_row(&mut self, triangle: &Triangle, y: usize) {
         let width = self.lens.size[0] as usize;
-        let mut centres = [0; 2];
         for (number, [dx, dy]) in RAYS.into_iter().enumerate().rev() {
             let [from, to] = triangle.columns(y as f64 + 0.5 + dy, dx, width);
-            centres = [from, to];
             if from >= to {
                 continue;
             }
@@ -121,7 +105,6 @@ impl Truth {
                 *hit |= 1 << number;
             }
         }
-        centres
     }
 
     /// Compares a buffer's reversed depth at each sample, row by row, with the truth.
@@ -132,6 +115,7 @@ impl Truth {
             let right = f64::from(known) <= f64::from(nearest) * (1.0 + SLACK);
             errors.wrong += u64::from(!right);
             errors.loose += u64::from(known <= 0.0 && hit == ALL_HIT);
+            errors.covered += u64::from(known > 0.0);
         }
         errors
     }
@@ -153,6 +137,7 @@ impl Truth {
         ErrorCounts {
             wrong: u64::from(hidden && may_show),
             loose: u64::from(!hidden && surely_hidden),
+            covered: 0,
         }
     }
 }
@@ -244,12 +229,16 @@ mod tests {
 
     /// Compares a buffer with the truth, given its reversed depth at column x and row y.
     fn check(truth: &Truth, rev_depth_at: impl Fn(usize, usize) -> f32) -> ErrorCounts {
-        let depth: Vec<f32> = (0..32 * 16).map(|place| rev_depth_at(place % 32, place / 32)).collect();
+        let depth: Vec<f32> = (0..32 * 16)
+            .map(|place| rev_depth_at(place % 32, place / 32))
+            .collect();
         truth.check(&depth)
     }
 
     fn empty() -> Truth {
-        Truth::new(Lens::new(&View::new([0.0; 3], [0.0, 0.0, -1.0], [32, 16]).expect("a valid view")))
+        Truth::new(Lens::new(
+            &View::new([0.0; 3], [0.0, 0.0, -1.0], [32, 16]).expect("a valid view"),
+        ))
     }
 
     /// Returns a face from its corners: pixel and distance of each.
@@ -272,10 +261,10 @@ mod tests {
                 ([4.1, 2.2], 2.0),
             ],
         );
-        assert_eq!(truth.add(&square), 2 * 3, "columns 4 to 11, rows 2 to 11");
+        truth.add(&square);
         let inside = |x: usize, y: usize| (4..12).contains(&x) && (2..12).contains(&y);
         let exact = check(&truth, |x, y| if inside(x, y) { 0.5 } else { 0.0 });
-        assert_eq!((exact.wrong, exact.loose), (0, 0));
+        assert_eq!((exact.wrong, exact.loose, exact.covered), (0, 0, 80));
         let rect = |x0| Rect {
             x0,
             y0: 3,
@@ -309,7 +298,8 @@ mod tests {
             &[([4.0, 12.0], 2.0), ([12.0, 12.0], 2.0), ([12.0, 2.0], 2.0)],
         );
         back.reverse();
-        assert_eq!(truth.add(&back), 0);
+        truth.add(&back);
+        assert!(truth.hit.iter().all(|&hit| hit == 0));
     }
 
     #[test]

@@ -27,7 +27,6 @@ use crate::view::aperture::Rect;
 use crate::view::passage::Passage;
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use glam::DVec3;
 
 /// Rasterizes batches of faces.
 pub(super) struct Worker {
@@ -200,11 +199,11 @@ impl Batch {
         // Also while clipped faces are left: they are classified by the winding of these faces.
         while next < groups || self.queues.clipped.count > 0 {
             if next == groups || self.queues.clipped.count >= LANES {
-                apart!(self.queues.queue_clipped(simd, frame));
+                apart!(self.queues.queue_clipped(simd, frame, tiles));
             } else if next < groups_of_quads {
                 let group = Group::new(&shapes, quads, next, first as usize, &mut last_quads);
                 let found = apart!(group.project(simd, &self.corners));
-                apart!(self.queues.queue_quads(simd, frame, &found));
+                apart!(self.queues.queue_quads(simd, frame, tiles, &found));
                 self.queues
                     .clip(frame, positions, &group, found.to_clip, &mut self.clipper);
                 next += 1;
@@ -212,7 +211,7 @@ impl Batch {
                 let which = next - groups_of_quads;
                 let group = Group::new(&shapes, triangles, which, first_triangle, &mut last_triangles);
                 let found = apart!(group.project(simd, &self.corners));
-                apart!(self.queues.queue_triangles(simd, frame, &found));
+                apart!(self.queues.queue_triangles(simd, frame, tiles, &found));
                 self.queues
                     .clip(frame, positions, &group, found.to_clip, &mut self.clipper);
                 next += 1;
@@ -244,7 +243,11 @@ impl Batch {
             corners,
             first_position,
         } = face;
-        let run_queue = &mut self.run_queue;
+        let mut sink = RunSink {
+            level: self.level,
+            tiles,
+            run_queue: &mut self.run_queue,
+        };
         // Separate counters, because the batch and its triangles are already counted.
         let mut alone = Stats::default();
         let at = |corner: u32| {
@@ -264,8 +267,7 @@ impl Batch {
                 neighbours: &[],
                 ..*faces
             };
-            self.raster
-                .run(&one, passage, &mut RunSink { tiles, run_queue }, &mut alone);
+            self.raster.run(&one, passage, &mut sink, &mut alone);
         }
         stats.triangles_hidden += alone.triangles_hidden;
         stats.samples += alone.samples;
@@ -314,28 +316,23 @@ impl Batch {
 }
 
 /// Rasterizer output that queues the runs of the faces.
-struct RunSink<'a> {
-    tiles: &'a Tiles<'a>,
+struct RunSink<'a, 'b> {
+    level: Level,
+    tiles: &'a mut Tiles<'b>,
     run_queue: &'a mut RunQueue,
 }
 
-impl Sink for RunSink<'_> {
+impl Sink for RunSink<'_, '_> {
     #[inline(always)]
     fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
         self.tiles.hides(rect, nearest)
     }
 
-    #[inline(always)]
-    fn begin(&mut self, triangle: &Triangle, _corners: &[DVec3; 3]) {
-        let slope = Slope::of(triangle, &self.tiles.rect);
-        self.run_queue.begin(&slope.slopes());
-    }
-
-    #[inline(always)]
-    fn band(&mut self, band: &Band, _triangle: &Triangle) {
+    fn band(&mut self, band: &Band, triangle: &Triangle) {
         let Rect { y0, y1, .. } = self.tiles.rect;
         if y0 < band.y + BAND as u16 && band.y < y1 {
-            self.run_queue.push_band(band);
+            let slope = Slope::of(triangle, &self.tiles.rect);
+            dispatch!(self.level, simd => self.run_queue.push_band(simd, self.tiles, band, &slope));
         }
     }
 }

@@ -47,7 +47,7 @@ use fearless_simd::Level;
 pub use mesh::{OccluderMesh, OccluderMeshError};
 use occluder::{Fill, Slope};
 pub use occlusion_buffer::OcclusionBuffer;
-use tiles::{COLUMNS, Grid, ROWS, Tile};
+use tiles::{COLUMNS, Grid, ROWS, Tile, TileMasks};
 
 /// SIMD lanes of a kernel, at every level, and their indices.
 const LANES: usize = 16;
@@ -105,7 +105,7 @@ impl Cover for MaskedDepth {
 
     fn needs_bytes(size: [u32; 2]) -> u64 {
         let tiles = u64::from(size[0].div_ceil(COLUMNS as u32)) * u64::from(size[1].div_ceil(ROWS as u32));
-        tiles * (size_of::<Tile>() + size_of::<f32>()) as u64
+        tiles * (size_of::<Tile>() + size_of::<f32>() + size_of::<TileMasks>()) as u64
     }
 
     const SHAPE: Option<CoverShape> = Some(CoverShape::Tiles);
@@ -181,7 +181,7 @@ impl Coarse for MaskedDepth {
 
     fn sees_cells(&mut self, rect: &Rect, nearest: f32) -> bool {
         let rect = rect.intersection(&self.grid.rect);
-        !rect.is_empty() && self.grid.first_seen(&rect, nearest).is_some()
+        !rect.is_empty() && self.grid.view().first_seen(&rect, nearest).is_some()
     }
 
     fn sees_plane(&mut self, cells: &Band, rev_depth: &Triangle) -> bool {

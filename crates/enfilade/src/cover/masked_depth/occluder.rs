@@ -8,7 +8,7 @@
 //! Conservative: reversed depth is rounded down, and the parts in front of the near plane or the entry plane are
 //!     clipped.
 
-use super::runs::{RunQueue, Slopes};
+use super::runs::{RowDepth, RunQueue};
 use super::tiles::{
     ACROSS, BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
 };
@@ -43,6 +43,9 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 /// Factor that lowers reversed depth before it is stored: covers rounding to f32 and the multiplication.
 const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 23) as f64;
 
+/// Values below this, times the columns of any screen, fit f32.
+const LARGE: f64 = 1e30;
+
 /// Plane of reversed depth of an occluder on the screen, clamped to a range.
 pub(super) struct Slope {
     /// Reversed depth at the point (x, y) is `at · (x, y, 1)`, accurate to `rounding`.
@@ -74,17 +77,17 @@ impl Fill {
         let Some((rect, slope)) = self.set_up(occluder, passage, &grid.rect) else {
             return 0;
         };
-        self.run_queue.begin(&slope.slopes());
+        let tiles = &mut grid.all();
         let mut covered = 0;
         let mut y = rect.y0 - rect.y0 % BAND as u16;
         while y < rect.y1 {
             if let Some((band, samples)) = Band::inside(simd, y, &rect, &self.planes) {
                 covered += samples;
-                self.run_queue.push_band(&band);
+                self.run_queue.push_band(simd, tiles, &band, &slope);
             }
             y += BAND as u16;
         }
-        self.run_queue.cover(simd, &mut grid.all());
+        self.run_queue.cover(simd, tiles);
         covered
     }
 
@@ -195,13 +198,13 @@ impl Grid {
         if !any_nearer {
             return;
         }
-        let tile = &mut self.tiles[index];
         let first = y % ROWS / BAND * SUB_TILES_OF_BAND;
         let covered = across.samples(column);
         for (sub, (covered, rev_depth)) in (first..).zip(covered.into_iter().zip(rev_depth)) {
-            tile.cover(sub, covered, rev_depth.to_bits());
+            let closed = self.closed_in(index, sub);
+            self.tiles[index].cover(sub, [covered, closed], rev_depth.to_bits());
         }
-        self.farthest[index] = tile.farthest();
+        self.farthest[index] = self.tiles[index].farthest();
     }
 }
 
@@ -224,17 +227,35 @@ impl Slope {
         }
     }
 
-    /// Converts to the form that the tile kernels use.
-    pub(super) fn slopes(&self) -> Slopes {
-        let DVec3 { x, y, z } = self.at;
-        let most = |rev_depth: f64| smaller(rev_depth, f64::from(f32::MAX));
-        let least = (most(self.least) * ROUND_DOWN) as f32;
-        let greatest = most(self.greatest) as f32 * ROUND_UP as f32;
-        Slopes::new(
-            z - self.rounding,
-            [x, y],
-            [if least < f32::MIN_POSITIVE { 0.0 } else { least }, greatest],
-        )
+    /// Returns lower bounds in the row of `count` tiles that begins at column and row `at`. If f32 could overflow or the
+    /// plane is NaN, only the minimum is known.
+    #[inline(always)]
+    pub(super) fn over_row<S: Simd>(&self, simd: S, at: [usize; 2], count: usize) -> RowDepth<S> {
+        /// Bound on the rounding of f32, as a part of the terms that are added.
+        const ROUNDING: f64 = 1.0 / (1_u64 << 21) as f64;
+        let least = smaller(self.least, f64::from(f32::MAX)) * ROUND_DOWN;
+        let least = if least < f64::from(f32::MIN_POSITIVE) {
+            0.0
+        } else {
+            least as f32
+        };
+        let DVec3 { x, y, .. } = self.at;
+        let [first, ..] = self.at_corners(at, [x < 0.0, y < 0.0]);
+        let rounding = (x.abs() * (count * COLUMNS) as f64 + y.abs() * ROWS as f64) * ROUNDING;
+        let first = first - self.rounding - rounding;
+        // Written so that NaN fails too.
+        let is_small = first.abs() < LARGE && rounding < LARGE;
+        let (first, [x, y]) = if is_small {
+            (first, [x, y])
+        } else {
+            (0.0, [0.0; 2])
+        };
+        RowDepth::new(simd, first as f32, [x as f32, y as f32], least)
+    }
+
+    /// Returns an upper bound anywhere.
+    pub(super) fn nearest(&self) -> f32 {
+        smaller(self.greatest, f64::from(f32::MAX)) as f32 * ROUND_UP as f32
     }
 
     /// Returns the minimum reversed depth over each sub-tile of a band in the tile at column and row `at`, rounded

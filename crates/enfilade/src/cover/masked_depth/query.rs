@@ -11,7 +11,7 @@
 
 use super::occluder::Slope;
 use super::tiles::{
-    ACROSS, BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND,
+    ACROSS, BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND, TilesView,
     columns_within, masks_of_rect, rows_within, tiles,
 };
 use crate::raster::{BAND, Band, HalfPlane, Triangle, greater, smaller};
@@ -26,7 +26,7 @@ impl Grid {
     pub(super) fn shows(&self, rect: &Rect, nearest: f32) -> bool {
         let rect = rect.intersection(&self.rect);
         !rect.is_empty()
-            && (self.shows_middle_of(&rect, nearest) || self.first_seen(&rect, nearest).is_some())
+            && (self.shows_middle_of(&rect, nearest) || self.view().first_seen(&rect, nearest).is_some())
     }
 
     /// Returns `true` if any sample may show the box. Tests its rectangle first, then, if it is entirely behind the
@@ -40,7 +40,7 @@ impl Grid {
         if self.plainly_shows(&rect, &region.volume) {
             return true;
         }
-        let Some(first) = self.first_seen(&rect, region.nearest) else {
+        let Some(first) = self.view().first_seen(&rect, region.nearest) else {
             return false;
         };
         // No closures here and below: the code of a closure is not compiled for the SIMD level.
@@ -81,7 +81,7 @@ impl Grid {
     /// Returns `true` if nothing with reversed depth up to `nearest` can be visible at any sample of `rect`.
     pub(super) fn hides(&self, rect: &Rect, nearest: f32) -> bool {
         let rect = rect.intersection(&self.rect);
-        rect.is_empty() || self.first_seen(&rect, nearest).is_none()
+        rect.is_empty() || self.view().first_seen(&rect, nearest).is_none()
     }
 
     /// Returns `true` if a face with the depth plane of `triangle` may be visible at any sample of a band.
@@ -91,45 +91,10 @@ impl Grid {
         let y = usize::from(band.y);
         across.tiles().any(|column| {
             let most = slope.most_over_band([column * COLUMNS, y]);
-            let tile = &self.tiles[y / ROWS * self.columns + column];
-            tile.sees(y % ROWS / BAND, &across.samples(column), &most)
+            let index = y / ROWS * self.columns + column;
+            self.view()
+                .sees_in(index, y % ROWS / BAND, &across.samples(column), &most)
         })
-    }
-
-    /// Returns the first row of tiles in which a sample of `rect` may show geometry with reversed depth `nearest`.
-    #[inline(always)]
-    pub(super) fn first_seen(&self, rect: &Rect, nearest: f32) -> Option<usize> {
-        let columns = tiles(rect.x0, rect.x1, COLUMNS);
-        for row in tiles(rect.y0, rect.y1, ROWS) {
-            let first = row * self.columns;
-            let mut hidden = true;
-            for &farthest in &self.farthest[first + columns.start..first + columns.end] {
-                hidden &= nearest < farthest;
-            }
-            if !hidden && self.shows_in_row(row, rect, nearest) {
-                return Some(row);
-            }
-        }
-        None
-    }
-
-    /// Returns `true` if a sample of `rect` in one row of tiles may show geometry with reversed depth `nearest`.
-    fn shows_in_row(&self, row: usize, rect: &Rect, nearest: f32) -> bool {
-        let rev_depth = [nearest; SUB_TILES_OF_BAND];
-        for column in tiles(rect.x0, rect.x1, COLUMNS) {
-            let index = row * self.columns + column;
-            if nearest < self.farthest[index] {
-                continue;
-            }
-            let columns = columns_within(rect.x0, rect.x1, column * COLUMNS);
-            for band in 0..ROWS / BAND {
-                let rows = rows_within(rect.y0, rect.y1, row * ROWS + band * BAND);
-                if self.tiles[index].sees(band, &masks_of_rect(columns, rows), &rev_depth) {
-                    return true;
-                }
-            }
-        }
-        false
     }
 
     /// Returns `true` if the centre sample of `rect` may show geometry with reversed depth `nearest`. An early out:
@@ -141,7 +106,7 @@ impl Grid {
             usize::from(rect.y0.midpoint(rect.y1)),
         ];
         let index = y / ROWS * self.columns + x / COLUMNS;
-        nearest >= self.farthest[index] && nearest >= self.tiles[index].rev_depth_at(x % COLUMNS, y % ROWS)
+        nearest >= self.farthest[index] && nearest >= self.rev_depth_at(x, y)
     }
 
     /// Returns `true` if any sample of `rect`, from row `from` of tiles on, may show the box, by its outline and its
@@ -166,12 +131,50 @@ impl Grid {
                     }
                     let rev_depth = outline.over_tile([column * COLUMNS, y], rect, nearest);
                     let samples = across.samples(column);
-                    if self.tiles[index].sees(y % ROWS / BAND, &samples, &rev_depth) {
+                    if self.view().sees_in(index, y % ROWS / BAND, &samples, &rev_depth) {
                         return true;
                     }
                 }
             }
             y += BAND;
+        }
+        false
+    }
+}
+
+impl TilesView<'_> {
+    /// Returns the first row of tiles in which a sample of `rect` may show geometry with reversed depth `nearest`.
+    #[inline(always)]
+    pub(super) fn first_seen(&self, rect: &Rect, nearest: f32) -> Option<usize> {
+        let columns = tiles(rect.x0, rect.x1, COLUMNS);
+        for row in tiles(rect.y0, rect.y1, ROWS) {
+            let first = (row - self.first_row) * self.columns;
+            let mut hidden = true;
+            for &farthest in &self.farthest[first + columns.start..first + columns.end] {
+                hidden &= nearest < farthest;
+            }
+            if !hidden && self.shows_in_row(row, rect, nearest) {
+                return Some(row);
+            }
+        }
+        None
+    }
+
+    /// Returns `true` if a sample of `rect` in one row of tiles may show geometry with reversed depth `nearest`.
+    fn shows_in_row(&self, row: usize, rect: &Rect, nearest: f32) -> bool {
+        let rev_depth = [nearest; SUB_TILES_OF_BAND];
+        for column in tiles(rect.x0, rect.x1, COLUMNS) {
+            let index = (row - self.first_row) * self.columns + column;
+            if nearest < self.farthest[index] {
+                continue;
+            }
+            let columns = columns_within(rect.x0, rect.x1, column * COLUMNS);
+            for band in 0..ROWS / BAND {
+                let rows = rows_within(rect.y0, rect.y1, row * ROWS + band * BAND);
+                if self.sees_in(index, band, &masks_of_rect(columns, rows), &rev_depth) {
+                    return true;
+                }
+            }
         }
         false
     }

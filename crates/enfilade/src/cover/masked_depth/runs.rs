@@ -1,128 +1,232 @@
-//! Covers runs of samples in a row of tiles, with the sixteen sub-tiles of a tile in SIMD lanes.
+//! Covers tiles with parts of faces, with the sixteen sub-tiles of a tile in SIMD lanes.
 //!
+//! A face is cut into rows of tiles. Tiles that are nearer than the whole face are left out by [`Tiles::farthest`],
+//! sixteen at a time. The others are listed: those that the face covers entirely, and those of which it covers some
+//! samples. Two loops without branches then cover the tiles of both lists, so that a mispredicted branch does not delay
+//! the next tile.
 //! Source: Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, sections 3.1 to 3.3.
 //! Cost: O(tiles); a tile that is already nearer is rejected by one comparison.
 //! Conservative: as [`Tile::cover`], the scalar specification.
 
-use super::tiles::{ACROSS, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile, Tiles};
+use super::occluder::Slope;
+use super::tiles::{ACROSS, BandTiles, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile, Tiles};
 use super::{COUNT, LANES};
-use crate::raster::{Band, smaller};
+use crate::raster::Band;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u8x64, u32x16};
+use std::ops::Range;
 
-/// Runs of samples in the sixteen rows of a row of tiles.
+/// Lower bound of the reversed depth of a face in the tiles of a row: at least `least`.
+pub(super) struct RowDepth<S: Simd> {
+    /// In each sub-tile of the first tile.
+    pub(super) first: f32x16<S>,
+    /// The minimum of `first`.
+    pub(super) lowest: f32,
+    /// Change per tile to the right.
+    pub(super) by_tile: f32,
+    pub(super) least: f32,
+}
+
+/// Part of a face in a row of tiles.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Runs {
-    /// First column and end column (exclusive) of each row; 0 and 0 for a row without samples.
+struct TileRow {
+    /// First column and end column (exclusive) of each row of samples, from the left of the first tile; equal for a row
+    /// without samples.
     starts: [i32; ROWS],
     stops: [i32; ROWS],
-    /// Columns that are covered in all rows; empty if unknown.
-    whole: [i32; 2],
-    row: u32,
-    /// Index of their [`Slopes`] in the queue.
-    slopes: u32,
+    /// The fields of [`RowDepth`].
+    first: [f32; SUB_TILES],
+    lowest: f32,
+    by_tile: f32,
+    least: f32,
+    /// Index of the first tile.
+    first_tile: u32,
 }
 
-/// Queue of runs to be covered.
-///
-/// Works in three passes, each without branches in its inner loop: collect runs, find the tiles they overlap, cover
-/// these tiles. So a mispredicted branch does not delay the next step.
-#[derive(Default)]
+/// Queue of rows of tiles to be covered.
 pub(super) struct RunQueue {
-    /// Depth planes, one per face.
-    slopes: Vec<Slopes>,
-    runs: Vec<Runs>,
+    rows: Box<[TileRow; MAX_ROWS]>,
+    row_count: usize,
     /// Tiles of which some samples are covered, and tiles that are covered entirely.
-    some: TileRuns,
-    whole: TileRuns,
+    some: TileList,
+    whole: TileList,
 }
 
-/// Pairs of a tile and the runs that overlap it, by index.
-struct TileRuns {
+/// Tiles of rows: the index of the row, and the tile, counted from the row's first one, in the lower [`TILE_BITS`].
+struct TileList {
     count: usize,
-    tiles: [u32; MAX_TILE_RUNS],
-    runs: [u32; MAX_TILE_RUNS],
+    tiles: [u32; MAX_TILES + LANES],
 }
 
-/// Number of queued runs from which on they are covered (a large face may exceed it), and the maximum number of pairs.
-const MANY_RUNS: usize = 64;
-const MAX_TILE_RUNS: usize = 256;
+const TILE_BITS: u32 = 16;
 
-impl Default for TileRuns {
-    fn default() -> TileRuns {
-        TileRuns {
+/// Maximum number of rows, and of tiles from which on they are covered.
+const MAX_ROWS: usize = 64;
+const MANY_TILES: usize = 64;
+/// Maximum number of tiles in a list, and of those listed at once.
+const MAX_TILES: usize = 512;
+pub(super) const SEGMENT: i32 = 256;
+
+/// Twice the relative rounding error of f32.
+pub(super) const ROUNDING: f32 = 1.0 / (1_u32 << 22) as f32;
+
+impl Default for RunQueue {
+    fn default() -> RunQueue {
+        let none = || TileList {
             count: 0,
-            tiles: [0; MAX_TILE_RUNS],
-            runs: [0; MAX_TILE_RUNS],
+            tiles: [0; MAX_TILES + LANES],
+        };
+        let no_row = TileRow {
+            starts: [0; ROWS],
+            stops: [0; ROWS],
+            first: [0.0; SUB_TILES],
+            lowest: 0.0,
+            by_tile: 0.0,
+            least: 0.0,
+            first_tile: 0,
+        };
+        RunQueue {
+            rows: Box::new([no_row; MAX_ROWS]),
+            row_count: 0,
+            some: none(),
+            whole: none(),
         }
     }
 }
 
-impl TileRuns {
+impl TileList {
     /// Adds the tiles selected by `which`, of sixteen.
     #[inline(always)]
-    fn push<S: Simd>(&mut self, which: mask32x16<S>, tiles: u32x16<S>, runs: u32x16<S>) {
-        let start = self.count.min(MAX_TILE_RUNS - LANES);
+    fn push<S: Simd>(&mut self, which: mask32x16<S>, tiles: u32x16<S>) {
+        let start = self.count.min(MAX_TILES);
         tiles
             .compress(which)
             .store_slice(&mut self.tiles[start..start + LANES]);
-        runs.store_slice(&mut self.runs[start..start + LANES]);
         self.count = start + which.to_bitmask().count_ones() as usize;
     }
 
-    fn is_full(&self) -> bool {
-        self.count > MAX_TILE_RUNS - LANES
-    }
-
-    /// Removes and returns all pairs of tile and runs.
+    /// Removes and returns all tiles, each as the index of its row and its place in it.
     #[inline(always)]
-    fn take(&mut self) -> impl Iterator<Item = (u32, u32)> {
-        let count = std::mem::take(&mut self.count).min(MAX_TILE_RUNS);
-        let runs = self.runs[..count].iter().copied();
-        self.tiles[..count].iter().copied().zip(runs)
+    fn take(&mut self) -> impl Iterator<Item = (usize, u32)> {
+        let count = std::mem::take(&mut self.count).min(MAX_TILES);
+        self.tiles[..count]
+            .iter()
+            .map(|tile| ((tile >> TILE_BITS) as usize, tile & ((1 << TILE_BITS) - 1)))
     }
+}
+
+/// Tiles of a row that were listed.
+#[derive(Clone, Copy)]
+pub(super) struct Listed {
+    /// Whether any is covered, and whether any is covered in part.
+    pub(super) any: bool,
+    pub(super) some: bool,
+    /// Lengths of the lists before.
+    before: [usize; 2],
 }
 
 impl RunQueue {
     /// Returns `true` if the queue should be covered now.
     #[inline(always)]
     pub(super) fn are_many(&self) -> bool {
-        self.runs.len() >= MANY_RUNS
+        self.row_count >= MAX_ROWS / 2 || self.some.count + self.whole.count >= MANY_TILES
     }
 
-    /// Begins a face; the runs pushed next belong to it.
+    /// Returns `true` if the queue must be covered before more tiles are listed.
     #[inline(always)]
-    pub(super) fn begin(&mut self, slopes: &Slopes) {
-        self.slopes.push(*slopes);
+    pub(super) fn is_full(&self) -> bool {
+        self.row_count == MAX_ROWS || self.some.count.max(self.whole.count) > MAX_TILES - SEGMENT as usize
     }
 
-    /// Queues the runs of a row of tiles. The columns `whole` are covered in all rows.
+    /// Lists those tiles of a row that are not nearer than `greatest`: of the tiles `across`, at most [`SEGMENT`], from
+    /// the tile `first_tile` on. Those in `whole` are covered entirely. If any are listed, [`RunQueue::push`] or
+    /// [`RunQueue::unlist`] must follow.
     #[inline(always)]
-    pub(super) fn push(&mut self, row: usize, [starts, stops]: [[i32; ROWS]; 2], whole: [i32; 2]) {
-        self.runs.push(Runs {
-            starts,
-            stops,
-            whole,
-            row: row as u32,
-            slopes: self.slopes.len() as u32 - 1,
-        });
+    pub(super) fn list<S: Simd>(
+        &mut self,
+        simd: S,
+        tiles: &Tiles,
+        first_tile: usize,
+        [across, whole]: [Range<i32>; 2],
+        greatest: f32,
+    ) -> Listed {
+        let before = [self.some.count, self.whole.count];
+        let greatest = f32x16::splat(simd, greatest);
+        let mut tile = across.start;
+        while tile < across.end {
+            let here = u32x16::from_slice(simd, &COUNT).bitcast::<i32x16<S>>() + tile;
+            let farthest = tiles.sixteen_farthest(simd, first_tile + tile as usize);
+            let seen = farthest.simd_lt(greatest) & here.simd_lt(across.end);
+            tile += LANES as i32;
+            if !seen.any_true() {
+                continue;
+            }
+            let all = here.simd_ge(whole.start) & here.simd_lt(whole.end);
+            let listed = here.bitcast::<u32x16<S>>() | (self.row_count as u32) << TILE_BITS;
+            self.some.push(seen & !all, listed);
+            self.whole.push(seen & all, listed);
+        }
+        let some = self.some.count > before[0];
+        Listed {
+            any: some || self.whole.count > before[1],
+            some,
+            before,
+        }
     }
 
-    /// Queues the runs of a band.
-    pub(super) fn push_band(&mut self, band: &Band) {
+    /// Removes the tiles listed last.
+    #[inline(always)]
+    pub(super) fn unlist(&mut self, listed: &Listed) {
+        [self.some.count, self.whole.count] = listed.before;
+    }
+
+    /// Queues the row of the tiles listed last, with its runs of samples: first column and end column (exclusive) of
+    /// each row of samples, from the left of the first tile.
+    #[inline(always)]
+    pub(super) fn push<S: Simd>(
+        &mut self,
+        first_tile: usize,
+        [starts, stops]: [i32x16<S>; 2],
+        depth: &RowDepth<S>,
+    ) {
+        let row = &mut self.rows[self.row_count % MAX_ROWS];
+        starts.store_slice(&mut row.starts);
+        stops.store_slice(&mut row.stops);
+        depth.first.store_slice(&mut row.first);
+        row.lowest = depth.lowest;
+        row.by_tile = depth.by_tile;
+        row.least = depth.least;
+        row.first_tile = first_tile as u32;
+        self.row_count += 1;
+    }
+
+    /// Queues the samples of a band, of a face with the given depth.
+    #[inline(always)]
+    pub(super) fn push_band<S: Simd>(&mut self, simd: S, tiles: &mut Tiles, band: &Band, slope: &Slope) {
         let y = usize::from(band.y);
-        let [mut starts, mut stops] = [[0; ROWS]; 2];
-        let rows = starts.iter_mut().zip(&mut stops).skip(y % ROWS);
-        for ((start, stop), run) in rows.zip(band.runs) {
-            if run[0] < run[1] {
-                [*start, *stop] = run.map(i32::from);
+        let across = BandTiles::new(band).tiles();
+        let row = (y / ROWS - tiles.first_row) * tiles.columns;
+        for first in across.clone().step_by(SEGMENT as usize) {
+            if self.is_full() || self.are_many() {
+                self.cover(simd, tiles);
+            }
+            let count = (across.end - first).min(SEGMENT as usize);
+            let rev_depth = slope.over_row(simd, [first * COLUMNS, y / ROWS * ROWS], count);
+            let listed = self.list(simd, tiles, row + first, [0..count as i32, 0..0], slope.nearest());
+            if listed.any {
+                let [mut starts, mut stops] = [[0; ROWS]; 2];
+                let rows = starts.iter_mut().zip(&mut stops).skip(y % ROWS);
+                for ((start, stop), run) in rows.zip(band.runs) {
+                    [*start, *stop] = run.map(|column| i32::from(column) - (first * COLUMNS) as i32);
+                }
+                let runs = [starts, stops].map(|ends| i32x16::from_slice(simd, &ends));
+                self.push(row + first, runs, &rev_depth);
             }
         }
-        self.push(y / ROWS, [starts, stops], [0; 2]);
     }
 
-    /// Covers all queued runs and empties the queue. Not inlined, because it is long and has several callers.
+    /// Covers all queued tiles and empties the queue. Not inlined, because it is long and has several callers.
     pub(super) fn cover<S: Simd>(&mut self, simd: S, tiles: &mut Tiles) {
         simd.vectorize(
             #[inline(always)]
@@ -132,86 +236,106 @@ impl RunQueue {
 
     #[inline(always)]
     fn cover_at<S: Simd>(&mut self, simd: S, tiles: &mut Tiles) {
-        const STEP: i32 = (LANES * COLUMNS) as i32;
-        let far = i32x16::splat(simd, i32::MAX);
-        let lanes = u32x16::from_slice(simd, &COUNT);
-        let columns = lanes.bitcast::<i32x16<S>>() * COLUMNS as i32;
-        for number in 0..self.runs.len() {
-            let runs = &self.runs[number];
-            let starts = i32x16::from_slice(simd, &runs.starts);
-            let stops = i32x16::from_slice(simd, &runs.stops);
-            let first = starts.simd_lt(stops).select(starts, far).reduce_min();
-            let (end, whole) = (stops.reduce_max(), runs.whole);
-            let greatest = f32x16::splat(simd, self.slopes[runs.slopes as usize].greatest);
-            let row = (runs.row as usize - tiles.first_row) * tiles.columns;
-            let mut column = first & -(COLUMNS as i32);
-            while column < end {
-                let tile = row + column as usize / COLUMNS;
-                let columns = columns + column;
-                // Skip tiles that are already nearer.
-                let farthest = tiles.sixteen_farthest(simd, tile);
-                let seen = farthest.simd_lt(greatest) & columns.simd_lt(end);
-                let all = columns.simd_ge(whole[0]) & (columns + COLUMNS as i32).simd_le(whole[1]);
-                let (at, number) = (lanes + tile as u32, u32x16::splat(simd, number as u32));
-                self.some.push(seen & !all, at, number);
-                self.whole.push(seen & all, at, number);
-                if self.some.is_full() || self.whole.is_full() {
-                    self.cover_tile_runs(simd, tiles);
-                }
-                column += STEP;
+        for (row, across) in self.whole.take() {
+            let row = &self.rows[row % MAX_ROWS];
+            let (tile, farthest, _) = tiles.tile(row.first_tile + across);
+            let lowest = row.lowest_in(across);
+            cover_whole(simd, tile, row.over_tile(simd, across));
+            if *farthest < lowest {
+                *farthest = lowest;
             }
         }
-        self.cover_tile_runs(simd, tiles);
-        self.slopes.clear();
-        self.runs.clear();
+        for (row, across) in self.some.take() {
+            let row = &self.rows[row % MAX_ROWS];
+            let column = (across * COLUMNS as u32) as i32;
+            let starts = i32x16::from_slice(simd, &row.starts) - column;
+            let stops = i32x16::from_slice(simd, &row.stops) - column;
+            let (tile, farthest, closed) = tiles.tile(row.first_tile + across);
+            let samples = masks_of_rows(simd, starts, stops);
+            let closed = match closed {
+                Some(closed) => u32x16::from_slice(simd, closed),
+                None => u32x16::splat(simd, 0),
+            };
+            let rev_depth = row.over_tile(simd, across);
+            cover_tile(simd, tile, farthest, [samples, closed], rev_depth);
+        }
+        self.row_count = 0;
+    }
+}
+
+/// Columns and rows of samples to the left of and above each sub-tile of a tile.
+const SUB_TILE_PLACES: [[f32; SUB_TILES]; 2] = {
+    let mut places = [[0.0; SUB_TILES]; 2];
+    let mut sub = 0;
+    while sub < SUB_TILES {
+        places[0][sub] = (sub % ACROSS * SUB_COLUMNS) as f32;
+        places[1][sub] = (sub / ACROSS * SUB_ROWS) as f32;
+        sub += 1;
+    }
+    places
+};
+
+impl<S: Simd> RowDepth<S> {
+    /// Creates it from the lower bound in the first sub-tile, and the changes per column and row.
+    #[inline(always)]
+    pub(super) fn new(simd: S, first: f32, [by_column, by_row]: [f32; 2], least: f32) -> RowDepth<S> {
+        let [columns, rows] = &SUB_TILE_PLACES;
+        let [columns, rows] = [f32x16::from_slice(simd, columns), f32x16::from_slice(simd, rows)];
+        // That of a corner; the same operations as above, so that it is one of the numbers in `first`.
+        let corner = |by: f32, places: usize| if by < 0.0 { by * places as f32 } else { 0.0 };
+        let right = corner(by_column, COLUMNS - SUB_COLUMNS);
+        let down = corner(by_row, ROWS - SUB_ROWS);
+        RowDepth {
+            first: (columns * by_column + rows * by_row) + first,
+            lowest: (right + down) + first,
+            by_tile: by_column * COLUMNS as f32,
+            least,
+        }
     }
 
+    /// Returns it for a row in which the reversed depth is greater by `change`.
     #[inline(always)]
-    fn cover_tile_runs<S: Simd>(&mut self, simd: S, tiles: &mut Tiles) {
-        let (slopes, runs) = (&self.slopes, &self.runs);
-        for (number, of) in self.whole.take() {
-            let runs = &runs[of as usize];
-            let column = runs.column_of(number, tiles);
-            let row = (runs.row * ROWS as u32) as i32;
-            let rev_depth = slopes[runs.slopes as usize].over_tile(simd, [column, row]);
-            let (tile, farthest) = tiles.tile(number);
-            cover_whole(simd, tile, farthest, rev_depth);
-        }
-        for (number, of) in self.some.take() {
-            let runs = &runs[of as usize];
-            let column = runs.column_of(number, tiles);
-            let row = (runs.row * ROWS as u32) as i32;
-            let starts = i32x16::from_slice(simd, &runs.starts) - column;
-            let stops = i32x16::from_slice(simd, &runs.stops) - column;
-            let rev_depth = slopes[runs.slopes as usize].over_tile(simd, [column, row]);
-            let (tile, farthest) = tiles.tile(number);
-            cover_tile(
-                simd,
-                tile,
-                farthest,
-                masks_of_rows(simd, starts, stops),
-                rev_depth,
-            );
+    pub(super) fn moved(&self, change: f32) -> RowDepth<S> {
+        RowDepth {
+            first: self.first + change,
+            lowest: self.lowest + change,
+            ..*self
         }
     }
 }
 
-impl Runs {
-    /// Returns the first column of samples of a tile in this row, by the tile's index.
+impl TileRow {
+    /// Returns the lower bound of reversed depth in each sub-tile of a tile, counted from the first, as bits.
     #[inline(always)]
-    fn column_of(&self, tile: u32, tiles: &Tiles) -> i32 {
-        let first = (self.row as usize - tiles.first_row) * tiles.columns;
-        ((tile as usize - first) * COLUMNS) as i32
+    fn over_tile<S: Simd>(&self, simd: S, across: u32) -> u32x16<S> {
+        let by_tile = self.by_tile * across as f32;
+        ((f32x16::from_slice(simd, &self.first) + by_tile) * (1.0 - ROUNDING))
+            .max(f32x16::splat(simd, self.least))
+            .bitcast()
+    }
+
+    /// Returns the minimum of [`TileRow::over_tile`]. It is that of the sub-tile with the minimum of `first`, because
+    /// rounding keeps the order of numbers.
+    #[inline(always)]
+    fn lowest_in(&self, across: u32) -> f32 {
+        let rev_depth = (self.lowest + self.by_tile * across as f32) * (1.0 - ROUNDING);
+        if rev_depth > self.least {
+            rev_depth
+        } else {
+            self.least
+        }
     }
 }
 
-/// Merges coverage as [`Tile::cover`] does, for all sub-tiles of a tile, and updates the tile's `farthest`.
+/// Merges coverage as [`Tile::cover`] does, for all sub-tiles of a tile.
+///
+/// `farthest` is computed only if nothing changes: the tile was listed because `farthest` is out of date.
 #[inline(always)]
 fn cover_tile<S: Simd>(
     simd: S,
     tile: &mut Tile,
     farthest: &mut f32,
-    covered: u32x16<S>,
+    [covered, closed]: [u32x16<S>; 2],
     rev_depth: u32x16<S>,
 ) {
     let all = u32x16::splat(simd, u32::MAX);
@@ -219,8 +343,12 @@ fn cover_tile<S: Simd>(
     let mask = u32x16::from_slice(simd, &tile.mask);
     let reference = u32x16::from_slice(simd, &tile.reference);
     let working = u32x16::from_slice(simd, &tile.working);
-    let closed = u32x16::from_slice(simd, &tile.closed);
-    let acts = rev_depth.simd_gt(reference) & covered.simd_gt(none);
+    let nearer = rev_depth.simd_gt(reference);
+    if !nearer.any_true() {
+        *farthest = f32::from_bits(reference.reduce_min());
+        return;
+    }
+    let acts = nearer & covered.simd_gt(none);
     let fresh = covered | closed;
     let before = rev_depth.simd_ge(working);
     let (near, far) = (rev_depth.max(working), rev_depth.min(working));
@@ -242,7 +370,7 @@ fn cover_tile<S: Simd>(
 
 /// Merges coverage as [`cover_tile`] does, for a tile whose samples are all covered.
 #[inline(always)]
-fn cover_whole<S: Simd>(simd: S, tile: &mut Tile, farthest: &mut f32, rev_depth: u32x16<S>) {
+fn cover_whole<S: Simd>(simd: S, tile: &mut Tile, rev_depth: u32x16<S>) {
     let mask = u32x16::from_slice(simd, &tile.mask);
     let reference = u32x16::from_slice(simd, &tile.reference);
     let working = u32x16::from_slice(simd, &tile.working);
@@ -250,65 +378,7 @@ fn cover_whole<S: Simd>(simd: S, tile: &mut Tile, farthest: &mut f32, rev_depth:
     let mask = before.select(u32x16::splat(simd, 0), mask);
     mask.store_slice(&mut tile.mask);
     working.max(rev_depth).store_slice(&mut tile.working);
-    let next = reference.max(rev_depth);
-    next.store_slice(&mut tile.reference);
-    *farthest = f32::from_bits(next.reduce_min());
-}
-
-/// Lower bound of a face's reversed depth in each sub-tile.
-#[derive(Clone, Copy)]
-pub(super) struct Slopes {
-    /// Offsets of the sub-tiles from the first one of their tile.
-    by_sub_tile: [f32; SUB_TILES],
-    /// Value in the first sub-tile of the tile at column and row 0; change per column and per row.
-    at: f64,
-    by_column: f64,
-    by_row: f64,
-    least: f32,
-    greatest: f32,
-}
-
-/// Values below this, times the columns of any screen, fit f32.
-const LARGE: f64 = 1e30;
-
-/// Twice the relative rounding error of f32.
-const ROUNDING: f32 = 1.0 / (1_u32 << 22) as f32;
-
-impl Slopes {
-    /// Creates it from a plane with reversed depth `at + by_column · column + by_row · row` at samples. The result is
-    /// lowered by the rounding error of f32, at least `least` and nowhere above `greatest`.
-    #[inline(always)]
-    pub(super) fn new(at: f64, slopes: [f64; 2], [least, greatest]: [f32; 2]) -> Slopes {
-        // If f32 could overflow or a value is NaN, only the minimum is known.
-        let is_small = (at.abs() < LARGE) & (slopes[0].abs() < LARGE) & (slopes[1].abs() < LARGE);
-        let (at, [by_column, by_row]) = if is_small { (at, slopes) } else { (0.0, [0.0; 2]) };
-        // The minimum over a sub-tile is at a corner: at its first or last column and row.
-        let across = smaller(by_column * (SUB_COLUMNS as f64 - 1.0), 0.0);
-        let down = smaller(by_row * (SUB_ROWS as f64 - 1.0), 0.0);
-        let rounding = (by_column.abs() * COLUMNS as f64 + by_row.abs() * ROWS as f64) * f64::from(ROUNDING);
-        let mut by_sub_tile = [0.0; SUB_TILES];
-        for (sub, rev_depth) in by_sub_tile.iter_mut().enumerate() {
-            let [right, down] = [sub % ACROSS * SUB_COLUMNS, sub / ACROSS * SUB_ROWS];
-            *rev_depth = right as f32 * by_column as f32 + down as f32 * by_row as f32;
-        }
-        Slopes {
-            by_sub_tile,
-            at: at + (0.5 * by_column + across) + (0.5 * by_row + down) - rounding,
-            by_column,
-            by_row,
-            least,
-            greatest,
-        }
-    }
-
-    /// Returns the values in the tile that begins at a column and a row, as bits.
-    #[inline(always)]
-    fn over_tile<S: Simd>(&self, simd: S, [column, row]: [i32; 2]) -> u32x16<S> {
-        let at = self.at + self.by_column * f64::from(column) + self.by_row * f64::from(row);
-        ((f32x16::from_slice(simd, &self.by_sub_tile) + at as f32) * (1.0 - ROUNDING))
-            .max(f32x16::splat(simd, self.least))
-            .bitcast()
-    }
+    reference.max(rev_depth).store_slice(&mut tile.reference);
 }
 
 /// Returns the coverage masks of a tile from runs in sixteen rows, relative to the tile's first column.

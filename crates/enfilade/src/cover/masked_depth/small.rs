@@ -191,8 +191,12 @@ impl Records {
             .zip(&self.rev_depth[..count]);
         for ((&sub_tile, &mask), &rev_depth) in all {
             let index = sub_tile as usize / SUB_TILES;
-            let (tile, farthest) = tiles.tile(index as u32);
-            if tile.cover(sub_tile as usize % SUB_TILES, mask, rev_depth) {
+            let sub = sub_tile as usize % SUB_TILES;
+            let (tile, farthest, closed) = tiles.tile(index as u32);
+            let closed = closed.map_or(0, |closed| closed[sub]);
+            let before = tile.cover(sub, [mask, closed], rev_depth);
+            // Only the farthest sub-tile can change it.
+            if before.is_some_and(|before| f32::from_bits(before) <= *farthest) {
                 *farthest = tile.farthest();
             }
         }

@@ -9,6 +9,7 @@
 
 use super::batch::Shapes;
 use super::project::{Block, Corners, Frame, HALF, MAX_CORNERS, ONE, ONE_SHIFT, clip};
+use super::tiles::{COLUMNS, ROWS, Tiles};
 use super::{COUNT, LANES};
 use crate::raster::Clipper;
 use fearless_simd::prelude::*;
@@ -164,22 +165,34 @@ impl Queues {
 
     /// Classifies and queues up to sixteen clipped triangles.
     #[inline(always)]
-    pub(super) fn queue_clipped<S: Simd>(&mut self, simd: S, frame: &Frame) {
+    pub(super) fn queue_clipped<S: Simd>(&mut self, simd: S, frame: &Frame, tiles: &Tiles) {
         let from = self.clipped.count - self.clipped.count.min(LANES);
         let faces = self.clipped.load(simd, from);
         let valid = mask32x16::from_bitmask(simd, (1_u64 << faces.lanes) - 1);
-        self.sort_triangles(simd, frame, &faces, valid);
+        self.sort_triangles(simd, frame, tiles, &faces, valid);
         self.clipped.count = from;
     }
 
     #[inline(always)]
-    pub(super) fn queue_triangles<S: Simd>(&mut self, simd: S, frame: &Frame, found: &ScreenFaces<S, 3>) {
-        self.sort_triangles(simd, frame, &found.faces, found.valid);
+    pub(super) fn queue_triangles<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame,
+        tiles: &Tiles,
+        found: &ScreenFaces<S, 3>,
+    ) {
+        self.sort_triangles(simd, frame, tiles, &found.faces, found.valid);
     }
 
     /// Queues the quads that are not culled.
     #[inline(always)]
-    pub(super) fn queue_quads<S: Simd>(&mut self, simd: S, frame: &Frame, found: &ScreenFaces<S, 4>) {
+    pub(super) fn queue_quads<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame,
+        tiles: &Tiles,
+        found: &ScreenFaces<S, 4>,
+    ) {
         let quads = &found.faces;
         let extent = Extent::new(simd, frame, &quads.x, &quads.y);
         let [mut dx, mut dy] = [[f32x16::splat(simd, 0.0); 4]; 2];
@@ -206,8 +219,8 @@ impl Queues {
         self.quads.push(small, quads);
         let others = seen & !small;
         if others.any_true() {
-            self.sort_triangles(simd, frame, &quads.half([1, 2]), others);
-            self.sort_triangles(simd, frame, &quads.half([2, 3]), others);
+            self.sort_triangles(simd, frame, tiles, &quads.half([1, 2]), others);
+            self.sort_triangles(simd, frame, tiles, &quads.half([2, 3]), others);
         }
     }
 
@@ -217,6 +230,7 @@ impl Queues {
         &mut self,
         simd: S,
         frame: &Frame,
+        tiles: &Tiles,
         faces: &FaceLanes<S, 3>,
         valid: mask32x16<S>,
     ) {
@@ -228,7 +242,8 @@ impl Queues {
         let seen = valid & extent.any & !winding.is_behind(simd, frame);
         let sure = seen & (winding.left | winding.right);
         self.small.push(sure & extent.small, faces);
-        self.wide.push(sure & !extent.small, faces);
+        let wide = extent.shown(simd, frame, tiles, sure & !extent.small, &faces.rev_depth);
+        self.wide.push(wide, faces);
         let mut left = (seen & !sure).to_bitmask();
         if left != 0 {
             let numbers = number.to_array();
@@ -245,6 +260,8 @@ impl Queues {
 struct Extent<S: Simd> {
     any: mask32x16<S>,
     small: mask32x16<S>,
+    columns: Samples<S>,
+    rows: Samples<S>,
 }
 
 impl<S: Simd> Extent<S> {
@@ -261,7 +278,55 @@ impl<S: Simd> Extent<S> {
             any: columns.end.simd_gt(columns.first) & rows.end.simd_gt(rows.first),
             small: (columns.end - (columns.first & !7)).simd_le(SMALL)
                 & (rows.end - (rows.first & !3)).simd_le(SMALL),
+            columns,
+            rows,
         }
+    }
+
+    /// Returns those of the faces `which` that are not hidden, by [`Tiles::farthest`] alone.
+    #[inline(always)]
+    fn shown<const SIDES: usize>(
+        &self,
+        simd: S,
+        frame: &Frame,
+        tiles: &Tiles,
+        which: mask32x16<S>,
+        rev_depth: &[f32x16<S>; SIDES],
+    ) -> mask32x16<S> {
+        let mut left = which.to_bitmask();
+        if left == 0 {
+            return which;
+        }
+        let mut nearest = rev_depth[0];
+        for &rev_depth in &rev_depth[1..] {
+            nearest = nearest.max(rev_depth);
+        }
+        let nearest = (nearest * (1.0 + EXACTNESS)).to_array();
+        const ACROSS: u32 = COLUMNS.trailing_zeros();
+        const DOWN: u32 = ROWS.trailing_zeros();
+        let [column, row] = frame.middle_sample;
+        let row = row - frame.first_row * ROWS as i32;
+        let columns = [
+            ((self.columns.first + column) >> ACROSS).to_array(),
+            ((self.columns.end + (column - 1)) >> ACROSS).to_array(),
+        ];
+        let rows = [
+            ((self.rows.first + row) >> DOWN).to_array(),
+            ((self.rows.end + (row - 1)) >> DOWN).to_array(),
+        ];
+        let mut shown = 0;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            let [x0, x1, y0, y1] = [columns[0][lane], columns[1][lane], rows[0][lane], rows[1][lane]];
+            let is_hidden = tiles.are_nearer(
+                [x0 as usize, x1 as usize],
+                [y0 as usize, y1 as usize],
+                nearest[lane],
+            );
+            shown |= u64::from(!is_hidden) << lane;
+        }
+        mask32x16::from_bitmask(simd, shown)
     }
 }
 
@@ -303,6 +368,9 @@ impl<S: Simd> Winding<S> {
 /// Generous bound on the relative error of two products and their difference in f32.
 pub(super) const EXACTNESS: f32 = 1.0 / (1_u32 << 21) as f32;
 
+/// Units between a sample and the first or last corner for the sample to be certain.
+const SURE_UNITS: i32 = 8;
+
 /// Samples between the minimum and the maximum of coordinates on one axis.
 pub(super) struct Samples<S: Simd> {
     /// First sample that may be inside and the end (exclusive), from the frame's origin, clamped to the limits.
@@ -327,9 +395,9 @@ impl<S: Simd> Samples<S> {
         // One unit of margin on each side, because coordinates are rounded.
         let first = (least + (ONE - 1 - HALF - 1)) >> ONE_SHIFT;
         let last = (greatest + (1 - HALF)) >> ONE_SHIFT;
-        // The same range with one unit less.
-        let sure = first.simd_eq((least + (ONE - 1 - HALF + 1)) >> ONE_SHIFT)
-            & last.simd_eq((greatest + (-1 - HALF)) >> ONE_SHIFT);
+        // The same range with a few units less: edges that are less than a few units high have no accurate slope.
+        let sure = first.simd_eq((least + (ONE - 1 - HALF + SURE_UNITS)) >> ONE_SHIFT)
+            & last.simd_eq((greatest + (-SURE_UNITS - HALF)) >> ONE_SHIFT);
         Samples {
             first: first.max(i32x16::splat(simd, limits[0])),
             end: (last + 1).min(i32x16::splat(simd, limits[1])),

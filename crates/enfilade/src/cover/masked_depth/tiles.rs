@@ -34,27 +34,26 @@ pub(super) const SUB_TILES: usize = 16;
 /// Sub-tiles in one band of a tile.
 pub(super) const SUB_TILES_OF_BAND: usize = SUB_TILES / 2;
 
-/// Coverage masks of the sub-tiles in one band: bit 8·y + x for each sample.
+/// Coverage masks of the sub-tiles in one band, and of those of a tile: bit 8·y + x for each sample.
 type Masks = [u32; SUB_TILES_OF_BAND];
+pub(super) type TileMasks = [u32; SUB_TILES];
 
 /// Reversed depths of the sub-tiles in one band.
 pub(super) type RevDepth = [f32; SUB_TILES_OF_BAND];
 
-/// Depth and coverage of 32×16 samples; four cache lines.
+/// Depth and coverage of 32×16 samples; three cache lines.
 ///
 /// Stores reversed depths as bits: they are not negative, so the bits sort like the numbers.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Tile {
     /// Coverage masks: the samples of the working layer.
-    pub(super) mask: [u32; SUB_TILES],
-    /// Reference layer: a lower bound of reversed depth at every sample; infinite if no sample is open.
+    pub(super) mask: TileMasks,
+    /// Reference layer: a lower bound of reversed depth at every sample; infinite if all samples are closed.
     pub(super) reference: [u32; SUB_TILES],
     /// Working layer: a lower bound of reversed depth at the samples of the mask; equal to `reference` if the mask is
     /// empty.
     pub(super) working: [u32; SUB_TILES],
-    /// Samples outside the aperture: queries ignore them, and any coverage includes them.
-    pub(super) closed: [u32; SUB_TILES],
 }
 
 impl Tile {
@@ -63,19 +62,18 @@ impl Tile {
         mask: [0; SUB_TILES],
         reference: [f32::INFINITY.to_bits(); SUB_TILES],
         working: [f32::INFINITY.to_bits(); SUB_TILES],
-        closed: [u32::MAX; SUB_TILES],
     };
 
-    /// Opens samples of the upper (0) or lower (1) band, with nothing in them.
-    #[inline(always)]
-    pub(super) fn open(&mut self, band: usize, samples: &Masks) {
-        for (sub, samples) in (band * SUB_TILES_OF_BAND..).zip(samples) {
-            self.closed[sub] &= !samples;
-            if self.closed[sub] != u32::MAX {
-                self.reference[sub] = 0;
-                self.working[sub] = 0;
+    /// Returns a tile with nothing in its open samples.
+    fn empty(closed: &TileMasks) -> Tile {
+        let mut tile = Tile::CLOSED;
+        for (sub, &closed) in closed.iter().enumerate() {
+            if closed != u32::MAX {
+                tile.reference[sub] = 0;
+                tile.working[sub] = 0;
             }
         }
+        tile
     }
 
     /// Returns the minimum of the reference layers: what has a smaller reversed depth is hidden in the whole tile.
@@ -89,17 +87,18 @@ impl Tile {
     }
 
     /// Merges coverage into a sub-tile: at the samples `covered`, something is at least as near as `rev_depth` (bits of
-    /// a finite number). Returns `true` if the reference layer changed.
+    /// a finite number). Coverage includes the samples `closed`. Returns the reference layer before if it
+    /// changed.
     ///
     /// This is the specification of [`cover_tile`](super::runs::cover_tile), which merges all sixteen at once.
     #[inline(always)]
-    pub(super) fn cover(&mut self, sub: usize, covered: u32, rev_depth: u32) -> bool {
+    pub(super) fn cover(&mut self, sub: usize, [covered, closed]: [u32; 2], rev_depth: u32) -> Option<u32> {
         let [mask, reference, working] = [self.mask[sub], self.reference[sub], self.working[sub]];
         // A face beside the sub-tile must not displace a layer.
         if rev_depth <= reference || covered == 0 {
-            return false;
+            return None;
         }
-        let fresh = covered | self.closed[sub];
+        let fresh = covered | closed;
         // The nearer of the working and the new layer is kept as it is; the other keeps the remaining samples.
         let before = rev_depth >= working;
         let near = if before { rev_depth } else { working };
@@ -112,23 +111,22 @@ impl Tile {
             self.mask[sub] = if alone { 0 } else { near_mask };
             self.reference[sub] = if alone { near } else { far };
             self.working[sub] = near;
-            return true;
+            return Some(reference);
         }
         // Otherwise discard the farther layer if the ratio to the reference is smaller than to the nearer layer (bits
         // of floats approximate logarithms), else merge the two.
         let discards = near + reference > 2 * far;
         self.mask[sub] = if discards { near_mask } else { either };
         self.working[sub] = if discards | alone { near } else { far };
-        false
+        None
     }
 
     /// Returns `true` if geometry with reversed depth `rev_depth` may be visible at any of `samples` in the upper (0)
     /// or lower (1) band. Equal depths are visible.
     #[inline(always)]
-    pub(super) fn sees(&self, band: usize, samples: &Masks, rev_depth: &RevDepth) -> bool {
+    fn sees(&self, band: usize, samples: &Masks, rev_depth: &RevDepth) -> bool {
         let mut any = false;
-        for (sub, (samples, &rev_depth)) in (band * SUB_TILES_OF_BAND..).zip(samples.iter().zip(rev_depth)) {
-            let samples = samples & !self.closed[sub];
+        for (sub, (&samples, &rev_depth)) in (band * SUB_TILES_OF_BAND..).zip(samples.iter().zip(rev_depth)) {
             let beyond_reference = rev_depth < f32::from_bits(self.reference[sub]);
             let beyond_working = rev_depth < f32::from_bits(self.working[sub]);
             let outside_mask = samples & !self.mask[sub] != 0;
@@ -138,17 +136,16 @@ impl Tile {
     }
 
     /// Returns `true` if the sample belongs to the working layer.
+    #[inline(always)]
     fn is_working(&self, x: usize, y: usize) -> bool {
         self.mask[sub_tile(x, y)] & bit(x, y) != 0
     }
 
-    /// Returns the reversed depth stored at a sample; infinite if the sample is closed.
+    /// Returns the reversed depth stored at an open sample.
     #[inline(always)]
-    pub(super) fn rev_depth_at(&self, x: usize, y: usize) -> f32 {
-        let (sub, bit) = (sub_tile(x, y), bit(x, y));
-        f32::from_bits(if self.closed[sub] & bit != 0 {
-            f32::INFINITY.to_bits()
-        } else if self.mask[sub] & bit != 0 {
+    fn rev_depth_at(&self, x: usize, y: usize) -> f32 {
+        let sub = sub_tile(x, y);
+        f32::from_bits(if self.is_working(x, y) {
             self.working[sub]
         } else {
             self.reference[sub]
@@ -263,8 +260,12 @@ pub(super) struct Grid {
     pub(super) rect: Rect,
     pub(super) columns: usize,
     pub(super) tiles: Vec<Tile>,
-    /// [`Tile::farthest`] of each tile; decides most queries.
+    /// A lower bound of [`Tile::farthest`] of each tile; decides most queries.
     pub(super) farthest: Vec<f32>,
+    /// Samples of each tile outside the aperture: queries ignore them, and any coverage includes them.
+    closed: Vec<TileMasks>,
+    /// Whether only some samples are closed in any sub-tile: `closed` is not needed otherwise.
+    is_partly_closed: bool,
     open: [Vec<[u16; 2]>; BAND],
 }
 
@@ -277,6 +278,36 @@ pub(super) struct Tiles<'a> {
     pub(super) first_row: usize,
     pub(super) tiles: &'a mut [Tile],
     pub(super) farthest: &'a mut [f32],
+    /// [`Grid::closed`]; without tiles if it is not needed.
+    closed: &'a [TileMasks],
+}
+
+/// Rows of tiles for tests.
+#[derive(Clone, Copy)]
+pub(super) struct TilesView<'a> {
+    pub(super) columns: usize,
+    /// Number of rows of tiles above them.
+    pub(super) first_row: usize,
+    tiles: &'a [Tile],
+    pub(super) farthest: &'a [f32],
+    closed: &'a [TileMasks],
+}
+
+impl TilesView<'_> {
+    /// Returns `true` if geometry with reversed depth `rev_depth` may be visible at any open one of `samples` in the
+    /// upper (0) or lower (1) band of a tile. Equal depths are visible.
+    #[inline(always)]
+    pub(super) fn sees_in(&self, index: usize, band: usize, samples: &Masks, rev_depth: &RevDepth) -> bool {
+        let tile = &self.tiles[index];
+        let Some(closed) = self.closed.get(index) else {
+            return tile.sees(band, samples, rev_depth);
+        };
+        let mut open = *samples;
+        for (open, closed) in open.iter_mut().zip(&closed[band * SUB_TILES_OF_BAND..]) {
+            *open &= !closed;
+        }
+        tile.sees(band, &open, rev_depth)
+    }
 }
 
 impl<'a> Tiles<'a> {
@@ -288,11 +319,13 @@ impl<'a> Tiles<'a> {
             first_row,
             tiles,
             farthest,
+            closed,
         } = self;
         let border = first_sample(first_row + rows);
         let count = (rows * columns).min(tiles.len());
         let (upper, lower) = tiles.split_at_mut(count);
         let (farthest_above, farthest_below) = farthest.split_at_mut(count);
+        let (closed_above, closed_below) = closed.split_at(count.min(closed.len()));
         let above = Tiles {
             rect: Rect {
                 y1: rect.y1.min(border),
@@ -302,6 +335,7 @@ impl<'a> Tiles<'a> {
             first_row,
             tiles: upper,
             farthest: farthest_above,
+            closed: closed_above,
         };
         let below = Tiles {
             rect: Rect {
@@ -312,6 +346,7 @@ impl<'a> Tiles<'a> {
             first_row: first_row + rows,
             tiles: lower,
             farthest: farthest_below,
+            closed: closed_below,
         };
         (above, below)
     }
@@ -326,11 +361,15 @@ impl<'a> Tiles<'a> {
         })
     }
 
-    /// Returns a tile and its [`Tile::farthest`].
+    /// Returns a tile, its lower bound of [`Tile::farthest`], and its closed samples if any sub-tile has some.
     #[inline(always)]
-    pub(super) fn tile(&mut self, number: u32) -> (&mut Tile, &mut f32) {
+    pub(super) fn tile(&mut self, number: u32) -> (&mut Tile, &mut f32, Option<&TileMasks>) {
         let number = number as usize;
-        (&mut self.tiles[number], &mut self.farthest[number])
+        (
+            &mut self.tiles[number],
+            &mut self.farthest[number],
+            self.closed.get(number),
+        )
     }
 
     /// Returns [`Tile::farthest`] of sixteen tiles, starting at index `first`; infinite after the last tile.
@@ -345,6 +384,32 @@ impl<'a> Tiles<'a> {
         f32x16::from_slice(simd, &last)
     }
 
+    /// Returns a view for tests.
+    pub(super) fn view(&self) -> TilesView<'_> {
+        TilesView {
+            columns: self.columns,
+            first_row: self.first_row,
+            tiles: self.tiles,
+            farthest: self.farthest,
+            closed: self.closed,
+        }
+    }
+
+    /// Returns `true` if everything with reversed depth up to `nearest` is hidden in tiles, by [`Tile::farthest`] alone.
+    /// Columns and rows of tiles are the first and the last.
+    #[inline(always)]
+    pub(super) fn are_nearer(&self, columns: [usize; 2], rows: [usize; 2], nearest: f32) -> bool {
+        for row in rows[0]..=rows[1] {
+            let first = row * self.columns;
+            for &farthest in &self.farthest[first + columns[0]..=first + columns[1]] {
+                if nearest >= farthest {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
     /// Returns `true` if everything with reversed depth up to `nearest` is hidden at all samples of `rect`, by
     /// [`Tile::farthest`] alone; `false` when unsure.
     #[inline(always)]
@@ -354,14 +419,14 @@ impl<'a> Tiles<'a> {
             return true;
         }
         let columns = tiles(rect.x0, rect.x1, COLUMNS);
-        let mut hides = true;
-        for row in tiles(rect.y0, rect.y1, ROWS) {
+        tiles(rect.y0, rect.y1, ROWS).all(|row| {
             let first = (row - self.first_row) * self.columns;
+            let mut hides = true;
             for &farthest in &self.farthest[first + columns.start..first + columns.end] {
                 hides &= nearest < farthest;
             }
-        }
-        hides
+            hides
+        })
     }
 }
 
@@ -374,6 +439,7 @@ impl Grid {
             first_row: 0,
             tiles: &mut self.tiles,
             farthest: &mut self.farthest,
+            closed: if self.is_partly_closed { &self.closed } else { &[] },
         }
     }
 
@@ -391,25 +457,57 @@ impl Grid {
         if self.tiles.len() < needed {
             self.tiles.resize(needed, Tile::CLOSED);
             self.farthest.resize(needed, f32::INFINITY);
+            self.closed.resize(needed, [u32::MAX; SUB_TILES]);
         }
+        self.is_partly_closed = false;
         for row in tiles(y0, y1, ROWS) {
             for column in tiles(x0, x1, COLUMNS) {
-                self.tiles[row * self.columns + column] = Tile::CLOSED;
+                self.closed[row * self.columns + column] = [u32::MAX; SUB_TILES];
             }
             for band in 0..ROWS / BAND {
                 self.open_band(passage, row, band);
             }
             for column in tiles(x0, x1, COLUMNS) {
                 let index = row * self.columns + column;
+                let closed = &self.closed[index];
+                self.is_partly_closed |= closed.iter().any(|&closed| closed != 0 && closed != u32::MAX);
+                self.tiles[index] = Tile::empty(closed);
                 self.farthest[index] = self.tiles[index].farthest();
             }
         }
     }
 
-    /// Returns the reversed depth stored at a sample, see [`Tile::rev_depth_at`].
+    /// Returns the closed samples of a sub-tile, unless all are.
+    #[inline(always)]
+    pub(super) fn closed_in(&self, index: usize, sub: usize) -> u32 {
+        if self.is_partly_closed {
+            self.closed[index][sub]
+        } else {
+            0
+        }
+    }
+
+    /// Returns a view for tests.
+    #[inline(always)]
+    pub(super) fn view(&self) -> TilesView<'_> {
+        TilesView {
+            columns: self.columns,
+            first_row: 0,
+            tiles: &self.tiles,
+            farthest: &self.farthest,
+            closed: if self.is_partly_closed { &self.closed } else { &[] },
+        }
+    }
+
+    /// Returns the reversed depth stored at a sample; infinite if the sample is closed.
     #[inline(always)]
     pub(super) fn rev_depth_at(&self, x: usize, y: usize) -> f32 {
-        self.tiles[y / ROWS * self.columns + x / COLUMNS].rev_depth_at(x % COLUMNS, y % ROWS)
+        let index = y / ROWS * self.columns + x / COLUMNS;
+        let [x, y] = [x % COLUMNS, y % ROWS];
+        if self.closed_in(index, sub_tile(x, y)) & bit(x, y) != 0 {
+            return f32::INFINITY;
+        }
+        self.tiles[index].rev_depth_at(x, y)
     }
 
     /// Opens the samples of the aperture in one band of a row of tiles.
@@ -428,7 +526,11 @@ impl Grid {
             let runs = Band { y, runs };
             let across = BandTiles::new(&runs);
             for column in across.tiles() {
-                self.tiles[row * self.columns + column].open(band, &across.samples(column));
+                let index = row * self.columns + column;
+                let closed = &mut self.closed[index][band * SUB_TILES_OF_BAND..];
+                for (closed, samples) in closed.iter_mut().zip(across.samples(column)) {
+                    *closed &= !samples;
+                }
             }
         }
     }
@@ -443,7 +545,7 @@ impl Grid {
                 let index = row * self.columns + column;
                 let tile = &self.tiles[index];
                 let sub = y / SUB_ROWS * ACROSS + within / SUB_COLUMNS;
-                let rev_depth = tile.rev_depth_at(within, y);
+                let rev_depth = self.rev_depth_at(usize::from(x), row * ROWS + y);
                 let by = if tile.is_working(within, y) {
                     HiddenBy::Working
                 } else if rev_depth > 0.0 {

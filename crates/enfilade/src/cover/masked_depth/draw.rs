@@ -13,16 +13,17 @@ use super::mesh::{OccluderMesh, Part};
 use super::project::Frame;
 use super::tiles::{Grid, ROWS, Tiles, tiles};
 use crate::faces::Faces;
-use crate::geom::Transform;
+use crate::geom::{Aabb, Transform};
 use crate::simd::dispatch;
 use crate::stats::Stats;
 use crate::threads;
 use crate::view::aperture::Rect;
 use crate::view::passage::{Passage, eye_in};
-use crate::view::region::Region;
+use crate::view::region::{BOXES, EightBoxes};
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use glam::DAffine3;
+use std::hint::black_box;
 
 /// Minimum height of a strip, in rows of tiles.
 const STRIP_ROWS: usize = 6;
@@ -70,17 +71,32 @@ impl<'a> DrawList<'a> {
         }
         let instance = self.instances.len() as u32;
         let before = self.parts.len();
-        for part in &mesh.parts {
-            if let Some(region) = Region::of(passage, &screen_from_mesh, &part.bounds) {
-                self.parts.push(PlacedPart {
-                    part,
-                    instance,
-                    rect: region.rect,
-                    nearest: region.nearest,
-                });
+        for parts in mesh.parts.chunks(BOXES) {
+            let mut boxes = [Aabb::EMPTY; BOXES];
+            for (bounds, part) in boxes.iter_mut().zip(parts) {
+                *bounds = part.bounds;
+            }
+            let eight = EightBoxes::of(passage, &screen_from_mesh, &boxes[..parts.len()]);
+            for (lane, part) in parts.iter().enumerate() {
+                let (rect, nearest) = eight.rect(lane);
+                if !rect.is_empty() {
+                    self.parts.push(PlacedPart {
+                        part,
+                        instance,
+                        rect,
+                        nearest,
+                    });
+                }
             }
         }
         if self.parts.len() > before {
+            // Front to back, then as in the mesh, where parts are in one array.
+            let place = |placed: &PlacedPart| std::ptr::from_ref(placed.part);
+            self.parts[before..].sort_unstable_by(|a, b| {
+                b.nearest
+                    .total_cmp(&a.nearest)
+                    .then_with(|| place(a).cmp(&place(b)))
+            });
             self.instances.push(Instance {
                 eye: eye_in(&screen_from_mesh).as_vec3().into(),
                 screen_from_mesh,
@@ -151,7 +167,7 @@ impl<'a> DrawList<'a> {
             for PlacedPart { part, rect, .. } in &self.parts {
                 let Rect { x0, y0, x1, y1 } = *rect;
                 let faces = part.face_count() as f64;
-                let samples = f64::from(x1 - x0) * f64::from(y1 - y0);
+                let samples = f64::from(x1 - x0) * f64::from(y1 - y0) * f64::from(part.fill);
                 work += faces + samples / SAMPLES_PER_FACE;
                 repeated += faces * (tiles(y0, y1, height * ROWS).len() - 1) as f64;
             }
@@ -232,14 +248,20 @@ impl DrawWorker {
 
     /// Rasterizes the parts that reach into a strip.
     fn draw(&mut self, strip: &mut Tiles, list: &DrawList, passage: &Passage) {
+        let mut last: Option<(u32, Frame)> = None;
         for (number, part) in list.parts.iter().enumerate() {
-            let is_beside = part.rect.y0 >= strip.rect.y1 || part.rect.y1 <= strip.rect.y0;
-            if is_beside || strip.hides(&part.rect, part.nearest) {
+            let rect = part.rect.intersection(&strip.rect);
+            if rect.is_empty() || strip.view().first_seen(&rect, part.nearest).is_none() {
                 continue;
             }
-            let faces = faces_of(&list.instances[part.instance as usize]);
-            let frame = Frame::new(&faces, passage, strip);
-            dispatch!(self.batch.level, simd => self.queue(simd, number, list, &frame, strip));
+            let frame = match &last {
+                Some((instance, frame)) if *instance == part.instance => frame,
+                _ => {
+                    let faces = faces_of(&list.instances[part.instance as usize]);
+                    &last.insert((part.instance, Frame::new(&faces, passage, strip))).1
+                }
+            };
+            dispatch!(self.batch.level, simd => self.queue(simd, number, list, frame, strip));
             if self.quads.len() + self.triangles.len() > MANY {
                 self.finish(strip, list, passage);
             }
@@ -269,6 +291,10 @@ impl DrawWorker {
         };
         if shapes.triangles() == 0 {
             return;
+        }
+        // Fetch all vertices first, so that the cache misses overlap.
+        for axis in part.blocks.as_flattened() {
+            black_box(axis[0]);
         }
         self.stats.triangles += shapes.triangles();
         let first = (first_quad + first_triangle) as u32;

@@ -1,10 +1,11 @@
 //! Occluder meshes: faces as compact arrays for the rasterizer.
 //!
-//! Faces keep their input order, so give the largest or the nearest first. They are split into parts with few vertices,
-//! so that a part's transformed vertices stay in the L1 cache. Positions are stored as arrays of sixteen x, y and z.
-//! Two successive triangles that form a planar convex quad are merged.
+//! Faces are split at the median of their centres into parts of up to 128 triangles, each with its box: parts are drawn
+//! front to back, and only those that are not hidden yet. So few vertices are transformed in vain, and those of a part
+//! stay in the L1 cache. Positions are stored as arrays of sixteen x, y and z. Two successive triangles that form a
+//! planar convex quad are merged.
 //! Source: order as in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 4.
-//! Cost: O(faces).
+//! Cost: O(faces log faces).
 //! Conservative: as [`batch`](super::batch). A merged quad is no nearer than its four corners, and covers what its two
 //!     triangles cover.
 
@@ -12,6 +13,7 @@ use super::LANES;
 use super::project::Block;
 use crate::geom::Aabb;
 use crate::occluders::{LargeFace, large_faces};
+use crate::raster::{greater, smaller};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
 use glam::DVec3;
@@ -65,6 +67,8 @@ pub enum OccluderMeshError {
 pub(super) struct Part {
     /// AABB of all finite vertices.
     pub(super) bounds: Aabb,
+    /// Estimate of the share of the AABB's outline that the faces fill: 1 for a wall, almost 0 for scattered faces.
+    pub(super) fill: f32,
     pub(super) blocks: Vec<Block>,
     pub(super) quads: FaceList<4, 2>,
     pub(super) triangles: FaceList<3, 1>,
@@ -83,6 +87,7 @@ impl Part {
     /// A part without faces.
     pub(super) const EMPTY: Part = Part {
         bounds: Aabb::EMPTY,
+        fill: 0.0,
         blocks: Vec::new(),
         quads: FaceList::EMPTY,
         triangles: FaceList::EMPTY,
@@ -94,15 +99,15 @@ impl Part {
     }
 }
 
-/// Maximum number of vertices in a part: 8 kB after the transform.
-const MAX_CORNERS: usize = 512;
+/// Maximum number of triangles in a part.
+const MAX_TRIANGLES: usize = 128;
 
 impl OccluderMesh {
     /// Builds a mesh of triangles: three indices into `positions` each, counter-clockwise as seen from the front.
     ///
-    /// Triangles keep their order, so give the largest first: what they hide is then rejected early. Two successive
-    /// triangles that form a planar convex quad, such as (a, b, c) and (a, c, d), are merged into one face. Positions
-    /// that no triangle uses are ignored, and triangles without area hide nothing.
+    /// Triangles that are close together, up to 128, keep their order, so give the largest first: what they hide is then
+    /// rejected early. Two successive triangles that form a planar convex quad, such as (a, b, c) and (a, c, d), are
+    /// merged into one face. Positions that no triangle uses are ignored, and triangles without area hide nothing.
     ///
     /// # Errors
     /// Returns the [`OccluderMeshError`] of the first triangle with an index out of range or a corner that is not
@@ -133,31 +138,44 @@ impl OccluderMesh {
 
     /// As [`OccluderMesh::triangles`], but invalid triangles hide nothing.
     pub(super) fn unchecked(positions: &[[f32; 3]], indices: &[u32]) -> OccluderMesh {
-        let mut builder = MeshBuilder::new(positions);
+        let mut faces = Vec::new();
         let triangles = indices.as_chunks().0;
         let mut next = 0;
         while let Some(&one) = triangles.get(next) {
             let merged = triangles
                 .get(next + 1)
                 .and_then(|&other| merged(positions, one, other));
-            match merged {
-                Some(quad) => builder.add_quad(quad),
-                None => builder.add_triangle(one),
-            }
+            faces.push(MeshFace::new(
+                positions,
+                merged.map_or(Corners::Triangle(one), Corners::Quad),
+                faces.len(),
+            ));
             next += if merged.is_some() { 2 } else { 1 };
         }
-        builder.finish()
+        OccluderMesh::of(positions, &mut faces)
     }
 
     /// Builds a mesh from quads: four indices each. A quad (a, b, c, d), bent or not, hides at most what the triangles
     /// (a, b, c) and (a, c, d) hide.
     #[cfg(test)]
     pub(super) fn quads(positions: &[[f32; 3]], corners: &[u32]) -> OccluderMesh {
-        let mut builder = MeshBuilder::new(positions);
-        for quad in corners.as_chunks::<4>().0 {
-            builder.add_quad(*quad);
+        let quads = corners.as_chunks::<4>().0.iter().enumerate();
+        let face = |(number, &quad)| MeshFace::new(positions, Corners::Quad(quad), number);
+        OccluderMesh::of(positions, &mut quads.map(face).collect::<Vec<_>>())
+    }
+
+    fn of(positions: &[[f32; 3]], faces: &mut [MeshFace]) -> OccluderMesh {
+        let mut builder = MeshBuilder {
+            positions,
+            parts: Vec::new(),
+            local_index: HashMap::new(),
+            used: Vec::new(),
+        };
+        builder.add_parts(faces);
+        OccluderMesh {
+            double_sided: false,
+            parts: builder.parts,
         }
-        builder.finish()
     }
 
     /// Returns a mesh of at most `max_triangles` triangles that hides nothing that this one does not hide, from any eye
@@ -255,44 +273,93 @@ pub(super) fn merged(positions: &[[f32; 3]], one: [u32; 3], other: [u32; 3]) -> 
     (is_flat && is_convex).then_some(quad)
 }
 
+/// A face of a mesh under construction.
+struct MeshFace {
+    corners: Corners,
+    /// Three times its centre; corners with an index out of range count as the origin.
+    at: [f32; 3],
+    /// Place in the input.
+    number: usize,
+}
+
+enum Corners {
+    Triangle([u32; 3]),
+    Quad([u32; 4]),
+}
+
+impl MeshFace {
+    fn new(positions: &[[f32; 3]], corners: Corners, number: usize) -> MeshFace {
+        let (Corners::Triangle([a, b, c]) | Corners::Quad([a, b, c, _])) = corners;
+        let [a, b, c] = [a, b, c].map(|corner| positions.get(corner as usize).copied().unwrap_or_default());
+        let at = [0, 1, 2].map(|axis| a[axis] + b[axis] + c[axis]);
+        MeshFace { corners, at, number }
+    }
+
+    fn triangles(&self) -> usize {
+        match self.corners {
+            Corners::Triangle(_) => 1,
+            Corners::Quad(_) => 2,
+        }
+    }
+}
+
 /// A mesh under construction.
 struct MeshBuilder<'a> {
     positions: &'a [[f32; 3]],
     parts: Vec<Part>,
-    /// Faces of the current part, the local index of each vertex, and the vertex positions by that index.
-    quads: FaceList<4, 2>,
-    triangles: FaceList<3, 1>,
+    /// Of the current part: the local index of each vertex, and the vertex positions by that index.
     local_index: HashMap<u32, u32>,
     used: Vec<[f32; 3]>,
 }
 
-impl<'a> MeshBuilder<'a> {
-    fn new(positions: &'a [[f32; 3]]) -> MeshBuilder<'a> {
-        MeshBuilder {
-            positions,
-            parts: Vec::new(),
-            quads: FaceList::default(),
-            triangles: FaceList::default(),
-            local_index: HashMap::new(),
-            used: Vec::new(),
+impl MeshBuilder<'_> {
+    /// Adds the parts of faces, and sorts the faces by part.
+    fn add_parts(&mut self, faces: &mut [MeshFace]) {
+        if faces.iter().map(MeshFace::triangles).sum::<usize>() <= MAX_TRIANGLES {
+            faces.sort_unstable_by_key(|face| face.number);
+            self.add_part(faces);
+            return;
         }
+        let bounds = Aabb::of(faces.iter().map(|face| face.at));
+        let side = |axis: &usize| bounds.max[*axis] - bounds.min[*axis];
+        let axis = (0..3).max_by(|a, b| side(a).total_cmp(&side(b))).unwrap_or(0);
+        let key = |face: &MeshFace| (face.at[axis], face.number);
+        let order = |a: &MeshFace, b: &MeshFace| {
+            let [a, b] = [key(a), key(b)];
+            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+        };
+        let middle = faces.len() / 2;
+        faces.select_nth_unstable_by(middle, order);
+        let (one, other) = faces.split_at_mut(middle);
+        self.add_parts(one);
+        self.add_parts(other);
     }
 
-    fn add_triangle(&mut self, corners: [u32; 3]) {
-        let face = self.local_indices(corners);
-        self.triangles.faces.push(face);
+    fn add_part(&mut self, faces: &[MeshFace]) {
+        let (mut quads, mut triangles) = (FaceList::default(), FaceList::default());
+        for face in faces {
+            match face.corners {
+                Corners::Triangle(corners) => triangles.faces.push(self.local_indices(corners)),
+                Corners::Quad(corners) => quads.faces.push(self.local_indices(corners)),
+            }
+        }
+        let is_number = |at: &&[f32; 3]| at.iter().all(|value| value.is_finite());
+        let area = quads.find_planes(&self.used) + triangles.find_planes(&self.used);
+        let bounds = Aabb::of(self.used.iter().filter(is_number).copied());
+        self.parts.push(Part {
+            // 0 for NaN, of faces and a box without area.
+            fill: smaller(greater(area / half_area(&bounds), 0.0), 1.0) as f32,
+            bounds,
+            blocks: self.used.chunks(LANES).map(block).collect(),
+            quads,
+            triangles,
+        });
+        self.used.clear();
+        self.local_index.clear();
     }
 
-    fn add_quad(&mut self, corners: [u32; 4]) {
-        let face = self.local_indices(corners);
-        self.quads.faces.push(face);
-    }
-
-    /// Returns the corners as indices into the current part, starting a new part if they do not fit.
+    /// Returns the corners as indices into the current part.
     fn local_indices<const SIDES: usize>(&mut self, corners: [u32; SIDES]) -> [u32; SIDES] {
-        if self.used.len() + SIDES > MAX_CORNERS {
-            self.close_part();
-        }
         corners.map(|corner| {
             *self.local_index.entry(corner).or_insert_with(|| {
                 let position = self.positions.get(corner as usize).copied();
@@ -300,28 +367,6 @@ impl<'a> MeshBuilder<'a> {
                 self.used.len() as u32 - 1
             })
         })
-    }
-
-    fn close_part(&mut self) {
-        let is_number = |at: &&[f32; 3]| at.iter().all(|value| value.is_finite());
-        self.quads.find_planes(&self.used);
-        self.triangles.find_planes(&self.used);
-        self.parts.push(Part {
-            bounds: Aabb::of(self.used.iter().filter(is_number).copied()),
-            blocks: self.used.chunks(LANES).map(block).collect(),
-            quads: std::mem::take(&mut self.quads),
-            triangles: std::mem::take(&mut self.triangles),
-        });
-        self.used.clear();
-        self.local_index.clear();
-    }
-
-    fn finish(mut self) -> OccluderMesh {
-        self.close_part();
-        OccluderMesh {
-            double_sided: false,
-            parts: self.parts,
-        }
     }
 }
 
@@ -331,15 +376,17 @@ impl<const SIDES: usize, const HALVES: usize> FaceList<SIDES, HALVES> {
         planes: Vec::new(),
     };
 
-    fn find_planes(&mut self, positions: &[[f32; 3]]) {
+    /// Fills `planes`, and returns the area of the faces.
+    fn find_planes(&mut self, positions: &[[f32; 3]]) -> f64 {
+        let mut area = 0.0;
         for faces in self.faces.chunks(LANES) {
             let mut planes = [[[0.0; LANES]; 4]; HALVES];
             for (lane, face) in faces.iter().enumerate() {
                 let at = face.map(|corner| DVec3::from(positions[corner as usize].map(f64::from)));
                 for (half, planes) in planes.iter_mut().enumerate() {
-                    let normal = (at[half + 1] - at[0])
-                        .cross(at[half + 2] - at[0])
-                        .normalize_or_zero();
+                    let normal = (at[half + 1] - at[0]).cross(at[half + 2] - at[0]);
+                    area += greater(0.5 * normal.length(), 0.0);
+                    let normal = normal.normalize_or_zero();
                     let plane = [normal.x, normal.y, normal.z, -normal.dot(at[0])];
                     for (axis, value) in plane.into_iter().enumerate() {
                         planes[axis][lane] = value as f32;
@@ -348,6 +395,7 @@ impl<const SIDES: usize, const HALVES: usize> FaceList<SIDES, HALVES> {
             }
             self.planes.push(planes);
         }
+        area
     }
 
     /// Appends all faces to `facing`.
@@ -371,6 +419,12 @@ impl<const SIDES: usize, const HALVES: usize> FaceList<SIDES, HALVES> {
             }
         }
     }
+}
+
+/// Returns half of the surface area of a box, the area of a wall that fills it.
+fn half_area(bounds: &Aabb) -> f64 {
+    let [x, y, z] = [0, 1, 2].map(|axis| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]));
+    x * y + y * z + z * x
 }
 
 /// Returns a bit mask of sixteen faces; a bit is set if the face certainly faces away from the eye.

@@ -181,18 +181,18 @@ fn check_cover_size(opened: &OpenedScene, choice: Choice, how: &HowArgs, view: O
     check_has_effect("--cover-size", opened, choice, |method| method.takes_cover_size())
 }
 
-/// Fails if `--tightness faces` would have no effect.
+/// Fails if `--tightness faces` or `resolved` would have no effect.
 fn check_tightness(opened: &OpenedScene, choice: Choice, how: &HowArgs) -> Result<()> {
-    if how.tightness == TightnessArg::Boxes {
-        return Ok(());
-    }
+    let option = match how.tightness {
+        TightnessArg::Boxes => return Ok(()),
+        TightnessArg::Faces => "--tightness faces",
+        TightnessArg::Resolved => "--tightness resolved",
+    };
     ensure!(
         how.cover_size.is_none(),
-        "--tightness faces has no effect with --cover-size; leave one of them out"
+        "{option} has no effect with --cover-size; leave one of them out"
     );
-    check_has_effect("--tightness faces", opened, choice, |method| {
-        method == Method::Masked
-    })
+    check_has_effect(option, opened, choice, |method| method == Method::Masked)
 }
 
 /// Fails if an option affects none of the selected methods.

@@ -339,7 +339,8 @@ pub(crate) struct HowArgs {
     pub(crate) occluders: Option<u32>,
     #[arg(long, value_name = "WxH", help = values::cover_size_help(), value_parser = values::size)]
     pub(crate) cover_size: Option<[u32; 2]>,
-    /// What `masked` tests at the end: boxes, or also faces, which leaves fewer hidden items in the set and takes longer
+    /// What `masked` tests at the end: boxes, also faces, or faces at exact depths (resolved). Each leaves fewer hidden items
+    /// in the set than the one before, and takes longer
     #[arg(long, value_enum, default_value = "boxes")]
     pub(crate) tightness: TightnessArg,
     #[command(flatten)]
@@ -357,6 +358,7 @@ pub(crate) struct HowArgs {
 pub(crate) enum TightnessArg {
     Boxes,
     Faces,
+    Resolved,
 }
 
 impl From<TightnessArg> for Tightness {
@@ -364,6 +366,7 @@ impl From<TightnessArg> for Tightness {
         match arg {
             TightnessArg::Boxes => Tightness::Boxes,
             TightnessArg::Faces => Tightness::Faces,
+            TightnessArg::Resolved => Tightness::Resolved,
         }
     }
 }

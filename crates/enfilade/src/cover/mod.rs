@@ -38,7 +38,7 @@ pub use span_buffer::SpanBuffer;
 use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::geom::Aabb;
-use crate::geometry::Owners;
+use crate::geometry::{Geometry, Owners};
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::raster::{Band, Triangle};
 use crate::stats::Stats;
@@ -193,8 +193,23 @@ pub trait Hides: Cover + Sync {
     /// [`Hides::TAKES_FACES`] is `true`.
     fn hide_faces(&mut self, _faces: &Faces, _region: &Region, _passage: &Passage, _stats: &mut Stats) {}
 
-    /// Returns `true` if any of the faces may be visible; `true` when unsure. Called with the finished cover.
-    fn sees_faces(&mut self, _faces: &Faces, _passage: &Passage) -> bool {
+    /// Begins to test the faces of an item against the finished cover.
+    fn begin_item(&mut self, _passage: &Passage) {}
+
+    /// Tests faces of the current item: `Hidden` if none of them is visible, `Partial` if any may be, `Full` if the item
+    /// is to be kept.
+    fn test_faces(&mut self, _faces: &Faces, _passage: &Passage) -> Visibility {
+        Visibility::Full
+    }
+
+    /// Adds the current item to the doubtful ones, which are numbered from 0.
+    fn end_doubtful(&mut self) {}
+
+    /// Finds out which of the doubtful items may be visible.
+    fn resolve(&mut self, _geometry: &Geometry, _passage: &Passage) {}
+
+    /// Returns `true` if a doubtful item may be visible. Called after [`Hides::resolve`].
+    fn is_visible(&mut self, _number: usize, _geometry: &Geometry, _passage: &Passage) -> bool {
         true
     }
 

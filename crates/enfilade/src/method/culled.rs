@@ -10,10 +10,9 @@ use super::gathered::draw_gathered;
 use super::shares::find_by_shares;
 use crate::contract::Contract;
 use crate::cover::Hides;
-use crate::faces::{FaceSource, Faces};
+use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Exchanged, Geometry};
-use crate::ids::ItemIndex;
 use crate::occluders::{OccluderRoom, OccluderSelection, OccluderSet};
 use crate::order::{Gives, Order};
 use crate::stats::Stats;
@@ -187,16 +186,11 @@ impl<O: Order, C: Hides> Culled<O, C> {
 /// Occlusion test against a cover at its normal resolution.
 pub(super) struct SampleCover<'a, C> {
     cover: &'a mut C,
-    /// The item whose faces were tested last, and how many of them.
-    tested: Option<(ItemIndex, usize)>,
 }
-
-/// Maximum number of faces of an item that are tested, so that a large hidden item does not cost more than it saves.
-const MAX_FACES_TESTED: usize = 512;
 
 impl<'a, C> SampleCover<'a, C> {
     pub(super) fn new(cover: &'a mut C) -> SampleCover<'a, C> {
-        SampleCover { cover, tested: None }
+        SampleCover { cover }
     }
 
     pub(super) fn cover(&self) -> &C {
@@ -235,24 +229,32 @@ impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
         true
     }
 
-    fn splits_groups(&self, passage: &Passage) -> bool {
-        passage.options.tightness == Tightness::Faces
+    fn tests_items(&self, passage: &Passage) -> bool {
+        passage.options.tightness != Tightness::Boxes
     }
 
-    fn test_faces(&mut self, faces: &Faces, _: &Region, passage: &Passage, _: &mut Stats) -> bool {
-        let FaceSource::Item(item, _) = faces.source else {
-            return true;
-        };
-        if passage.options.tightness == Tightness::Boxes {
-            return true;
-        }
-        let before = self
-            .tested
-            .filter(|tested| tested.0 == item)
-            .map_or(0, |tested| tested.1);
-        let count = before + faces.count();
-        self.tested = Some((item, count));
-        count > MAX_FACES_TESTED || self.cover.sees_faces(faces, passage)
+    fn begin_item(&mut self, passage: &Passage) {
+        self.cover.begin_item(passage);
+    }
+
+    fn test_item_faces(&mut self, faces: &Faces, passage: &Passage) -> Visibility {
+        self.cover.test_faces(faces, passage)
+    }
+
+    fn end_doubtful(&mut self) {
+        self.cover.end_doubtful();
+    }
+
+    fn resolve(&mut self, geometry: &Geometry, passage: &Passage) {
+        self.cover.resolve(geometry, passage);
+    }
+
+    fn is_visible(&mut self, number: usize, geometry: &Geometry, passage: &Passage) -> bool {
+        self.cover.is_visible(number, geometry, passage)
+    }
+
+    fn test_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
+        true
     }
 
     fn accepts_node(&self, triangles: u64, region: &Region) -> bool {

@@ -7,7 +7,7 @@ use crate::geometry::Geometry;
 use crate::ids::{ItemIndex, OpeningId};
 use crate::order::{Order, Visit};
 use crate::stats::Stats;
-use crate::view::collector::{Collector, FoundClusters};
+use crate::view::collector::{Collector, FoundClusters, FoundPart};
 use crate::view::memory::{Marks, Memory};
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
@@ -47,14 +47,38 @@ pub(super) trait OcclusionTest {
         false
     }
 
-    /// Returns `true` to test the clusters of an accepted mesh node one by one at the end.
-    fn splits_groups(&self, _passage: &Passage) -> bool {
+    /// Returns `true` to test the faces of each item at the end, by the methods below instead of
+    /// [`OcclusionTest::test_faces`].
+    fn tests_items(&self, _passage: &Passage) -> bool {
         false
+    }
+
+    /// Begins to test the faces of an item against the complete cover.
+    fn begin_item(&mut self, _passage: &Passage) {}
+
+    /// Tests faces of the current item: `Hidden` if none of them is visible, `Partial` if any may be, `Full` if the item
+    /// is to be kept.
+    fn test_item_faces(&mut self, _faces: &Faces, _passage: &Passage) -> Visibility {
+        Visibility::Full
+    }
+
+    /// Adds the current item to the doubtful ones, which are numbered from 0.
+    fn end_doubtful(&mut self) {}
+
+    /// Finds out which of the doubtful items may be visible.
+    fn resolve(&mut self, _geometry: &Geometry, _passage: &Passage) {}
+
+    /// Returns `true` if a doubtful item may be visible. Called after [`OcclusionTest::resolve`].
+    fn is_visible(&mut self, _number: usize, _geometry: &Geometry, _passage: &Passage) -> bool {
+        true
     }
 
     /// Returns `true` if any of the faces within `region` may be visible; `true` when unsure.
     fn test_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
 }
+
+/// Maximum number of faces of an item that is tested by its faces, so that the test does not cost more than it saves.
+const MAX_FACES_TESTED: usize = 512;
 
 /// Maximum number of clusters of a mesh node that is accepted as a whole. Larger nodes are always split: they may be a
 /// city.
@@ -65,6 +89,8 @@ const MAX_WHOLE_CLUSTERS: usize = 64;
 pub(super) struct FoundSet {
     pub(super) clusters: FoundClusters,
     openings: Vec<OpeningId>,
+    /// Items that are tested by their faces, sorted; a buffer.
+    few: Vec<ItemIndex>,
 }
 
 /// Traverses a geometry and reports the clusters and openings that pass the occlusion test.
@@ -144,25 +170,14 @@ impl<A: OcclusionTest> Walk<'_, A> {
         let FoundSet {
             mut clusters,
             mut openings,
+            mut few,
         } = std::mem::take(self.found);
         if A::TAKES_FACES {
-            let mut seen = None;
-            clusters.retain(|item, cluster| {
-                let stays = seen == Some(item) || self.sees_cluster(item, cluster);
-                seen = stays.then_some(item).or(seen);
-                stays
-            });
-            clusters.retain_groups(|item, node, clusters| {
-                let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
-                let bounds = self.geometry.mesh_of(item).tree().bounds(node);
-                let region = Region::of(self.passage, &screen_from_item, bounds);
-                let stays = region.is_some_and(|region| self.enter(&region) != Visibility::Hidden)
-                    && (seen == Some(item)
-                        || !self.occlusion.splits_groups(self.passage)
-                        || clusters.iter().any(|&cluster| self.sees_cluster(item, cluster)));
-                seen = stays.then_some(item).or(seen);
-                stays
-            });
+            if self.occlusion.tests_items(self.passage) {
+                self.retest_items(&mut clusters, &mut few);
+            } else {
+                self.retest_clusters(&mut clusters);
+            }
         }
         openings.retain(|opening| {
             let outline = &self.geometry.openings()[usize::from(opening.0)].outline;
@@ -171,8 +186,171 @@ impl<A: OcclusionTest> Walk<'_, A> {
                 self.passage.is_before_near(&region) || self.enter(&region) != Visibility::Hidden
             })
         });
-        *self.found = FoundSet { clusters, openings };
+        *self.found = FoundSet {
+            clusters,
+            openings,
+            few,
+        };
     }
+
+    fn retest_clusters(&mut self, clusters: &mut FoundClusters) {
+        let mut seen = None;
+        clusters.retain(|item, cluster| {
+            let stays = seen == Some(item) || self.sees_cluster(item, cluster);
+            seen = stays.then_some(item).or(seen);
+            stays
+        });
+        clusters.retain_groups(|item, node| {
+            let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
+            let stays = self.sees_node(item, node, &screen_from_item);
+            seen = stays.then_some(item).or(seen);
+            stays
+        });
+    }
+
+    /// Tests items by their boxes, then those of few faces by these, and all doubtful ones together at the end.
+    fn retest_items(&mut self, clusters: &mut FoundClusters, few: &mut Vec<ItemIndex>) {
+        few.clear();
+        self.retest_boxes(clusters, few);
+        let mut doubtful = 0;
+        let (mut next, mut tested) = (0, None::<TestedItem>);
+        clusters.retain_by_item(|item, part| {
+            if tested.as_ref().is_none_or(|tested| tested.item != item) {
+                if self.end_item(tested.take()) {
+                    few[doubtful] = few[next - 1];
+                    doubtful += 1;
+                }
+                if few.get(next) != Some(&item) {
+                    return true;
+                }
+                next += 1;
+                self.occlusion.begin_item(self.passage);
+            }
+            let tested = tested.get_or_insert_with(|| TestedItem {
+                item,
+                screen_from_item: self.passage.screen_from(&self.geometry.item(item).transform()),
+                visibility: Visibility::Hidden,
+            });
+            match part {
+                FoundPart::Cluster(cluster) => self.test_faces(tested, cluster),
+                FoundPart::Group(_, clusters) => self.test_group(tested, clusters),
+            }
+        });
+        if self.end_item(tested) {
+            few[doubtful] = few[next - 1];
+            doubtful += 1;
+        }
+        few.truncate(doubtful);
+        if few.is_empty() {
+            return;
+        }
+        self.occlusion.resolve(self.geometry, self.passage);
+        let mut last = None;
+        clusters.retain_items(|item| match last {
+            Some((last, stays)) if last == item => stays,
+            _ => {
+                let number = few.binary_search(&item);
+                let stays = number.map_or(true, |number| {
+                    self.occlusion.is_visible(number, self.geometry, self.passage)
+                });
+                last = Some((item, stays));
+                stays
+            }
+        });
+    }
+
+    /// Tests clusters by their boxes until those of an item that pass have too many faces to be tested. Lists the items
+    /// with fewer, sorted.
+    fn retest_boxes(&mut self, clusters: &mut FoundClusters, few: &mut Vec<ItemIndex>) {
+        let (mut last, mut faces) = (None, 0);
+        let mut screen_from_item = DAffine3::IDENTITY;
+        clusters.retain_by_item(|item, part| {
+            if last != Some(item) {
+                (last, faces) = (Some(item), 0);
+                screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
+            }
+            let are_many = faces > MAX_FACES_TESTED;
+            let mesh = self.geometry.mesh_of(item);
+            let (stays, more) = match part {
+                FoundPart::Cluster(_) if are_many => (true, 0),
+                FoundPart::Cluster(cluster) => {
+                    let cluster = &mesh.clusters()[cluster as usize];
+                    // Nobody knows where in its box a cluster without faces is.
+                    let count = match cluster.faces.len() {
+                        0 => MAX_FACES_TESTED + 1,
+                        count => count,
+                    };
+                    let region = Region::of(self.passage, &screen_from_item, &cluster.bounds);
+                    let stays = region.is_some_and(|region| self.enter(&region) != Visibility::Hidden);
+                    (stays, count)
+                }
+                FoundPart::Group(node, _) => {
+                    let triangles = mesh.below().triangles(node) as usize;
+                    (self.sees_node(item, node, &screen_from_item), triangles)
+                }
+            };
+            let before = faces;
+            faces += if stays { more } else { 0 };
+            if before == 0 && faces > 0 {
+                few.push(item);
+            }
+            if !are_many && faces > MAX_FACES_TESTED {
+                few.pop();
+            }
+            stays
+        });
+    }
+
+    fn sees_node(&mut self, item: ItemIndex, node: u32, screen_from_item: &DAffine3) -> bool {
+        let bounds = self.geometry.mesh_of(item).tree().bounds(node);
+        let region = Region::of(self.passage, screen_from_item, bounds);
+        region.is_some_and(|region| self.enter(&region) != Visibility::Hidden)
+    }
+
+    /// Tests the faces of a cluster; returns `false` if they are hidden.
+    fn test_faces(&mut self, tested: &mut TestedItem, cluster: u32) -> bool {
+        if tested.visibility == Visibility::Full {
+            return true;
+        }
+        let faces = Faces::of_cluster(self.geometry, tested.item, cluster, &tested.screen_from_item);
+        let visibility = self.occlusion.test_item_faces(&faces, self.passage);
+        if visibility != Visibility::Hidden {
+            tested.visibility = visibility;
+        }
+        visibility != Visibility::Hidden
+    }
+
+    /// Tests the clusters of a mesh node by their boxes and faces; returns `false` if all are hidden.
+    fn test_group(&mut self, tested: &mut TestedItem, clusters: &[u32]) -> bool {
+        let mut any = false;
+        for &cluster in clusters {
+            if tested.visibility == Visibility::Full {
+                return true;
+            }
+            let bounds = &self.geometry.mesh_of(tested.item).clusters()[cluster as usize].bounds;
+            let region = Region::of(self.passage, &tested.screen_from_item, bounds);
+            any |= region.is_some_and(|region| self.enter(&region) != Visibility::Hidden)
+                && self.test_faces(tested, cluster);
+        }
+        any
+    }
+
+    /// Ends the test of an item; returns `true` if it is doubtful.
+    fn end_item(&mut self, tested: Option<TestedItem>) -> bool {
+        let is_doubtful = tested.is_some_and(|tested| tested.visibility == Visibility::Partial);
+        if is_doubtful {
+            self.occlusion.end_doubtful();
+        }
+        is_doubtful
+    }
+}
+
+/// The item whose faces are tested.
+struct TestedItem {
+    item: ItemIndex,
+    screen_from_item: DAffine3,
+    /// `Partial` if it is doubtful so far.
+    visibility: Visibility,
 }
 
 impl<A: OcclusionTest> Visit for Walk<'_, A> {

@@ -15,15 +15,26 @@ const LANES: usize = 8;
 
 /// A vertex in screen space.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
+pub(crate) struct Corner {
     /// X, Y, W: homogeneous pixel coordinates, W the distance along the view direction.
-    pub(super) at: DVec3,
+    pub(crate) at: DVec3,
     /// X / W and Y / W, in pixels; meaningless unless W > 0. `rev_depth` is 1 / W.
-    pub(super) pixel: [f64; 2],
-    pub(super) rev_depth: f64,
+    pub(crate) pixel: [f64; 2],
+    pub(crate) rev_depth: f64,
 }
 
 impl Corner {
+    /// Projects a point given as (X, Y, W).
+    #[inline(always)]
+    pub(super) fn at(at: DVec3) -> Corner {
+        let rev_depth = 1.0 / at.z;
+        Corner {
+            at,
+            pixel: [at.x * rev_depth, at.y * rev_depth],
+            rev_depth,
+        }
+    }
+
     /// Transforms a single vertex.
     #[cfg(test)]
     fn of(position: [f32; 3], matrix: &DAffine3) -> Corner {
@@ -32,12 +43,7 @@ impl Corner {
             + matrix.matrix3.y_axis * y
             + matrix.matrix3.z_axis * z
             + matrix.translation;
-        let rev_depth = 1.0 / at.z;
-        Corner {
-            at,
-            pixel: [at.x * rev_depth, at.y * rev_depth],
-            rev_depth,
-        }
+        Corner::at(at)
     }
 }
 

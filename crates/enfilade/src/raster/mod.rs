@@ -20,6 +20,7 @@ mod triangles;
 
 pub(crate) use band::{BAND, Band};
 pub(crate) use clip::{Clipper, greater, smaller};
+pub(crate) use corners::Corner;
 pub(crate) use half_plane::HalfPlane;
 pub(crate) use triangle::{Row, Triangle};
 
@@ -28,7 +29,7 @@ use crate::simd::{apart, dispatch, level};
 use crate::stats::Stats;
 use crate::view::aperture::Rect;
 use crate::view::passage::{BEYOND, Passage};
-use corners::{Corner, Corners};
+use corners::Corners;
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -45,6 +46,23 @@ pub(crate) trait Sink {
     #[inline(always)]
     fn is_done(&self) -> bool {
         false
+    }
+
+    /// Receives the triangles of a batch that may own a sample, before any of them is rasterized. Not called for a batch
+    /// with corners that are not beyond the near plane, or far off screen.
+    #[inline(always)]
+    fn begin_batch(&mut self, _triangles: impl Iterator<Item = [Corner; 3]>) {}
+
+    /// Returns `false` to skip a triangle, before it is bounded and set up. Not called for the same batches.
+    #[inline(always)]
+    fn wants(&mut self, _corners: &[Corner; 3]) -> bool {
+        true
+    }
+
+    /// Returns `false` to skip the samples of triangles in the band of rows that starts at row `y`.
+    #[inline(always)]
+    fn wants_band(&self, _y: u16) -> bool {
+        true
     }
 
     /// Announces the next triangle that passed the occlusion test; its corners as (X, Y, W).
@@ -68,6 +86,8 @@ struct Buffers {
     corners: Corners,
     /// Face number and indices of the three corners.
     triangles: Vec<(u32, [u32; 3])>,
+    /// Whether all vertices are beyond the near plane and not far off screen.
+    tame: bool,
     planes: Vec<HalfPlane>,
     clipper: Clipper,
 }
@@ -96,6 +116,21 @@ impl Raster {
         dispatch!(self.level, simd => apart!(buffers.project(simd, faces, &batch, stats)));
         dispatch!(self.level, simd => batch.draw(simd, buffers, sink, stats));
     }
+
+    /// Rasterizes one triangle of a batch, by its corners as (X, Y, W).
+    pub(crate) fn run_one(
+        &mut self,
+        corners: [DVec3; 3],
+        faces: &Faces,
+        passage: &Passage,
+        sink: &mut impl Sink,
+    ) {
+        let batch = Batch::new(faces, passage);
+        let corners = corners.map(Corner::at);
+        let Buffers { planes, clipper, .. } = &mut self.buffers;
+        let stats = &mut Stats::default();
+        dispatch!(self.level, simd => batch.draw_one(simd, 0, corners, planes, clipper, sink, stats));
+    }
 }
 
 impl Buffers {
@@ -117,6 +152,7 @@ impl Buffers {
             let count = faces.positions.len();
             self.corners.fill(simd, count, position, matrix, batch.near)
         };
+        self.tame = extent.is_some();
         let sieve = extent.map(|extent| Sieve::new(&extent, &batch.rect, batch.front));
         let mut triangles = Triangles::of(faces);
         let mut group = [(0, [0; 3]); sieve::LANES];
@@ -229,25 +265,53 @@ impl<'a> Batch<'a> {
         let Buffers {
             corners,
             triangles,
+            tame,
             planes,
             clipper,
         } = buffers;
+        if *tame {
+            let triangles = triangles.iter();
+            sink.begin_batch(triangles.map(
+                #[inline(always)]
+                |(_, used)| [corners.get(used[0]), corners.get(used[1]), corners.get(used[2])],
+            ));
+        }
         for &(owner, used) in &*triangles {
             if sink.is_done() {
                 return;
             }
-            let Some(candidate) = self.candidate(used.map(|used| corners.get(used)), clipper) else {
-                continue;
-            };
-            stats.triangles += 1;
-            if sink.hides(&candidate.rect, rounded_up(candidate.greatest)) {
-                stats.triangles_hidden += 1;
+            let corners = used.map(|used| corners.get(used));
+            if *tame && !sink.wants(&corners) {
                 continue;
             }
-            let triangle = self.set_up(owner, &candidate, planes);
-            sink.begin(&triangle, &candidate.corners);
-            walk_rows(simd, &candidate.rect, planes, &triangle, sink, stats);
+            self.draw_one(simd, owner, corners, planes, clipper, sink, stats);
         }
+    }
+
+    /// Rasterizes a projected triangle into `sink`.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "the buffers are borrowed one by one")]
+    fn draw_one<S: Simd>(
+        &self,
+        simd: S,
+        owner: u32,
+        corners: [Corner; 3],
+        planes: &mut Vec<HalfPlane>,
+        clipper: &mut Clipper,
+        sink: &mut impl Sink,
+        stats: &mut Stats,
+    ) {
+        let Some(candidate) = self.candidate(corners, clipper) else {
+            return;
+        };
+        stats.triangles += 1;
+        if sink.hides(&candidate.rect, rounded_up(candidate.greatest)) {
+            stats.triangles_hidden += 1;
+            return;
+        }
+        let triangle = self.set_up(owner, &candidate, planes);
+        sink.begin(&triangle, &candidate.corners);
+        walk_rows(simd, &candidate.rect, planes, &triangle, sink, stats);
     }
 
     /// Returns `true` if the eye is in the plane of a triangle, within rounding: if its determinant, which is then
@@ -349,8 +413,10 @@ fn walk_rows<S: Simd>(
     stats: &mut Stats,
 ) {
     let mut y = rect.y0 - rect.y0 % BAND as u16;
-    while y < rect.y1 {
-        if let Some((band, samples)) = apart!(Band::of(simd, y, rect, planes)) {
+    while y < rect.y1 && !sink.is_done() {
+        if sink.wants_band(y)
+            && let Some((band, samples)) = apart!(Band::of(simd, y, rect, planes))
+        {
             stats.samples += samples;
             apart!(sink.band(&band, triangle));
         }

@@ -280,6 +280,14 @@ enum RunKind {
     Whole,
 }
 
+/// Clusters of an item that are kept or removed together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FoundPart<'a> {
+    Cluster(u32),
+    /// A node of the item's mesh, and its clusters.
+    Group(u32, &'a [u32]),
+}
+
 impl FoundClusters {
     pub(crate) fn push(&mut self, item: ItemIndex, cluster: u32) {
         let end = self.clusters.len() as u32;
@@ -351,21 +359,55 @@ impl FoundClusters {
             .retain(|run| run.kind == RunKind::Whole || run.clusters[0] < run.clusters[1]);
     }
 
-    /// Removes the groups for which `stays` returns `false` for the item, the node and its clusters.
-    pub(crate) fn retain_groups(&mut self, mut stays: impl FnMut(ItemIndex, u32, &[u32]) -> bool) {
-        let clusters = &self.clusters;
+    /// Removes the groups for which `stays` returns `false` for the item and the node.
+    pub(crate) fn retain_groups(&mut self, mut stays: impl FnMut(ItemIndex, u32) -> bool) {
         self.runs.retain(|run| match run.kind {
-            RunKind::Group(node) => {
-                let [first, end] = run.clusters.map(|place| place as usize);
-                stays(run.item, node, &clusters[first..end])
-            }
+            RunKind::Group(node) => stays(run.item, node),
             RunKind::Each | RunKind::Whole => true,
         });
     }
 
+    /// Removes the clusters and groups for which `stays` returns `false`, item by item; whole items are kept.
+    pub(crate) fn retain_by_item(&mut self, mut stays: impl FnMut(ItemIndex, FoundPart) -> bool) {
+        self.sort_by_item();
+        for run in &mut self.runs {
+            let [first, end] = run.clusters.map(|place| place as usize);
+            match run.kind {
+                RunKind::Each => {
+                    let mut kept = first;
+                    for place in first..end {
+                        let cluster = self.clusters[place];
+                        if stays(run.item, FoundPart::Cluster(cluster)) {
+                            self.clusters[kept] = cluster;
+                            kept += 1;
+                        }
+                    }
+                    run.clusters[1] = kept as u32;
+                }
+                RunKind::Group(node) => {
+                    if !stays(run.item, FoundPart::Group(node, &self.clusters[first..end])) {
+                        run.clusters[1] = run.clusters[0];
+                    }
+                }
+                RunKind::Whole => {}
+            }
+        }
+        self.runs
+            .retain(|run| run.kind == RunKind::Whole || run.clusters[0] < run.clusters[1]);
+    }
+
+    /// Removes the items for which `stays` returns `false`; calls it once or more for each.
+    pub(crate) fn retain_items(&mut self, mut stays: impl FnMut(ItemIndex) -> bool) {
+        self.runs.retain(|run| stays(run.item));
+    }
+
+    fn sort_by_item(&mut self) {
+        self.runs.sort_unstable_by_key(|run| (run.item, run.clusters[0]));
+    }
+
     /// Reports all items with their clusters, sorted by item; clears `self`.
     pub(crate) fn report(&mut self, geometry: &Geometry, seen: &mut Collector) {
-        self.runs.sort_unstable_by_key(|run| (run.item, run.clusters[0]));
+        self.sort_by_item();
         for same in self.runs.chunk_by(|a, b| a.item == b.item) {
             let item = same[0].item;
             let start = seen.clusters.len();

@@ -21,6 +21,7 @@ mod occluder;
 mod occlusion_buffer;
 mod project;
 mod query;
+mod resolve;
 mod runs;
 mod setup;
 mod small;
@@ -33,13 +34,15 @@ mod wide;
 use super::{Coarse, Cover, Hides};
 use crate::contract::Contract;
 use crate::faces::Faces;
+use crate::geometry::Geometry;
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::order::Unsorted;
-use crate::raster::{Band, Raster, Sink, Triangle};
+use crate::raster::{Band, Triangle};
 use crate::simd::{dispatch, level};
 use crate::stats::Stats;
 use crate::view::aperture::Rect;
 use crate::view::canvas::{Canvas, CoverShape};
+use crate::view::options::Tightness;
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
 use batch::Worker;
@@ -47,6 +50,7 @@ use fearless_simd::Level;
 pub use mesh::{OccluderMesh, OccluderMeshError};
 use occluder::{Fill, Slope};
 pub use occlusion_buffer::OcclusionBuffer;
+use resolve::Resolver;
 use tiles::{COLUMNS, Grid, ROWS, Tile, TileMasks};
 
 /// SIMD lanes of a kernel, at every level, and their indices.
@@ -65,8 +69,7 @@ pub struct MaskedDepth {
     worker: Worker,
     grid: Grid,
     near: f64,
-    /// For [`Hides::sees_faces`].
-    raster: Raster,
+    resolver: Resolver,
 }
 
 impl Default for MaskedDepth {
@@ -84,7 +87,7 @@ impl MaskedDepth {
             worker: Worker::at(level),
             grid: Grid::default(),
             near: 0.0,
-            raster: Raster::at(level),
+            resolver: Resolver::at(level),
         }
     }
 }
@@ -105,7 +108,8 @@ impl Cover for MaskedDepth {
 
     fn needs_bytes(size: [u32; 2]) -> u64 {
         let tiles = u64::from(size[0].div_ceil(COLUMNS as u32)) * u64::from(size[1].div_ceil(ROWS as u32));
-        tiles * (size_of::<Tile>() + size_of::<f32>() + size_of::<TileMasks>()) as u64
+        let grid = size_of::<Tile>() + size_of::<f32>() + size_of::<TileMasks>();
+        tiles * (grid + Resolver::BYTES_PER_TILE) as u64
     }
 
     const SHAPE: Option<CoverShape> = Some(CoverShape::Tiles);
@@ -124,6 +128,7 @@ impl Hides for MaskedDepth {
     fn clear(&mut self, passage: &Passage) {
         self.grid.clear(passage);
         self.near = f64::from(passage.z_near);
+        self.resolver.clear();
     }
 
     fn hide(&mut self, occluder: &Occluder, passage: &Passage, stats: &mut Stats) {
@@ -134,43 +139,38 @@ impl Hides for MaskedDepth {
 
     fn hide_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) {
         if !Self::are_too_fine(faces.count() as u64, region) {
+            if passage.options.tightness == Tightness::Resolved {
+                self.resolver.note_occluder(faces, region);
+            }
             self.worker
                 .hide_batch(&mut self.grid.all(), faces, passage, stats);
         }
     }
 
-    fn sees_faces(&mut self, faces: &Faces, passage: &Passage) -> bool {
-        let mut sink = SeenFace {
-            grid: &self.grid,
-            seen: false,
-        };
-        self.raster.run(faces, passage, &mut sink, &mut Stats::default());
-        sink.seen
+    fn begin_item(&mut self, passage: &Passage) {
+        let resolves = passage.options.tightness == Tightness::Resolved;
+        self.resolver.begin_item(passage, resolves);
+    }
+
+    fn test_faces(&mut self, faces: &Faces, passage: &Passage) -> Visibility {
+        self.resolver.test_faces(&self.grid, faces, passage)
+    }
+
+    fn end_doubtful(&mut self) {
+        self.resolver.end_doubtful();
+    }
+
+    fn resolve(&mut self, geometry: &Geometry, passage: &Passage) {
+        self.resolver.resolve(&self.grid, geometry, passage);
+    }
+
+    fn is_visible(&mut self, number: usize, geometry: &Geometry, passage: &Passage) -> bool {
+        self.resolver.is_visible(number, &self.grid, geometry, passage)
     }
 
     fn are_too_fine(triangles: u64, region: &Region) -> bool {
         let Rect { x0, y0, x1, y1 } = region.rect;
         u64::from(x1 - x0) * u64::from(y1 - y0) < WORTH * triangles
-    }
-}
-
-/// Rasterizer output that finds whether any sample of a batch may be visible.
-struct SeenFace<'a> {
-    grid: &'a Grid,
-    seen: bool,
-}
-
-impl Sink for SeenFace<'_> {
-    fn hides(&mut self, rect: &Rect, nearest: f32) -> bool {
-        self.grid.hides(rect, nearest)
-    }
-
-    fn is_done(&self) -> bool {
-        self.seen
-    }
-
-    fn band(&mut self, band: &Band, triangle: &Triangle) {
-        self.seen = self.seen || self.grid.sees_plane(band, triangle);
     }
 }
 

@@ -161,7 +161,7 @@ impl TilesView<'_> {
     }
 
     /// Returns `true` if a sample of `rect` in one row of tiles may show geometry with reversed depth `nearest`.
-    fn shows_in_row(&self, row: usize, rect: &Rect, nearest: f32) -> bool {
+    fn shows_in_row(self, row: usize, rect: &Rect, nearest: f32) -> bool {
         let rev_depth = [nearest; SUB_TILES_OF_BAND];
         for column in tiles(rect.x0, rect.x1, COLUMNS) {
             let index = (row - self.first_row) * self.columns + column;

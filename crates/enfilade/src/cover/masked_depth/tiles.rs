@@ -135,6 +135,15 @@ impl Tile {
         any
     }
 
+    /// Returns those of `samples` of a sub-tile at which geometry with reversed depth `rev_depth` may be visible.
+    #[inline(always)]
+    fn passing_in(&self, sub: usize, samples: u32, rev_depth: f32) -> u32 {
+        let beyond_reference = rev_depth < f32::from_bits(self.reference[sub]);
+        let beyond_working = rev_depth < f32::from_bits(self.working[sub]);
+        let hidden = if beyond_working { self.mask[sub] } else { 0 };
+        if beyond_reference { 0 } else { samples & !hidden }
+    }
+
     /// Returns `true` if the sample belongs to the working layer.
     #[inline(always)]
     fn is_working(&self, x: usize, y: usize) -> bool {
@@ -485,6 +494,13 @@ impl Grid {
         } else {
             0
         }
+    }
+
+    /// Returns those open ones of `samples` of a sub-tile at which geometry with reversed depth `rev_depth` may be
+    /// visible.
+    #[inline(always)]
+    pub(super) fn passing_in(&self, [index, sub]: [usize; 2], samples: u32, rev_depth: f32) -> u32 {
+        self.tiles[index].passing_in(sub, samples & !self.closed_in(index, sub), rev_depth)
     }
 
     /// Returns a view for tests.

@@ -40,9 +40,9 @@ pub(crate) struct Args {
     /// Width and height of covers; tests only the methods that support a cover size
     #[arg(long, num_args = 2)]
     cover_size: Option<Vec<u32>>,
-    /// Test the faces of what `masked` found too
-    #[arg(long)]
-    faces: bool,
+    /// What `masked` tests at the end: boxes, faces, or faces at exact depths (resolved)
+    #[arg(long, value_enum, default_value = "boxes")]
+    tightness: TightnessArg,
     /// Number of random edits after every eighth view: items are added, removed, moved and changed
     #[arg(long, default_value_t = 0)]
     edits: usize,
@@ -56,6 +56,14 @@ pub(crate) struct Args {
     /// Methods by name [default: all]
     #[arg(long)]
     method: Vec<String>,
+}
+
+/// See [`Tightness`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum TightnessArg {
+    Boxes,
+    Faces,
+    Resolved,
 }
 
 const VIEWS_BETWEEN_EDITS: usize = 8;
@@ -142,9 +150,11 @@ pub(crate) fn open(name: &str) -> Result<Scene> {
 fn viewer(args: &Args) -> Viewer {
     let mut viewer = Viewer::new();
     viewer.options.cover_size = args.cover_size.as_ref().map(|size| [size[0], size[1]]);
-    if args.faces {
-        viewer.options.tightness = Tightness::Faces;
-    }
+    viewer.options.tightness = match args.tightness {
+        TightnessArg::Boxes => Tightness::Boxes,
+        TightnessArg::Faces => Tightness::Faces,
+        TightnessArg::Resolved => Tightness::Resolved,
+    };
     viewer
 }
 

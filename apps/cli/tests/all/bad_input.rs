@@ -317,8 +317,8 @@ fn faces_that_no_method_would_test_are_refused() {
     );
     refused(
         &folder,
-        "look scene.glb --size 64x36 --tightness faces --cover-size 32x18 --method masked",
-        &["--tightness faces", "--cover-size", "leave one of them out"],
+        "look scene.glb --size 64x36 --tightness resolved --cover-size 32x18 --method masked",
+        &["--tightness resolved", "--cover-size", "leave one of them out"],
     );
 }
 

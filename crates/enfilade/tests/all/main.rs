@@ -19,3 +19,4 @@ mod moved;
 mod queries;
 mod scene_errors;
 mod send_sync;
+mod tightness;

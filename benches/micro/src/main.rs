@@ -8,8 +8,8 @@
 mod boxes;
 mod faces;
 mod items;
-mod look;
 mod lens;
+mod look;
 mod report;
 mod rows;
 mod screen;

@@ -202,9 +202,7 @@ impl<A: OcclusionTest> Walk<'_, A> {
         });
         clusters.retain_groups(|item, node| {
             let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
-            let stays = self.sees_node(item, node, &screen_from_item);
-            seen = stays.then_some(item).or(seen);
-            stays
+            self.sees_node(item, node, &screen_from_item)
         });
     }
 

@@ -1,6 +1,6 @@
 //! Occluder meshes: faces as compact arrays for the rasterizer.
 //!
-//! Faces are split at the median of their centres into parts of up to 128 triangles, each with its box: parts are drawn
+//! Faces are split at the median of their centres into parts of up to 256 triangles, each with its box: parts are drawn
 //! front to back, and only those that are not hidden yet. So few vertices are transformed in vain, and those of a part
 //! stay in the L1 cache. Positions are stored as arrays of sixteen x, y and z. Two successive triangles that form a
 //! planar convex quad are merged.
@@ -100,12 +100,12 @@ impl Part {
 }
 
 /// Maximum number of triangles in a part.
-const MAX_TRIANGLES: usize = 128;
+const MAX_TRIANGLES: usize = 256;
 
 impl OccluderMesh {
     /// Builds a mesh of triangles: three indices into `positions` each, counter-clockwise as seen from the front.
     ///
-    /// Triangles that are close together, up to 128, keep their order, so give the largest first: what they hide is then
+    /// Triangles that are close together, up to 256, keep their order, so give the largest first: what they hide is then
     /// rejected early. Two successive triangles that form a planar convex quad, such as (a, b, c) and (a, c, d), are
     /// merged into one face. Positions that no triangle uses are ignored, and triangles without area hide nothing.
     ///

@@ -348,7 +348,7 @@ impl MeshBuilder<'_> {
         let bounds = Aabb::of(self.used.iter().filter(is_number).copied());
         self.parts.push(Part {
             // 0 for NaN, of faces and a box without area.
-            fill: smaller(greater(area / half_area(&bounds), 0.0), 1.0) as f32,
+            fill: smaller(greater(area / bounds.half_area(), 0.0), 1.0) as f32,
             bounds,
             blocks: self.used.chunks(LANES).map(block).collect(),
             quads,
@@ -419,12 +419,6 @@ impl<const SIDES: usize, const HALVES: usize> FaceList<SIDES, HALVES> {
             }
         }
     }
-}
-
-/// Returns half of the surface area of a box, the area of a wall that fills it.
-fn half_area(bounds: &Aabb) -> f64 {
-    let [x, y, z] = [0, 1, 2].map(|axis| f64::from(bounds.max[axis]) - f64::from(bounds.min[axis]));
-    x * y + y * z + z * x
 }
 
 /// Returns a bit mask of sixteen faces; a bit is set if the face certainly faces away from the eye.

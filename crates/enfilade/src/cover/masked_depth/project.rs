@@ -46,6 +46,7 @@ pub(super) struct Frame {
     pub(super) front: f32,
     /// Origin of fixed point, in pixels.
     middle: [f64; 2],
+    /// The same in samples, from the top left corner of the tiles.
     pub(super) middle_sample: [i32; 2],
     /// First column and end column (exclusive) of the rectangle, then its rows, in pixels of the screen.
     limits: [[f64; 2]; 2],
@@ -53,8 +54,6 @@ pub(super) struct Frame {
     pub(super) columns: [i32; 2],
     pub(super) rows: [i32; 2],
     pub(super) tile_columns: u32,
-    /// Number of rows of tiles above those rasterized into.
-    pub(super) first_row: i32,
     /// Near-plane distance and entry plane for clipping; `None` if faces cannot be clipped here.
     clips: Option<(f64, Option<(DVec3, f64)>)>,
 }
@@ -93,9 +92,11 @@ impl Frame {
             limits: [[x0, x1], [y0, y1]].map(|limits| limits.map(f64::from)),
             columns: [i32::from(x0) - middle_sample[0], i32::from(x1) - middle_sample[0]],
             rows: [i32::from(y0) - middle_sample[1], i32::from(y1) - middle_sample[1]],
-            middle_sample,
+            middle_sample: [
+                middle_sample[0],
+                middle_sample[1] - (tiles.first_row * ROWS) as i32,
+            ],
             tile_columns: tiles.columns as u32,
-            first_row: tiles.first_row as i32,
             clips: (is_small && near > 1.0 / DEEPEST).then_some((near, entry)),
         }
     }

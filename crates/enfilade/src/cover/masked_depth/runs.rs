@@ -19,12 +19,12 @@ use std::ops::Range;
 /// Lower bound of the reversed depth of a face in the tiles of a row: at least `least`.
 pub(super) struct RowDepth<S: Simd> {
     /// In each sub-tile of the first tile.
-    pub(super) first: f32x16<S>,
+    first: f32x16<S>,
     /// The minimum of `first`.
-    pub(super) lowest: f32,
+    lowest: f32,
     /// Change per tile to the right.
-    pub(super) by_tile: f32,
-    pub(super) least: f32,
+    by_tile: f32,
+    least: f32,
 }
 
 /// Part of a face in a row of tiles.
@@ -69,7 +69,7 @@ const MAX_TILES: usize = 512;
 pub(super) const SEGMENT: i32 = 256;
 
 /// Twice the relative rounding error of f32.
-pub(super) const ROUNDING: f32 = 1.0 / (1_u32 << 22) as f32;
+const ROUNDING: f32 = 1.0 / (1_u32 << 22) as f32;
 
 impl Default for RunQueue {
     fn default() -> RunQueue {
@@ -327,9 +327,7 @@ impl TileRow {
     }
 }
 
-/// Merges coverage as [`Tile::cover`] does, for all sub-tiles of a tile.
-///
-/// `farthest` is computed only if nothing changes: the tile was listed because `farthest` is out of date.
+/// Merges coverage as [`Tile::cover`] does, for all sub-tiles of a tile, and updates the tile's `farthest`.
 #[inline(always)]
 fn cover_tile<S: Simd>(
     simd: S,
@@ -345,6 +343,7 @@ fn cover_tile<S: Simd>(
     let working = u32x16::from_slice(simd, &tile.working);
     let nearer = rev_depth.simd_gt(reference);
     if !nearer.any_true() {
+        // The tile was listed because [`cover_whole`] only bounds `farthest`.
         *farthest = f32::from_bits(reference.reduce_min());
         return;
     }

@@ -13,7 +13,7 @@ use super::LANES;
 use super::project::Frame;
 use super::setup::{Edge, FaceSetup};
 use super::sort::{FaceLanes, Queue};
-use super::tiles::{ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tiles};
+use super::tiles::{SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tiles};
 use crate::simd::apart;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
@@ -206,7 +206,7 @@ impl Records {
 
 /// Position and depth of the sub-tiles of sixteen small faces.
 struct RecordWriter<S: Simd> {
-    /// Column and row of the first sub-tile, from the top left corner of the screen.
+    /// Column and row of the first sub-tile, from the top left corner of the tiles.
     column: u32x16<S>,
     row: u32x16<S>,
     tile_columns: u32,
@@ -231,9 +231,7 @@ impl<S: Simd> RecordWriter<S> {
             .select(f32x16::splat(simd, 3.5), f32x16::splat(simd, 0.5));
         RecordWriter {
             column: ((lanes.origin[0] + frame.middle_sample[0]) >> 3).bitcast(),
-            row: (((lanes.origin[1] + frame.middle_sample[1]) >> 2)
-                - frame.first_row * (ROWS / SUB_ROWS) as i32)
-                .bitcast(),
+            row: ((lanes.origin[1] + frame.middle_sample[1]) >> 2).bitcast(),
             tile_columns: frame.tile_columns,
             rev_depth: lanes.plane.at + by_column * column + by_row * row,
             by_column: by_column * SUB_COLUMNS as f32,

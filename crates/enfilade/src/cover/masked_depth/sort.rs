@@ -305,25 +305,21 @@ impl<S: Simd> Extent<S> {
         const ACROSS: u32 = COLUMNS.trailing_zeros();
         const DOWN: u32 = ROWS.trailing_zeros();
         let [column, row] = frame.middle_sample;
-        let row = row - frame.first_row * ROWS as i32;
         let columns = [
             ((self.columns.first + column) >> ACROSS).to_array(),
-            ((self.columns.end + (column - 1)) >> ACROSS).to_array(),
+            ((self.columns.end + (column + COLUMNS as i32 - 1)) >> ACROSS).to_array(),
         ];
         let rows = [
             ((self.rows.first + row) >> DOWN).to_array(),
-            ((self.rows.end + (row - 1)) >> DOWN).to_array(),
+            ((self.rows.end + (row + ROWS as i32 - 1)) >> DOWN).to_array(),
         ];
         let mut shown = 0;
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
-            let [x0, x1, y0, y1] = [columns[0][lane], columns[1][lane], rows[0][lane], rows[1][lane]];
-            let is_hidden = tiles.are_nearer(
-                [x0 as usize, x1 as usize],
-                [y0 as usize, y1 as usize],
-                nearest[lane],
-            );
+            let [columns, rows] =
+                [&columns, &rows].map(|ends| ends[0][lane] as usize..ends[1][lane] as usize);
+            let is_hidden = tiles.are_nearer(columns, rows, nearest[lane]);
             shown |= u64::from(!is_hidden) << lane;
         }
         mask32x16::from_bitmask(simd, shown)

@@ -291,7 +291,7 @@ pub(super) struct Tiles<'a> {
     closed: &'a [TileMasks],
 }
 
-/// Rows of tiles for tests.
+/// Rows of tiles for occlusion tests.
 #[derive(Clone, Copy)]
 pub(super) struct TilesView<'a> {
     pub(super) columns: usize,
@@ -393,7 +393,7 @@ impl<'a> Tiles<'a> {
         f32x16::from_slice(simd, &last)
     }
 
-    /// Returns a view for tests.
+    /// Returns a view for occlusion tests.
     pub(super) fn view(&self) -> TilesView<'_> {
         TilesView {
             columns: self.columns,
@@ -404,19 +404,18 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// Returns `true` if everything with reversed depth up to `nearest` is hidden in tiles, by [`Tile::farthest`] alone.
-    /// Columns and rows of tiles are the first and the last.
+    /// Returns `true` if everything with reversed depth up to `nearest` is hidden in these tiles, by [`Tile::farthest`]
+    /// alone. Rows are counted from the first of these.
     #[inline(always)]
-    pub(super) fn are_nearer(&self, columns: [usize; 2], rows: [usize; 2], nearest: f32) -> bool {
-        for row in rows[0]..=rows[1] {
+    pub(super) fn are_nearer(&self, columns: Range<usize>, mut rows: Range<usize>, nearest: f32) -> bool {
+        rows.all(|row| {
             let first = row * self.columns;
-            for &farthest in &self.farthest[first + columns[0]..=first + columns[1]] {
-                if nearest >= farthest {
-                    return false;
-                }
+            let mut hides = true;
+            for &farthest in &self.farthest[first + columns.start..first + columns.end] {
+                hides &= nearest < farthest;
             }
-        }
-        true
+            hides
+        })
     }
 
     /// Returns `true` if everything with reversed depth up to `nearest` is hidden at all samples of `rect`, by
@@ -427,15 +426,9 @@ impl<'a> Tiles<'a> {
         if rect.is_empty() {
             return true;
         }
-        let columns = tiles(rect.x0, rect.x1, COLUMNS);
-        tiles(rect.y0, rect.y1, ROWS).all(|row| {
-            let first = (row - self.first_row) * self.columns;
-            let mut hides = true;
-            for &farthest in &self.farthest[first + columns.start..first + columns.end] {
-                hides &= nearest < farthest;
-            }
-            hides
-        })
+        let rows = tiles(rect.y0, rect.y1, ROWS);
+        let rows = rows.start - self.first_row..rows.end - self.first_row;
+        self.are_nearer(tiles(rect.x0, rect.x1, COLUMNS), rows, nearest)
     }
 }
 
@@ -503,7 +496,7 @@ impl Grid {
         self.tiles[index].passing_in(sub, samples & !self.closed_in(index, sub), rev_depth)
     }
 
-    /// Returns a view for tests.
+    /// Returns a view for occlusion tests.
     #[inline(always)]
     pub(super) fn view(&self) -> TilesView<'_> {
         TilesView {

@@ -21,6 +21,7 @@ use fearless_simd::{f32x16, f64x8, i32x16, mask32x16, u32x16};
 
 /// Setup of sixteen triangles as arrays, indexed by lane.
 struct SetupArrays {
+    /// From the top left corner of the tiles.
     origin: [[i32; LANES]; 2],
     columns: [[i32; LANES]; 2],
     rows: [[i32; LANES]; 2],
@@ -52,11 +53,10 @@ pub(super) fn draw<S: Simd>(
         ]
     };
     let unsure = lanes.unsure.to_bitmask();
-    let first_row = frame.middle_sample[1] - frame.first_row * ROWS as i32;
     let stored = SetupArrays {
         origin: [
             (lanes.origin[0] + frame.middle_sample[0]).to_array(),
-            (lanes.origin[1] + first_row).to_array(),
+            (lanes.origin[1] + frame.middle_sample[1]).to_array(),
         ],
         columns: [lanes.columns[0].to_array(), lanes.columns[1].to_array()],
         rows: [lanes.rows[0].to_array(), lanes.rows[1].to_array()],
@@ -335,11 +335,7 @@ impl FineEdges {
     #[inline(never)]
     fn of(&Lane { frame, stored, lane }: &Lane) -> FineEdges {
         let corners = stored.corners.map(|[x, y]| [x[lane], y[lane]]);
-        let first_row = frame.middle_sample[1] - frame.first_row * ROWS as i32;
-        let origin = [
-            stored.origin[0][lane] - frame.middle_sample[0],
-            stored.origin[1][lane] - first_row,
-        ];
+        let origin = [0, 1].map(|axis| stored.origin[axis][lane] - frame.middle_sample[axis]);
         let at = |[x, y]: [i32; 2]| {
             let pixels = |place: i32, from: i32| f64::from(place) / f64::from(ONE) - f64::from(from);
             [pixels(x, origin[0]), pixels(y, origin[1])]
@@ -419,5 +415,6 @@ impl FineEdges {
 /// Outside all columns.
 const FAR: f64 = 1e9;
 
-/// Generous bound on the error of a coordinate, in pixels; rounding to units accounts for half a unit.
+/// Bound on the error of a coordinate, in pixels: rounding accounts for half a unit, and edges that are certain are a
+/// few units high, so that they hardly turn.
 const UNITS: f64 = 1.0 / ONE as f64;

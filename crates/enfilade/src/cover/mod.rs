@@ -29,7 +29,7 @@ pub use depth_pyramid::DepthPyramid;
 pub use horizon::Horizon;
 #[cfg(feature = "classic")]
 pub use mask::Mask;
-pub use masked_depth::{MaskedDepth, OccluderMesh, OccluderMeshError, OcclusionBuffer};
+pub use masked_depth::{ItemTest, MaskedDepth, OccluderMesh, OccluderMeshError, OcclusionBuffer};
 pub use occlusion_tree::{BoxTest, ByBox, ByFaces, OcclusionTree};
 #[cfg(feature = "classic")]
 pub use painters_buffer::PaintersBuffer;
@@ -38,7 +38,7 @@ pub use span_buffer::SpanBuffer;
 use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::geom::Aabb;
-use crate::geometry::{Geometry, Owners};
+use crate::geometry::Owners;
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::raster::{Band, Triangle};
 use crate::stats::Stats;
@@ -193,24 +193,9 @@ pub trait Hides: Cover + Sync {
     /// [`Hides::TAKES_FACES`] is `true`.
     fn hide_faces(&mut self, _faces: &Faces, _region: &Region, _passage: &Passage, _stats: &mut Stats) {}
 
-    /// Begins to test the faces of an item against the finished cover.
-    fn begin_item(&mut self, _passage: &Passage) {}
-
-    /// Tests faces of the current item: `Hidden` if none of them is visible, `Partial` if any may be, `Full` if the item
-    /// is to be kept.
-    fn test_faces(&mut self, _faces: &Faces, _passage: &Passage) -> Visibility {
-        Visibility::Full
-    }
-
-    /// Adds the current item to the doubtful ones, which are numbered from 0.
-    fn end_doubtful(&mut self) {}
-
-    /// Finds out which of the doubtful items may be visible.
-    fn resolve(&mut self, _geometry: &Geometry, _passage: &Passage) {}
-
-    /// Returns `true` if a doubtful item may be visible. Called after [`Hides::resolve`].
-    fn is_visible(&mut self, _number: usize, _geometry: &Geometry, _passage: &Passage) -> bool {
-        true
+    /// Returns the test of items by their faces against the finished cover, if there is one.
+    fn item_test(&mut self) -> Option<ItemTest<'_>> {
+        None
     }
 
     /// Makes this cover answer all queries as `from` does. Called only if queries do not change the answers, that is,

@@ -9,7 +9,7 @@ use super::found::{OcclusionTest, find};
 use super::gathered::draw_gathered;
 use super::shares::find_by_shares;
 use crate::contract::Contract;
-use crate::cover::Hides;
+use crate::cover::{Hides, ItemTest};
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Exchanged, Geometry};
@@ -229,28 +229,11 @@ impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
         true
     }
 
-    fn tests_items(&self, passage: &Passage) -> bool {
-        passage.options.tightness != Tightness::Boxes
-    }
-
-    fn begin_item(&mut self, passage: &Passage) {
-        self.cover.begin_item(passage);
-    }
-
-    fn test_item_faces(&mut self, faces: &Faces, passage: &Passage) -> Visibility {
-        self.cover.test_faces(faces, passage)
-    }
-
-    fn end_doubtful(&mut self) {
-        self.cover.end_doubtful();
-    }
-
-    fn resolve(&mut self, geometry: &Geometry, passage: &Passage) {
-        self.cover.resolve(geometry, passage);
-    }
-
-    fn is_visible(&mut self, number: usize, geometry: &Geometry, passage: &Passage) -> bool {
-        self.cover.is_visible(number, geometry, passage)
+    fn item_test(&mut self, passage: &Passage) -> Option<ItemTest<'_>> {
+        if passage.options.tightness == Tightness::Boxes {
+            return None;
+        }
+        self.cover.item_test()
     }
 
     fn test_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {

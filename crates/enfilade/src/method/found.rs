@@ -1,6 +1,7 @@
 //! Traversal with occlusion tests for covers that hold no picture: collects the clusters and openings that pass.
 
 use super::combined::takes;
+use crate::cover::ItemTest;
 use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
@@ -47,30 +48,9 @@ pub(super) trait OcclusionTest {
         false
     }
 
-    /// Returns `true` to test the faces of each item at the end, by the methods below instead of
-    /// [`OcclusionTest::test_faces`].
-    fn tests_items(&self, _passage: &Passage) -> bool {
-        false
-    }
-
-    /// Begins to test the faces of an item against the complete cover.
-    fn begin_item(&mut self, _passage: &Passage) {}
-
-    /// Tests faces of the current item: `Hidden` if none of them is visible, `Partial` if any may be, `Full` if the item
-    /// is to be kept.
-    fn test_item_faces(&mut self, _faces: &Faces, _passage: &Passage) -> Visibility {
-        Visibility::Full
-    }
-
-    /// Adds the current item to the doubtful ones, which are numbered from 0.
-    fn end_doubtful(&mut self) {}
-
-    /// Finds out which of the doubtful items may be visible.
-    fn resolve(&mut self, _geometry: &Geometry, _passage: &Passage) {}
-
-    /// Returns `true` if a doubtful item may be visible. Called after [`OcclusionTest::resolve`].
-    fn is_visible(&mut self, _number: usize, _geometry: &Geometry, _passage: &Passage) -> bool {
-        true
+    /// Returns the test of items by their faces at the end, which replaces [`OcclusionTest::test_faces`], if there is one.
+    fn item_test(&mut self, _passage: &Passage) -> Option<ItemTest<'_>> {
+        None
     }
 
     /// Returns `true` if any of the faces within `region` may be visible; `true` when unsure.
@@ -173,7 +153,7 @@ impl<A: OcclusionTest> Walk<'_, A> {
             mut few,
         } = std::mem::take(self.found);
         if A::TAKES_FACES {
-            if self.occlusion.tests_items(self.passage) {
+            if self.occlusion.item_test(self.passage).is_some() {
                 self.retest_items(&mut clusters, &mut few);
             } else {
                 self.retest_clusters(&mut clusters);
@@ -222,7 +202,9 @@ impl<A: OcclusionTest> Walk<'_, A> {
                     return true;
                 }
                 next += 1;
-                self.occlusion.begin_item(self.passage);
+                if let Some(mut test) = self.occlusion.item_test(self.passage) {
+                    test.begin_item(self.passage);
+                }
             }
             let tested = tested.get_or_insert_with(|| TestedItem {
                 item,
@@ -242,14 +224,17 @@ impl<A: OcclusionTest> Walk<'_, A> {
         if few.is_empty() {
             return;
         }
-        self.occlusion.resolve(self.geometry, self.passage);
+        let Some(mut test) = self.occlusion.item_test(self.passage) else {
+            return;
+        };
+        test.resolve(self.geometry, self.passage);
         let mut last = None;
         clusters.retain_items(|item| match last {
             Some((last, stays)) if last == item => stays,
             _ => {
                 let number = few.binary_search(&item);
                 let stays = number.map_or(true, |number| {
-                    self.occlusion.is_visible(number, self.geometry, self.passage)
+                    test.is_visible(number, self.geometry, self.passage)
                 });
                 last = Some((item, stays));
                 stays
@@ -311,7 +296,10 @@ impl<A: OcclusionTest> Walk<'_, A> {
             return true;
         }
         let faces = Faces::of_cluster(self.geometry, tested.item, cluster, &tested.screen_from_item);
-        let visibility = self.occlusion.test_item_faces(&faces, self.passage);
+        let visibility = match self.occlusion.item_test(self.passage) {
+            Some(mut test) => test.test_faces(&faces, self.passage),
+            None => Visibility::Full,
+        };
         if visibility != Visibility::Hidden {
             tested.visibility = visibility;
         }
@@ -336,8 +324,8 @@ impl<A: OcclusionTest> Walk<'_, A> {
     /// Ends the test of an item; returns `true` if it is doubtful.
     fn end_item(&mut self, tested: Option<TestedItem>) -> bool {
         let is_doubtful = tested.is_some_and(|tested| tested.visibility == Visibility::Partial);
-        if is_doubtful {
-            self.occlusion.end_doubtful();
+        if is_doubtful && let Some(mut test) = self.occlusion.item_test(self.passage) {
+            test.end_doubtful();
         }
         is_doubtful
     }

@@ -34,7 +34,6 @@ mod wide;
 use super::{Coarse, Cover, Hides};
 use crate::contract::Contract;
 use crate::faces::Faces;
-use crate::geometry::Geometry;
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::order::Unsorted;
 use crate::raster::{Band, Triangle};
@@ -50,6 +49,7 @@ use fearless_simd::Level;
 pub use mesh::{OccluderMesh, OccluderMeshError};
 use occluder::{Fill, Slope};
 pub use occlusion_buffer::OcclusionBuffer;
+pub use resolve::ItemTest;
 use resolve::Resolver;
 use tiles::{COLUMNS, Grid, ROWS, Tile, TileMasks};
 
@@ -147,25 +147,8 @@ impl Hides for MaskedDepth {
         }
     }
 
-    fn begin_item(&mut self, passage: &Passage) {
-        let resolves = passage.options.tightness == Tightness::Resolved;
-        self.resolver.begin_item(passage, resolves);
-    }
-
-    fn test_faces(&mut self, faces: &Faces, passage: &Passage) -> Visibility {
-        self.resolver.test_faces(&self.grid, faces, passage)
-    }
-
-    fn end_doubtful(&mut self) {
-        self.resolver.end_doubtful();
-    }
-
-    fn resolve(&mut self, geometry: &Geometry, passage: &Passage) {
-        self.resolver.resolve(&self.grid, geometry, passage);
-    }
-
-    fn is_visible(&mut self, number: usize, geometry: &Geometry, passage: &Passage) -> bool {
-        self.resolver.is_visible(number, &self.grid, geometry, passage)
+    fn item_test(&mut self) -> Option<ItemTest<'_>> {
+        Some(ItemTest::new(&self.grid, &mut self.resolver))
     }
 
     fn are_too_fine(triangles: u64, region: &Region) -> bool {

@@ -20,6 +20,7 @@ use crate::ids::ItemIndex;
 use crate::raster::{BAND, Band, Corner, Raster, Sink, Triangle, greater, smaller};
 use crate::stats::Stats;
 use crate::view::aperture::Rect;
+use crate::view::options::Tightness;
 use crate::view::passage::Passage;
 use crate::view::region::{ROUND_UP, Region, Visibility};
 use fearless_simd::Level;
@@ -64,6 +65,44 @@ pub(super) struct Resolver {
     count: f64,
     limit: f64,
     depths: Depths,
+}
+
+/// Tests items by their faces against a finished cover: first all items, one after the other, then the doubtful ones.
+pub struct ItemTest<'a> {
+    grid: &'a Grid,
+    resolver: &'a mut Resolver,
+}
+
+impl<'a> ItemTest<'a> {
+    pub(super) fn new(grid: &'a Grid, resolver: &'a mut Resolver) -> ItemTest<'a> {
+        ItemTest { grid, resolver }
+    }
+
+    /// Begins an item.
+    pub(crate) fn begin_item(&mut self, passage: &Passage) {
+        self.resolver.begin_item(passage);
+    }
+
+    /// Tests faces of the current item: `Hidden` if no sample of them passes, `Partial` if any does, `Full` if the item has
+    /// more than a doubtful one, and is to be kept.
+    pub(crate) fn test_faces(&mut self, faces: &Faces, passage: &Passage) -> Visibility {
+        self.resolver.test_faces(self.grid, faces, passage)
+    }
+
+    /// Adds the current item to the doubtful ones, which are numbered from 0.
+    pub(crate) fn end_doubtful(&mut self) {
+        self.resolver.end_doubtful();
+    }
+
+    /// Finds out which of the doubtful items may be visible.
+    pub(crate) fn resolve(&mut self, geometry: &Geometry, passage: &Passage) {
+        self.resolver.resolve(self.grid, geometry, passage);
+    }
+
+    /// Returns `true` if a doubtful item may be visible. Call it after [`ItemTest::resolve`].
+    pub(crate) fn is_visible(&mut self, number: usize, geometry: &Geometry, passage: &Passage) -> bool {
+        self.resolver.is_visible(number, self.grid, geometry, passage)
+    }
 }
 
 /// A cluster that was rasterized as an occluder, and its bounds on the screen.
@@ -233,11 +272,11 @@ impl Resolver {
         }
     }
 
-    /// Begins an item. Without `resolves`, one passing sample is enough to keep it.
-    pub(super) fn begin_item(&mut self, passage: &Passage, resolves: bool) {
+    /// Begins an item. Unless doubtful items are resolved, one passing sample is enough to keep it.
+    fn begin_item(&mut self, passage: &Passage) {
         let [width, height] = passage.size;
         self.count = 0.0;
-        self.limit = if resolves {
+        self.limit = if passage.options.tightness == Tightness::Resolved {
             (f64::from(width) * f64::from(height) / DOUBTFUL_PART).max(FEWEST_DOUBTFUL)
         } else {
             0.0
@@ -252,9 +291,8 @@ impl Resolver {
         self.triangles.truncate(last.map_or(0, |last| last.triangles));
     }
 
-    /// Tests faces of the current item. Returns `Full` if the item has more passing samples than a doubtful one,
-    /// otherwise whether any sample of these faces passes.
-    pub(super) fn test_faces(&mut self, grid: &Grid, faces: &Faces, passage: &Passage) -> Visibility {
+    /// See [`ItemTest::test_faces`].
+    fn test_faces(&mut self, grid: &Grid, faces: &Faces, passage: &Passage) -> Visibility {
         let FaceSource::Item(item, cluster) = faces.source else {
             return Visibility::Full;
         };
@@ -280,8 +318,8 @@ impl Resolver {
         }
     }
 
-    /// Adds the current item to the doubtful ones.
-    pub(super) fn end_doubtful(&mut self) {
+    /// See [`ItemTest::end_doubtful`].
+    fn end_doubtful(&mut self) {
         self.doubtful.push(DoubtfulItem {
             item: self.item,
             passing: self.passing.len(),
@@ -290,7 +328,7 @@ impl Resolver {
     }
 
     /// Rasterizes the sub-tiles of doubtful items with a depth for each sample.
-    pub(super) fn resolve(&mut self, grid: &Grid, geometry: &Geometry, passage: &Passage) {
+    fn resolve(&mut self, grid: &Grid, geometry: &Geometry, passage: &Passage) {
         self.drop_undecided();
         if self.doubtful.is_empty() {
             return;
@@ -312,13 +350,7 @@ impl Resolver {
     }
 
     /// Returns `true` if any sample of a doubtful item may be visible, by its number.
-    pub(super) fn is_visible(
-        &mut self,
-        number: usize,
-        grid: &Grid,
-        geometry: &Geometry,
-        passage: &Passage,
-    ) -> bool {
+    fn is_visible(&mut self, number: usize, grid: &Grid, geometry: &Geometry, passage: &Passage) -> bool {
         let first = number
             .checked_sub(1)
             .map_or(0, |before| self.doubtful[before].passing);

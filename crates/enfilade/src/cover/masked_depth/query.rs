@@ -37,7 +37,7 @@ impl Grid {
         if rect.is_empty() {
             return false;
         }
-        if self.plainly_shows(&rect, &region.volume) {
+        if self.shows_inside(&rect, &region.volume, near) {
             return true;
         }
         let Some(first) = self.view().first_seen(&rect, region.nearest) else {
@@ -51,21 +51,38 @@ impl Grid {
         }
     }
 
-    /// Returns `true` if the sample at the centre of the box would show it even at the depth of its farthest corner. A
+    /// Returns `true` if any of a few points inside the box is in front of what is stored where it is on the screen. A
     /// cheap early out: most visible boxes pass it.
     #[inline(always)]
-    fn plainly_shows(&self, rect: &Rect, volume: &Volume) -> bool {
+    fn shows_inside(&self, rect: &Rect, volume: &Volume, near: f64) -> bool {
         /// In fewer columns or rows there may be no sample inside the box.
         const FEW: u16 = 4;
         if rect.x1 - rect.x0 < FEW || rect.y1 - rect.y0 < FEW {
             return false;
         }
-        let Some([x, y]) = sample_at_middle(rect, volume) else {
-            return false;
+        let shows = |x: f64, y: f64, w: f64| {
+            let [left, right] = [rect.x0, rect.x1].map(f64::from);
+            let [top, bottom] = [rect.y0, rect.y1].map(f64::from);
+            let per_w = 1.0 / w;
+            let [x, y] = [x * per_w, y * per_w];
+            w > near
+                && (left <= x && x < right && top <= y && y < bottom)
+                && f64::from(self.rev_depth_at(x as usize, y as usize)) < per_w
         };
-        let [a, b, c] = volume.sides.map(|side| side.z);
-        let farthest = volume.origin.z + greater(a, 0.0) + greater(b, 0.0) + greater(c, 0.0);
-        f64::from(self.rev_depth_at(x, y)) * farthest < 1.0
+        let [x, y, z] = volume.sides;
+        let middle = volume.origin + 0.5 * (x + y + z);
+        if shows(middle.x, middle.y, middle.z) {
+            return true;
+        }
+        // Halfway between the middle and four corners, of which no two are adjacent.
+        let [x, y, z] = [0.25 * x, 0.25 * y, 0.25 * z];
+        for offset in [x + y + z, x - y - z, y - x - z, z - x - y] {
+            let point = middle + offset;
+            if shows(point.x, point.y, point.z) {
+                return true;
+            }
+        }
+        false
     }
 
     /// Returns `true` if the sample at the centre of the box may show it, by outline and front faces. Most visible

@@ -496,15 +496,14 @@ impl<const SIDES: usize> Queue<SIDES> {
     /// Removes the faces before index `place`; fewer than sixteen must remain.
     #[inline(always)]
     pub(super) fn discard_before(&mut self, place: usize) {
-        if place == 0 {
+        self.count -= place;
+        if place == 0 || self.count == 0 {
             return;
         }
         let corners = self.x.iter_mut().chain(&mut self.y).chain(&mut self.rev_depth);
-        for kept in corners {
+        for kept in corners.chain([&mut self.number]) {
             kept.copy_within(place..place + LANES, 0);
         }
-        self.number.copy_within(place..place + LANES, 0);
-        self.count -= place;
     }
 }
 

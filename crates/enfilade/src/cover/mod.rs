@@ -39,6 +39,7 @@ use crate::contract::Contract;
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::Owners;
+use crate::ids::ItemIndex;
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::raster::{Band, Triangle};
 use crate::stats::Stats;
@@ -161,6 +162,13 @@ pub trait Paints: Cover {
     );
 }
 
+/// The clusters of an item in a node of its mesh, and their number of triangles.
+pub struct FineNode<'a> {
+    pub(crate) item: ItemIndex,
+    pub(crate) clusters: &'a [u32],
+    pub(crate) triangles: u64,
+}
+
 /// A cover that holds no picture: selected occluders are inserted first, then boxes are tested against them.
 pub trait Hides: Cover + Sync {
     /// Guarantee of the visible set of a traversal that this cover culls.
@@ -192,6 +200,10 @@ pub trait Hides: Cover + Sync {
     /// Rasterizes a batch of opaque faces within `region` as occluders, if that is worth the cost. Called only if
     /// [`Hides::TAKES_FACES`] is `true`.
     fn hide_faces(&mut self, _faces: &Faces, _region: &Region, _passage: &Passage, _stats: &mut Stats) {}
+
+    /// Takes note of a mesh node within `region` that is not rasterized, because it is too fine. Called only if
+    /// [`Hides::TAKES_FACES`] is `true`.
+    fn note_fine(&mut self, _node: &FineNode, _region: &Region, _passage: &Passage) {}
 
     /// Returns the test of items by their faces against the finished cover, if there is one.
     fn item_test(&mut self) -> Option<ItemTest<'_>> {

@@ -9,7 +9,7 @@ use super::found::{OcclusionTest, find};
 use super::gathered::draw_gathered;
 use super::shares::find_by_shares;
 use crate::contract::Contract;
-use crate::cover::{Hides, ItemTest};
+use crate::cover::{FineNode, Hides, ItemTest};
 use crate::faces::Faces;
 use crate::geom::Aabb;
 use crate::geometry::{Exchanged, Geometry};
@@ -229,15 +229,15 @@ impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
         true
     }
 
+    fn note_fine(&mut self, node: &FineNode, region: &Region, passage: &Passage) {
+        self.cover.note_fine(node, region, passage);
+    }
+
     fn item_test(&mut self, passage: &Passage) -> Option<ItemTest<'_>> {
         if passage.options.tightness == Tightness::Boxes {
             return None;
         }
         self.cover.item_test()
-    }
-
-    fn test_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
-        true
     }
 
     fn accepts_node(&self, triangles: u64, region: &Region) -> bool {

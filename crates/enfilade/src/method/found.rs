@@ -1,7 +1,7 @@
 //! Traversal with occlusion tests for covers that hold no picture: collects the clusters and openings that pass.
 
 use super::combined::takes;
-use crate::cover::ItemTest;
+use crate::cover::{FineNode, ItemTest};
 use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
@@ -48,13 +48,21 @@ pub(super) trait OcclusionTest {
         false
     }
 
+    /// Takes note of a mesh node that was accepted as a whole.
+    fn note_fine(&mut self, _node: &FineNode, _region: &Region, _passage: &Passage) {}
+
     /// Returns the test of items by their faces at the end, which replaces [`OcclusionTest::test_faces`], if there is one.
     fn item_test(&mut self, _passage: &Passage) -> Option<ItemTest<'_>> {
         None
     }
 
+    /// Whether [`OcclusionTest::test_faces`] tests anything.
+    const TESTS_FACES: bool = false;
+
     /// Returns `true` if any of the faces within `region` may be visible; `true` when unsure.
-    fn test_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) -> bool;
+    fn test_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
+        true
+    }
 }
 
 /// Maximum number of faces of an item that is tested by its faces, so that the test does not cost more than it saves.
@@ -116,11 +124,6 @@ impl<A: OcclusionTest> Walk<'_, A> {
         visibility
     }
 
-    fn region_of(&self, faces: &Faces, item: ItemIndex, cluster: u32) -> Option<Region> {
-        let bounds = &self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
-        Region::of(self.passage, faces.screen_from_local, bounds)
-    }
-
     /// Reports the clusters and openings found, and removes them from the list.
     pub(super) fn report(&mut self, seen: &mut Collector) {
         self.retest();
@@ -130,17 +133,23 @@ impl<A: OcclusionTest> Walk<'_, A> {
         }
     }
 
-    /// Tests a cluster, by its box and its faces, against the complete cover.
-    fn sees_cluster(&mut self, item: ItemIndex, cluster: u32) -> bool {
-        let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
-        let faces = Faces::of_cluster(self.geometry, item, cluster, &screen_from_item);
-        self.region_of(&faces, item, cluster).is_some_and(|region| {
-            self.enter(&region) != Visibility::Hidden
-                && (faces.count() == 0
-                    || self
-                        .occlusion
-                        .test_faces(&faces, &region, self.passage, self.stats))
-        })
+    /// Tests a cluster, by its box and, if the occlusion test does, its faces, against the complete cover.
+    fn sees_cluster(&mut self, item: ItemIndex, cluster: u32, screen_from_item: &DAffine3) -> bool {
+        let bounds = &self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
+        let Some(region) = Region::of(self.passage, screen_from_item, bounds) else {
+            return false;
+        };
+        if self.enter(&region) == Visibility::Hidden {
+            return false;
+        }
+        if !A::TESTS_FACES {
+            return true;
+        }
+        let faces = Faces::of_cluster(self.geometry, item, cluster, screen_from_item);
+        faces.count() == 0
+            || self
+                .occlusion
+                .test_faces(&faces, &region, self.passage, self.stats)
     }
 
     /// Tests openings, and clusters that were found before all occluders were known, against the complete cover. Once
@@ -174,15 +183,26 @@ impl<A: OcclusionTest> Walk<'_, A> {
     }
 
     fn retest_clusters(&mut self, clusters: &mut FoundClusters) {
-        let mut seen = None;
-        clusters.retain(|item, cluster| {
-            let stays = seen == Some(item) || self.sees_cluster(item, cluster);
-            seen = stays.then_some(item).or(seen);
+        let mut last = None;
+        let mut screen_from_item = DAffine3::IDENTITY;
+        let mut seen = false;
+        clusters.retain_by_item(|item, part| {
+            if last != Some(item) {
+                (last, seen) = (Some(item), false);
+                screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
+            }
+            let stays = seen
+                || match part {
+                    FoundPart::Cluster(cluster) => self.sees_cluster(item, cluster, &screen_from_item),
+                    FoundPart::Group(node, clusters) => {
+                        self.sees_node(item, node, &screen_from_item)
+                            && clusters
+                                .iter()
+                                .any(|&cluster| self.sees_cluster(item, cluster, &screen_from_item))
+                    }
+                };
+            seen |= stays;
             stays
-        });
-        clusters.retain_groups(|item, node| {
-            let screen_from_item = self.passage.screen_from(&self.geometry.item(item).transform());
-            self.sees_node(item, node, &screen_from_item)
         });
     }
 
@@ -370,27 +390,44 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
         if !A::TAKES_FACES || clusters.len() > MAX_WHOLE_CLUSTERS {
             return false;
         }
-        let enough = self.occlusion.accepts_node(below.triangles(node), region);
+        let triangles = below.triangles(node);
+        let enough = self.occlusion.accepts_node(triangles, region);
         if enough {
             self.found.clusters.push_group(item, node, clusters);
+            let fine = FineNode {
+                item,
+                clusters,
+                triangles,
+            };
+            self.occlusion.note_fine(&fine, region, self.passage);
         }
         enough
     }
 
     fn faces(&mut self, faces: &Faces) {
         match faces.source {
-            FaceSource::Item(item, cluster) => {
-                let stays = !A::TAKES_FACES
-                    || faces.count() == 0
-                    || self.region_of(faces, item, cluster).is_some_and(|region| {
-                        self.occlusion
-                            .test_and_add(faces, &region, self.passage, self.stats)
-                    });
-                if stays {
-                    self.found.clusters.push(item, cluster);
+            FaceSource::Item(item, cluster) if A::TAKES_FACES && faces.count() > 0 => {
+                let bounds = &self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
+                if let Some(region) = Region::of(self.passage, faces.screen_from_local, bounds) {
+                    self.faces_within(faces, &region);
                 }
             }
+            FaceSource::Item(item, cluster) => self.found.clusters.push(item, cluster),
             FaceSource::Opening(opening) => self.found.openings.push(opening),
+        }
+    }
+
+    fn faces_within(&mut self, faces: &Faces, region: &Region) {
+        let FaceSource::Item(item, cluster) = faces.source else {
+            return;
+        };
+        let stays = !A::TAKES_FACES
+            || faces.count() == 0
+            || self
+                .occlusion
+                .test_and_add(faces, region, self.passage, self.stats);
+        if stays {
+            self.found.clusters.push(item, cluster);
         }
     }
 

@@ -55,6 +55,7 @@ struct CellCover<'a, C> {
 
 impl<C: Coarse> OcclusionTest for CellCover<'_, C> {
     const TAKES_FACES: bool = true;
+    const TESTS_FACES: bool = true;
 
     fn test(&mut self, region: &Region) -> Visibility {
         if self.cover.sees_cells(&region.rect, region.nearest) {

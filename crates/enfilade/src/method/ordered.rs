@@ -77,8 +77,4 @@ impl OcclusionTest for NoCover {
     fn test_and_add(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
         true
     }
-
-    fn test_faces(&mut self, _: &Faces, _: &Region, _: &Passage, _: &mut Stats) -> bool {
-        true
-    }
 }

@@ -47,6 +47,11 @@ pub trait Visit {
     /// Takes the next batch of faces.
     fn faces(&mut self, faces: &Faces);
 
+    /// As [`Visit::faces`], for faces of an item within the region entered last.
+    fn faces_within(&mut self, faces: &Faces, _region: &Region) {
+        self.faces(faces);
+    }
+
     /// Takes one cluster of an item as the next batch. A receiver that does not need the faces saves looking them up.
     fn cluster(&mut self, geometry: &Geometry, item: ItemIndex, cluster: u32, screen_from_item: &DAffine3) {
         self.faces(&Faces::of_cluster(geometry, item, cluster, screen_from_item));

@@ -128,7 +128,8 @@ pub(crate) fn go_on(
             }
             Target::Cluster { entered, cluster } => {
                 let (item, screen_from_item) = &queue.entered[entered as usize];
-                visit.faces(&Faces::of_cluster(geometry, *item, cluster, screen_from_item));
+                let faces = Faces::of_cluster(geometry, *item, cluster, screen_from_item);
+                visit.faces_within(&faces, &queue.regions[region as usize]);
             }
         }
     }
@@ -175,7 +176,7 @@ fn enter_item(
     }
     let screen_from_item = passage.screen_from(&geometry.item(item).transform());
     if mesh.clusters().len() == 1 {
-        visit.faces(&Faces::of_cluster(geometry, item, 0, &screen_from_item));
+        visit.faces_within(&Faces::of_cluster(geometry, item, 0, &screen_from_item), region);
     } else if let Some(root) = mesh
         .tree()
         .root()

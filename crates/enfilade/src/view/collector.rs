@@ -340,33 +340,6 @@ impl FoundClusters {
         });
     }
 
-    /// Removes the clusters for which `stays` returns `false`; groups and whole items are kept.
-    pub(crate) fn retain(&mut self, mut stays: impl FnMut(ItemIndex, u32) -> bool) {
-        let mut kept = 0;
-        for run in &mut self.runs {
-            let [first, end] = std::mem::replace(&mut run.clusters, [kept; 2]);
-            for place in first..end {
-                let cluster = self.clusters[place as usize];
-                if run.kind != RunKind::Each || stays(run.item, cluster) {
-                    self.clusters[kept as usize] = cluster;
-                    kept += 1;
-                }
-            }
-            run.clusters[1] = kept;
-        }
-        self.clusters.truncate(kept as usize);
-        self.runs
-            .retain(|run| run.kind == RunKind::Whole || run.clusters[0] < run.clusters[1]);
-    }
-
-    /// Removes the groups for which `stays` returns `false` for the item and the node.
-    pub(crate) fn retain_groups(&mut self, mut stays: impl FnMut(ItemIndex, u32) -> bool) {
-        self.runs.retain(|run| match run.kind {
-            RunKind::Group(node) => stays(run.item, node),
-            RunKind::Each | RunKind::Whole => true,
-        });
-    }
-
     /// Removes the clusters and groups for which `stays` returns `false`, item by item; whole items are kept.
     pub(crate) fn retain_by_item(&mut self, mut stays: impl FnMut(ItemIndex, FoundPart) -> bool) {
         self.sort_by_item();

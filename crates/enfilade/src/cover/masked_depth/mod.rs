@@ -31,9 +31,9 @@ mod tests;
 mod tiles;
 mod wide;
 
-use super::{Coarse, Cover, Hides};
+use super::{Coarse, Cover, FineNode, Hides};
 use crate::contract::Contract;
-use crate::faces::Faces;
+use crate::faces::{FaceSource, Faces};
 use crate::occluders::{Occluder, OccluderMeasure};
 use crate::order::Unsorted;
 use crate::raster::{Band, Triangle};
@@ -60,6 +60,16 @@ const COUNT: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 1
 /// Minimum number of samples in a box per face in it for its faces to be rasterized as occluders. With fewer, setting
 /// them up costs more than they hide.
 const WORTH: u64 = 4;
+
+/// The same for a node of a mesh to be visited in parts. With fewer, it is visible or hidden as a whole and occludes
+/// nothing: its parts would have to be tested too.
+const WORTH_PARTS: u64 = 16;
+
+/// Returns `true` if a region has at least `worth` samples for each of a number of faces.
+fn is_worth(worth: u64, faces: u64, region: &Region) -> bool {
+    let Rect { x0, y0, x1, y1 } = region.rect;
+    u64::from(x1 - x0) * u64::from(y1 - y0) >= worth * faces
+}
 
 /// The cover of [`Method::Masked`](crate::Method::Masked). Engines without a scene use the same buffer as an
 /// [`OcclusionBuffer`](crate::OcclusionBuffer).
@@ -138,12 +148,20 @@ impl Hides for MaskedDepth {
     const TAKES_FACES: bool = true;
 
     fn hide_faces(&mut self, faces: &Faces, region: &Region, passage: &Passage, stats: &mut Stats) {
-        if !Self::are_too_fine(faces.count() as u64, region) {
-            if passage.options.tightness == Tightness::Resolved {
-                self.resolver.note_occluder(faces, region);
+        if is_worth(WORTH, faces.count() as u64, region) {
+            if let FaceSource::Item(item, cluster) = faces.source
+                && passage.options.tightness == Tightness::Resolved
+            {
+                self.resolver.note_occluders(item, &[cluster], region);
             }
             self.worker
                 .hide_batch(&mut self.grid.all(), faces, passage, stats);
+        }
+    }
+
+    fn note_fine(&mut self, node: &FineNode, region: &Region, passage: &Passage) {
+        if passage.options.tightness == Tightness::Resolved && is_worth(WORTH, node.triangles, region) {
+            self.resolver.note_occluders(node.item, node.clusters, region);
         }
     }
 
@@ -152,8 +170,7 @@ impl Hides for MaskedDepth {
     }
 
     fn are_too_fine(triangles: u64, region: &Region) -> bool {
-        let Rect { x0, y0, x1, y1 } = region.rect;
-        u64::from(x1 - x0) * u64::from(y1 - y0) < WORTH * triangles
+        !is_worth(WORTH_PARTS, triangles, region)
     }
 }
 

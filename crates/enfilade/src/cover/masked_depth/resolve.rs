@@ -105,10 +105,12 @@ impl<'a> ItemTest<'a> {
     }
 }
 
-/// A cluster that was rasterized as an occluder, and its bounds on the screen.
+/// A cluster that was rasterized as an occluder, or of which the mesh node was too fine, and its bounds on the screen.
 struct FoundOccluder {
     item: ItemIndex,
     cluster: u32,
+    /// Whether the bounds are those of a mesh node with several clusters.
+    is_fine: bool,
     rect: Rect,
     nearest: f32,
 }
@@ -260,16 +262,16 @@ impl Resolver {
         self.doubtful.clear();
     }
 
-    /// Notes a cluster that is rasterized as an occluder.
-    pub(super) fn note_occluder(&mut self, faces: &Faces, region: &Region) {
-        if let FaceSource::Item(item, cluster) = faces.source {
-            self.occluders.push(FoundOccluder {
+    /// Notes clusters of an item within `region` that may be occluders.
+    pub(super) fn note_occluders(&mut self, item: ItemIndex, clusters: &[u32], region: &Region) {
+        self.occluders
+            .extend(clusters.iter().map(|&cluster| FoundOccluder {
                 item,
                 cluster,
+                is_fine: clusters.len() > 1,
                 rect: region.rect,
                 nearest: region.nearest,
-            });
-        }
+            }));
     }
 
     /// Begins an item. Unless doubtful items are resolved, one passing sample is enough to keep it.
@@ -340,6 +342,16 @@ impl Resolver {
             }
             let screen_from_item = passage.screen_from(&geometry.item(occluder.item).transform());
             let faces = Faces::of_cluster(geometry, occluder.item, occluder.cluster, &screen_from_item);
+            if !faces.can_occlude {
+                continue;
+            }
+            if occluder.is_fine {
+                let bounds = &geometry.mesh_of(occluder.item).clusters()[occluder.cluster as usize].bounds;
+                let own = Region::of(passage, &screen_from_item, bounds);
+                if own.is_none_or(|own| !self.depths.gains(grid, &own.rect, own.nearest)) {
+                    continue;
+                }
+            }
             let mut sink = DepthSink {
                 grid,
                 depths: &mut self.depths,

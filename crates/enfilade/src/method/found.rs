@@ -195,10 +195,7 @@ impl<A: OcclusionTest> Walk<'_, A> {
                 || match part {
                     FoundPart::Cluster(cluster) => self.sees_cluster(item, cluster, &screen_from_item),
                     FoundPart::Group(node, clusters) => {
-                        self.sees_node(item, node, &screen_from_item)
-                            && clusters
-                                .iter()
-                                .any(|&cluster| self.sees_cluster(item, cluster, &screen_from_item))
+                        self.sees_group(item, node, clusters, &screen_from_item)
                     }
                 };
             seen |= stays;
@@ -276,20 +273,19 @@ impl<A: OcclusionTest> Walk<'_, A> {
             let mesh = self.geometry.mesh_of(item);
             let (stays, more) = match part {
                 FoundPart::Cluster(_) if are_many => (true, 0),
-                FoundPart::Cluster(cluster) => {
-                    let cluster = &mesh.clusters()[cluster as usize];
+                FoundPart::Cluster(number) => {
+                    let cluster = &mesh.clusters()[number as usize];
                     // Nobody knows where in its box a cluster without faces is.
                     let count = match cluster.faces.len() {
                         0 => MAX_FACES_TESTED + 1,
                         count => count,
                     };
-                    let region = Region::of(self.passage, &screen_from_item, &cluster.bounds);
-                    let stays = region.is_some_and(|region| self.enter(&region) != Visibility::Hidden);
-                    (stays, count)
+                    (self.sees_cluster(item, number, &screen_from_item), count)
                 }
-                FoundPart::Group(node, _) => {
+                FoundPart::Group(node, clusters) => {
                     let triangles = mesh.below().triangles(node) as usize;
-                    (self.sees_node(item, node, &screen_from_item), triangles)
+                    let stays = self.sees_group(item, node, clusters, &screen_from_item);
+                    (stays, triangles)
                 }
             };
             let before = faces;
@@ -304,10 +300,20 @@ impl<A: OcclusionTest> Walk<'_, A> {
         });
     }
 
-    fn sees_node(&mut self, item: ItemIndex, node: u32, screen_from_item: &DAffine3) -> bool {
+    /// Tests the box of a mesh node, then those of its clusters.
+    fn sees_group(
+        &mut self,
+        item: ItemIndex,
+        node: u32,
+        clusters: &[u32],
+        screen_from_item: &DAffine3,
+    ) -> bool {
         let bounds = self.geometry.mesh_of(item).tree().bounds(node);
         let region = Region::of(self.passage, screen_from_item, bounds);
         region.is_some_and(|region| self.enter(&region) != Visibility::Hidden)
+            && clusters
+                .iter()
+                .any(|&cluster| self.sees_cluster(item, cluster, screen_from_item))
     }
 
     /// Tests the faces of a cluster; returns `false` if they are hidden.

@@ -425,7 +425,7 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
 
     fn faces_within(&mut self, faces: &Faces, region: &Region) {
         let FaceSource::Item(item, cluster) = faces.source else {
-            return;
+            return self.faces(faces);
         };
         let stays = !A::TAKES_FACES
             || faces.count() == 0

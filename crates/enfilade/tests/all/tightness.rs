@@ -14,10 +14,13 @@ const CUT_OUT: u32 = 2;
 /// A quad by its corners, counter-clockwise from the front.
 type Quad = [[f32; 3]; 4];
 
-/// An item of one quad.
+/// An item of one quad, in `side` × `side` parts.
 struct Item {
     name: &'static str,
     corners: Quad,
+    side: u32,
+    /// Whether the middle third of its columns is missing.
+    split: bool,
     material: u32,
     transform: Transform,
 }
@@ -26,8 +29,33 @@ fn item(name: &'static str, corners: Quad, material: u32) -> Item {
     Item {
         name,
         corners,
+        side: 1,
+        split: false,
         material,
         transform: Transform::IDENTITY,
+    }
+}
+
+impl Item {
+    fn mesh(&self) -> Mesh {
+        let between =
+            |a: [f32; 3], b: [f32; 3], part: f32| [0, 1, 2].map(|axis| a[axis] + (b[axis] - a[axis]) * part);
+        let [a, b, c, d] = self.corners;
+        let side = self.side;
+        let part = |step: u32| step as f32 / side as f32;
+        let positions: Vec<[f32; 3]> = (0..(side + 1) * (side + 1))
+            .map(|at| [part(at % (side + 1)), part(at / (side + 1))])
+            .map(|[u, v]| between(between(a, b, u), between(d, c, u), v))
+            .collect();
+        let corners: Vec<u32> = (0..side * side)
+            .map(|at| [at % side, at / side])
+            .filter(|[u, _]| !self.split || !(side / 3..2 * side / 3).contains(u))
+            .flat_map(|[u, v]| {
+                let [low, high] = [v, v + 1].map(|v| v * (side + 1) + u);
+                [low, low + 1, high + 1, low, high + 1, high]
+            })
+            .collect();
+        Mesh::triangles(&positions, &corners, MaterialId(self.material)).expect("triangles")
     }
 }
 
@@ -47,8 +75,7 @@ fn listed(items: &[Item], view: &View, tightness: Tightness) -> Vec<String> {
         },
     ]);
     for item in items {
-        let mesh = Mesh::triangles(&item.corners, &[0, 1, 2, 0, 2, 3], MaterialId(item.material));
-        let mesh = geometry.mesh(mesh.expect("two triangles"));
+        let mesh = geometry.mesh(item.mesh());
         geometry.item(item.name, mesh, item.transform);
     }
     let mut scene = SceneBuilder::new();
@@ -74,6 +101,11 @@ fn ahead() -> View {
     View::new([0.0; 3], [0.0, 0.0, -1.0], [129, 97]).expect("a valid view")
 }
 
+/// Returns a quad around the z axis.
+fn facing([x0, x1]: [f32; 2], half: f32, z: f32) -> Quad {
+    [[x0, -half, z], [x1, -half, z], [x1, half, z], [x0, half, z]]
+}
+
 /// Returns a quad in the sloped plane z = −6 − 1.5·x, moved back by `behind`, around x = `middle`.
 fn sloped(middle: f32, half: f32, behind: f32) -> Quad {
     [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| {
@@ -93,6 +125,37 @@ fn an_item_close_behind_a_sloped_wall_is_left_out_by_its_samples_alone() {
         assert_eq!(listed(&items, &ahead(), tightness), ["before", "behind", "wall"]);
     }
     assert_eq!(listed(&items, &ahead(), Resolved), ["before", "wall"]);
+}
+
+#[test]
+fn a_wall_too_fine_to_be_worth_drawing_hides_what_is_resolved_unless_it_is_cut_out() {
+    let items = |material| {
+        let wall = item("wall", facing([-3.4, 3.4], 2.5, -4.0), material);
+        // Of eleven samples a triangle.
+        let wall = Item { side: 25, ..wall };
+        [wall, item("behind", facing([0.2, 0.3], 0.05, -5.0), OPAQUE)]
+    };
+    assert_eq!(listed(&items(OPAQUE), &ahead(), Boxes), ["behind", "wall"]);
+    assert_eq!(listed(&items(OPAQUE), &ahead(), Resolved), ["wall"]);
+    assert_eq!(listed(&items(CUT_OUT), &ahead(), Resolved), ["behind", "wall"]);
+}
+
+#[test]
+fn a_fine_item_seen_in_the_gap_between_its_two_hidden_halves_alone_is_left_out() {
+    let halves = |split| Item {
+        side: 30,
+        split,
+        ..item("halves", facing([-2.0, 2.0], 0.4, -6.0), OPAQUE)
+    };
+    for tightness in [Boxes, Faces, Resolved] {
+        let listed = |split| {
+            let posts = [[-1.6, -0.35], [0.35, 1.6]].map(|at| item("post", facing(at, 0.6, -4.0), OPAQUE));
+            let [left, right] = posts;
+            listed(&[left, right, halves(split)], &ahead(), tightness)
+        };
+        assert_eq!(listed(true), ["post", "post"], "{tightness:?}");
+        assert_eq!(listed(false), ["halves", "post", "post"], "{tightness:?}");
+    }
 }
 
 #[test]

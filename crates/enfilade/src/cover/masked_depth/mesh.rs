@@ -3,7 +3,8 @@
 //! Faces are split at the median of their centres into parts of up to 256 triangles, each with its box: parts are drawn
 //! front to back, and only those that are not hidden yet. So few vertices are transformed in vain, and those of a part
 //! stay in the L1 cache. Positions are stored as arrays of sixteen x, y and z. Two successive triangles that form a
-//! planar convex quad are merged.
+//! planar convex quad are merged. Faces index the vertices of their part: with the corners of sixteen faces in the order of
+//! the kernels instead, separate quads took 16 % less time, but Sponza 20 % more, because it shares vertices.
 //! Source: order as in Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016, section 4.
 //! Cost: O(faces log faces).
 //! Conservative: as [`batch`](super::batch). A merged quad is no nearer than its four corners, and covers what its two

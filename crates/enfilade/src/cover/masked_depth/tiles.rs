@@ -43,7 +43,9 @@ pub(super) type RevDepth = [f32; SUB_TILES_OF_BAND];
 
 /// Depth and coverage of 32×16 samples; three cache lines.
 ///
-/// Stores reversed depths as bits: they are not negative, so the bits sort like the numbers.
+/// Stores reversed depths as bits: they are not negative, so the bits sort like the numbers. Each array is a vector of
+/// the wide kernels: with one line per row of sub-tiles instead, small faces were as fast, and wide triangles took 14 to
+/// 20 % longer.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Tile {

@@ -1,5 +1,5 @@
 //! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `targets`, `public-api`, `ci-long`, `charts`,
-//! `lines` and `scenes`.
+//! `lines`, `rooms` and `scenes`.
 #![forbid(unsafe_code)]
 
 mod charts;
@@ -8,6 +8,7 @@ mod fingerprint;
 mod fuzz_scenes;
 mod lines;
 mod public_api;
+mod rooms;
 mod scenes;
 mod targets;
 mod verify;
@@ -34,6 +35,8 @@ enum Task {
     Charts(charts::Args),
     /// Counts the lines of code of each crate, without blank lines, comments, docs and tests
     Lines(lines::Args),
+    /// Compares the rooms and doors found in buildings with the true ones
+    Rooms(rooms::Args),
     /// Lists the real scenes, where they are published, and checks a folder of them
     Scenes(scenes::Args),
 }
@@ -51,6 +54,7 @@ fn main() -> anyhow::Result<()> {
         Task::CiLong(args) => ci_long::run(&args),
         Task::Charts(args) => charts::run(&args),
         Task::Lines(args) => lines::run(&args),
+        Task::Rooms(args) => rooms::run(&args),
         Task::Scenes(args) => scenes::run(&args),
     }
 }

@@ -32,6 +32,7 @@ mod line;
 mod pairs;
 mod passages;
 mod random;
+mod rooms;
 mod saved;
 mod separators;
 mod ways;
@@ -42,5 +43,9 @@ pub use cells::{Cells, CellsError, Portal};
 
 pub use line::{Witness, find_missing};
 pub use pairs::{PairsOptions, VisiblePairs};
+pub use rooms::{
+    FoundRooms, PortalKind, Room, RoomItem, RoomMesh, RoomOptions, RoomPortal, RoomVoxels, RoomsError,
+    RoomsInput, Up, find_rooms, is_door_name,
+};
 pub use saved::ResumeError;
 pub use work::{PairsWork, Stage, TooLarge};

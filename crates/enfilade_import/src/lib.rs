@@ -122,6 +122,7 @@ mod levels;
 mod obj;
 mod pin;
 mod quake;
+mod room_items;
 mod rooms;
 mod source_nodes;
 mod spoken;
@@ -141,6 +142,7 @@ pub use quake::{
     PrtKind, RebuiltPortals, place_portals, read_portals, rebuild_portals, rebuild_portals_bytes,
     visibility_bytes, with_ambient_sounds, with_visibility,
 };
+pub use room_items::SceneRoomItems;
 pub use source_nodes::SourceNodes;
 pub use terrain::{GridError, GridPlace, TerrainError};
 pub use warning::{Warning, WarningKind};

@@ -1,0 +1,304 @@
+//! Finds the rooms, doors and windows of a building in its triangles, without markup.
+//!
+//! Voxelizes the building, floods each horizontal slice from the middles of its free parts ([`slice`]), and joins the
+//! regions of all slices to rooms ([`stacks`]). Where two rooms meet and nothing opaque is between them, there is a door,
+//! a window or an opening ([`portals`]).
+//! Source: Haumont, Debeir, Sillion, Volumetric Cell-and-Portal Generation, Eurographics 2003; here by slices, because a
+//!     building whose slabs are missing would be one cell.
+//! Cost: O(voxels), 0.1 m wide, or as wide that there are at most 60 million.
+//! Approximate: rooms are what most people would call so. Looks do not use them.
+
+mod grid;
+mod input;
+mod merge;
+mod portals;
+mod slice;
+mod stacks;
+mod voxels;
+
+pub use input::{RoomItem, RoomMesh, RoomsInput, Up, is_door_name};
+pub use portals::{PortalKind, RoomPortal};
+pub use voxels::RoomVoxels;
+
+use grid::{Grid, VoxelSet};
+use input::{Bounds, Metric};
+use rayon::prelude::*;
+use slice::NONE;
+use thiserror::Error;
+use voxels::Solids;
+
+/// Options of [`find_rooms`]. Lengths are in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RoomOptions {
+    /// The vertical axis. Default [`Up::Y`].
+    pub up: Up,
+    /// Metres per scene unit. Default 1.
+    pub metres_per_unit: f64,
+    /// Side of a voxel. Default 0.1. Larger if there would be more than `max_voxels`.
+    pub step: f64,
+    /// Maximum number of voxels. Default 60 million; one takes about 5 bytes.
+    pub max_voxels: usize,
+    /// Items with an extent below this on all axes separate no rooms. Default 1.
+    pub clutter: f64,
+    /// Minimum volume of a room, in cubic metres. Default 2.
+    pub min_volume: f64,
+    /// Minimum height of a room. Default 1.2.
+    pub min_height: f64,
+    /// Minimum distance to the walls in the middle of a room. Default 0.25.
+    pub min_half_width: f64,
+    /// Rooms are joined where the contact between them is at least this wide, as a share of the side of a square with
+    /// the floor area of the smaller room. Default 0.5: columns do not split a hall, doorways separate rooms.
+    pub join_width: f64,
+}
+
+impl Default for RoomOptions {
+    fn default() -> RoomOptions {
+        RoomOptions {
+            up: Up::Y,
+            metres_per_unit: 1.0,
+            step: 0.1,
+            max_voxels: 60_000_000,
+            clutter: 1.0,
+            min_volume: 2.0,
+            min_height: 1.2,
+            min_half_width: 0.25,
+            join_width: 0.5,
+        }
+    }
+}
+
+/// Why rooms could not be found.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RoomsError {
+    /// A triangle refers to a position that does not exist.
+    #[error("mesh {mesh} has a triangle with position {index}, but only {positions} positions")]
+    NoSuchPosition {
+        /// Index of the mesh.
+        mesh: usize,
+        /// Index of the position.
+        index: u32,
+        /// Number of positions.
+        positions: usize,
+    },
+    /// An item refers to a mesh that does not exist.
+    #[error("item {item} has mesh {mesh}, but there are only {meshes}")]
+    NoSuchMesh {
+        /// Index of the item.
+        item: usize,
+        /// Index of the mesh.
+        mesh: usize,
+        /// Number of meshes.
+        meshes: usize,
+    },
+    /// There is nothing that could separate rooms.
+    #[error("there are no triangles with an area")]
+    NoTriangles,
+    /// An option is not a number above zero.
+    #[error("option {option} is {value}; it must be a number above zero")]
+    BadOption {
+        /// Name of the option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// A room.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Room {
+    /// Volume of its free space, in cubic metres.
+    pub volume: f64,
+    /// Floor area: volume over height, in square metres.
+    pub area: f64,
+    /// Lower and upper corner of its free space, in scene coordinates.
+    pub bounds: [[f64; 3]; 2],
+    /// Height of its floor in metres, along the up axis.
+    pub floor: f64,
+    /// Items in it or at its border, by index.
+    pub items: Vec<u32>,
+}
+
+/// The rooms of a building.
+pub struct FoundRooms {
+    /// Rooms; other fields refer to them by index.
+    pub rooms: Vec<Room>,
+    /// The room that is not enclosed, if there is one.
+    pub outside: Option<u32>,
+    /// Doors, windows and openings.
+    pub portals: Vec<RoomPortal>,
+    /// The voxels that they were found in.
+    pub voxels: RoomVoxels,
+}
+
+/// Finds rooms, and the doors and windows between them. Uses the rayon pool of the caller; the result does not depend on
+/// the number of threads.
+///
+/// # Errors
+/// Returns a [`RoomsError`] if an index is out of range, an option is not above zero, or there are no triangles.
+pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRooms, RoomsError> {
+    input.check()?;
+    options.check()?;
+    let metric = Metric {
+        up: options.up,
+        metres_per_unit: options.metres_per_unit,
+    };
+    let bounds = input.bounds(&metric);
+    let classes = voxels::classify(input, &bounds, options);
+    let extent = voxels::extent(input, &bounds, &metric, options)?;
+    // The margin is a way around the building for the exterior.
+    let grid = Grid::around(&extent, 1.0, options.step, options.max_voxels.max(1000));
+    let solids = Solids::new(&grid, input, &classes, &metric);
+    let stacks::Labels {
+        rooms: mut labels,
+        count,
+        outside,
+    } = stacks::find(&grid, |voxel| solids.separating.has(voxel), options);
+    let free = VoxelSet::new(&grid);
+    (0..grid.len()).into_par_iter().for_each(|voxel| {
+        if labels[voxel] != NONE {
+            free.insert(voxel);
+        }
+    });
+    let mut rooms = measure(&grid, &metric, &labels, count);
+    stacks::grow(&grid, &mut labels);
+    list_items(input, &grid, &metric, &labels, &mut rooms);
+    let voxels = RoomVoxels {
+        grid,
+        metric,
+        solids,
+        labels,
+        free,
+    };
+    let portals = portals::find(&voxels, &classes, &bounds);
+    Ok(FoundRooms {
+        rooms,
+        outside: (outside != NONE).then_some(outside),
+        portals,
+        voxels,
+    })
+}
+
+impl RoomOptions {
+    fn check(&self) -> Result<(), RoomsError> {
+        let numbers = [
+            ("metres_per_unit", self.metres_per_unit),
+            ("step", self.step),
+            ("clutter", self.clutter),
+            ("min_volume", self.min_volume),
+            ("min_height", self.min_height),
+            ("min_half_width", self.min_half_width),
+            ("join_width", self.join_width),
+        ];
+        let bad = numbers
+            .into_iter()
+            .find(|&(_, value)| !(value > 0.0 && value < f64::INFINITY));
+        bad.map_or(Ok(()), |(option, value)| {
+            Err(RoomsError::BadOption { option, value })
+        })
+    }
+}
+
+/// Measures the free space of each room.
+fn measure(grid: &Grid, metric: &Metric, labels: &[u32], count: usize) -> Vec<Room> {
+    struct Extent {
+        voxels: u64,
+        low: [usize; 3],
+        high: [usize; 3],
+    }
+    let none = || -> Vec<Extent> {
+        let empty = |_| Extent {
+            voxels: 0,
+            low: [usize::MAX; 3],
+            high: [0; 3],
+        };
+        (0..count).map(empty).collect()
+    };
+    let slice_len = grid.slice_len();
+    let extents = labels
+        .par_chunks(slice_len)
+        .enumerate()
+        .fold(none, |mut extents, (slice, labels)| {
+            for (voxel, &label) in labels.iter().enumerate().filter(|(_, label)| **label != NONE) {
+                let place = [voxel % grid.size[0], slice, voxel / grid.size[0]];
+                let extent = &mut extents[label as usize];
+                extent.voxels += 1;
+                for axis in 0..3 {
+                    extent.low[axis] = extent.low[axis].min(place[axis]);
+                    extent.high[axis] = extent.high[axis].max(place[axis] + 1);
+                }
+            }
+            extents
+        })
+        .reduce(none, |mut sum, part| {
+            for (sum, part) in sum.iter_mut().zip(part) {
+                sum.voxels += part.voxels;
+                for axis in 0..3 {
+                    sum.low[axis] = sum.low[axis].min(part.low[axis]);
+                    sum.high[axis] = sum.high[axis].max(part.high[axis]);
+                }
+            }
+            sum
+        });
+    let room = |Extent { voxels, low, high }: Extent| {
+        let at = |place: [usize; 3]| {
+            metric.scene([0, 1, 2].map(|axis| grid.origin[axis] + place[axis] as f64 * grid.step))
+        };
+        let [one, other] = [at(low), at(high)];
+        let volume = voxels as f64 * grid.step.powi(3);
+        let height = (high[1] - low[1]) as f64 * grid.step;
+        Room {
+            volume,
+            area: volume / height,
+            bounds: [
+                [0, 1, 2].map(|axis| one[axis].min(other[axis])),
+                [0, 1, 2].map(|axis| one[axis].max(other[axis])),
+            ],
+            floor: grid.origin[1] + low[1] as f64 * grid.step,
+            items: Vec::new(),
+        }
+    };
+    extents.into_iter().map(room).collect()
+}
+
+/// Lists the items of each room: all that touch a voxel of it.
+fn list_items(input: &RoomsInput, grid: &Grid, metric: &Metric, labels: &[u32], rooms: &mut [Room]) {
+    let touched = |item| {
+        let mut rooms: Vec<u32> = Vec::new();
+        let mut last = NONE;
+        input.for_each_triangle(item, metric, |corners, _| {
+            grid.for_each_voxel_of(corners, |voxel| {
+                let label = labels[voxel];
+                if label != last && label != NONE {
+                    last = label;
+                    if let Err(place) = rooms.binary_search(&label) {
+                        rooms.insert(place, label);
+                    }
+                }
+            });
+        });
+        rooms
+    };
+    let of_items: Vec<Vec<u32>> = (0..input.items.len()).into_par_iter().map(touched).collect();
+    for (item, of_item) in of_items.iter().enumerate() {
+        for &room in of_item {
+            rooms[room as usize].items.push(item as u32);
+        }
+    }
+}
+
+/// Returns a box of the items' boxes that contain a point within a margin.
+fn containing(
+    bounds: &[Bounds],
+    which: impl Fn(usize) -> bool,
+    point: [f64; 3],
+    margin: f64,
+) -> Option<usize> {
+    let near = (0..bounds.len()).filter(|&item| which(item) && bounds[item].is_near(point, margin));
+    // The smallest, because large ones contain others.
+    near.min_by(|&a, &b| {
+        let size = |item: usize| bounds[item].size().iter().sum::<f64>();
+        size(a).total_cmp(&size(b))
+    })
+}

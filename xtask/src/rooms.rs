@@ -6,7 +6,7 @@
 
 use anyhow::{Context, Result, ensure};
 use enfilade::Method;
-use enfilade_bake::{FoundRooms, PortalKind, RoomOptions, RoomVoxels, find_rooms};
+use enfilade_bake::{FoundRooms, RoomOptions, RoomVoxels, find_rooms};
 use enfilade_import::{ReadOptions, SceneRoomItems, read};
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
@@ -98,8 +98,58 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         let seconds = start.elapsed().as_secs_f64();
         if !truth_path(scene).exists() {
             let g = found.voxels.size();
-            println!("{}: {} rooms, {} portals, {:?} voxels = {:.1} M of {:.3} m, {seconds:.2} s", scene.display(), found.rooms.len(), found.portals.len(), g, g.iter().product::<usize>() as f64 / 1e6, found.voxels.step());
+            println!(
+                "{}: {} rooms, {} portals, {:?} voxels = {:.1} M of {:.3} m, {seconds:.2} s",
+                scene.display(),
+                found.graph.rooms().len(),
+                found.graph.doors().len(),
+                g,
+                g.iter().product::<usize>() as f64 / 1e6,
+                found.voxels.step()
+            );
             continue;
+        }
+        if args.no_names {
+            let name = |item: u32| items.input.items[item as usize].name;
+            let right = found
+                .suggestions
+                .iter()
+                .filter(|door| enfilade_bake::is_door_name(name(door.item)))
+                .count();
+            let truth = truth_of(scene)?;
+            let doors = truth
+                .portals
+                .iter()
+                .filter(|portal| !portal.is_window && portal.rooms[0].is_some() && portal.rooms[1].is_some());
+            let (mut all, mut suggested) = (0, 0);
+            for portal in doors {
+                all += 1;
+                let hit = found.suggestions.iter().any(|door| {
+                    (0..3).all(|axis| {
+                        portal.min[axis] - 0.2 <= door.middle[axis]
+                            && door.middle[axis] <= portal.max[axis] + 0.2
+                    })
+                });
+                suggested += usize::from(hit);
+                if args.verbose && !hit {
+                    println!(
+                        "  not suggested: {} {:?} {:?}",
+                        portal.name, portal.min, portal.max
+                    );
+                }
+            }
+            if args.verbose {
+                for door in &found.suggestions {
+                    if !enfilade_bake::is_door_name(name(door.item)) {
+                        println!("   wrong {} at {:?}", name(door.item), door.middle);
+                    }
+                }
+            }
+            println!(
+                "{}: {} suggestions, {right} right; {suggested} of {all} doors",
+                scene.display(),
+                found.suggestions.len()
+            );
         }
         let truth = truth_of(scene)?;
         let score = score(&found, &truth, args.verbose);
@@ -326,7 +376,10 @@ fn score(found: &FoundRooms, truth: &Truth, verbose: bool) -> Score {
     let count = truth.names.len();
     // Numbers of voxels: of true rooms, all and free; of found ones, all and inside a true one; of both.
     let [mut all, mut free] = [vec![0_u32; count], vec![0_u32; count]];
-    let [mut own, mut inside] = [vec![0_u32; found.rooms.len()], vec![0_u32; found.rooms.len()]];
+    let [mut own, mut inside] = [
+        vec![0_u32; found.graph.rooms().len()],
+        vec![0_u32; found.graph.rooms().len()],
+    ];
     let mut both: BTreeMap<(u32, u16), u32> = BTreeMap::new();
     for (voxel, &label) in labels.iter().enumerate() {
         let room = voxels.free_room(voxel);
@@ -349,11 +402,13 @@ fn score(found: &FoundRooms, truth: &Truth, verbose: bool) -> Score {
         let most = shared(room, label);
         (most > 0 && 2 * most >= inside[room as usize]).then_some(label)
     };
-    let owners: Vec<Option<u16>> = (0..found.rooms.len() as u32).map(owner_of).collect();
+    let owners: Vec<Option<u16>> = (0..found.graph.rooms().len() as u32).map(owner_of).collect();
     let mut score = Score {
         rooms: count,
-        found: (0..found.rooms.len())
-            .filter(|&room| owners[room].is_some() && Some(room as u32) != found.outside)
+        found: (0..found.graph.rooms().len())
+            .filter(|&room| {
+                owners[room].is_some() && found.graph.outside() != Some(enfilade_bake::RoomId(room as u32))
+            })
             .count(),
         ..Score::default()
     };
@@ -462,8 +517,8 @@ fn score_portals(
             for z in low[2]..high[2] {
                 for x in low[0]..high[0] {
                     let voxel = voxels.index([x, y, z]);
-                    for axis in 0..3 {
-                        let next = voxel + strides[axis];
+                    for (axis, stride) in strides.into_iter().enumerate() {
+                        let next = voxel + stride;
                         let rooms = [voxels.room(voxel), voxels.room(next)];
                         if rooms[0] == rooms[1] || voxels.is_opaque(voxel) || voxels.is_opaque(next) {
                             continue;
@@ -500,7 +555,6 @@ fn score_portals(
             );
         }
     }
-    let _ = PortalKind::Door;
 }
 
 impl Score {

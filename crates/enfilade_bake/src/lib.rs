@@ -44,8 +44,9 @@ pub use cells::{Cells, CellsError, Portal};
 pub use line::{Witness, find_missing};
 pub use pairs::{PairsOptions, VisiblePairs};
 pub use rooms::{
-    FoundRooms, PortalKind, Room, RoomItem, RoomMesh, RoomOptions, RoomPortal, RoomVoxels, RoomsError,
-    RoomsInput, Up, find_rooms, is_door_name,
+    Door, DoorId, DoorKind, DoorSuggestion, FoundRooms, Room, RoomChange, RoomFileError, RoomGraph, RoomId,
+    RoomItem, RoomMesh, RoomOptions, RoomPath, RoomTracker, RoomVoxels, RoomsError, RoomsInput, SoundLoss,
+    Up, find_rooms, is_door_name,
 };
 pub use saved::ResumeError;
 pub use work::{PairsWork, Stage, TooLarge};

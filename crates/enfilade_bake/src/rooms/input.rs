@@ -59,7 +59,7 @@ pub enum Up {
 }
 
 /// Maps scene coordinates to metres with y up.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Metric {
     pub(super) up: Up,
     pub(super) metres_per_unit: f64,
@@ -100,11 +100,10 @@ impl Bounds {
         max: [f64::NEG_INFINITY; 3],
     };
 
-    pub(super) fn add(&mut self, point: [f64; 3]) {
-        for axis in 0..3 {
-            self.min[axis] = self.min[axis].min(point[axis]);
-            self.max[axis] = self.max[axis].max(point[axis]);
-        }
+    pub(super) fn add(&mut self, point: impl Into<[f64; 3]>) {
+        let point = point.into();
+        self.min = [0, 1, 2].map(|axis| self.min[axis].min(point[axis]));
+        self.max = [0, 1, 2].map(|axis| self.max[axis].max(point[axis]));
     }
 
     pub(super) fn is_empty(&self) -> bool {

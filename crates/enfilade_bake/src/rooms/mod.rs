@@ -2,26 +2,36 @@
 //!
 //! Voxelizes the building, floods each horizontal slice from the middles of its free parts ([`slice`]), and joins the
 //! regions of all slices to rooms ([`stacks`]). Where two rooms meet and nothing opaque is between them, there is a door,
-//! a window or an opening ([`portals`]).
+//! a window or an opening ([`doors`]).
 //! Source: Haumont, Debeir, Sillion, Volumetric Cell-and-Portal Generation, Eurographics 2003; here by slices, because a
 //!     building whose slabs are missing would be one cell.
 //! Cost: O(voxels), 0.1 m wide, or as wide that there are at most 60 million.
 //! Approximate: rooms are what most people would call so. Looks do not use them.
 
+mod doors;
+mod file;
+mod graph;
 mod grid;
 mod input;
+mod labels;
 mod merge;
-mod portals;
+mod sight;
 mod slice;
 mod stacks;
+mod suggest;
 mod voxels;
 
+pub use file::RoomFileError;
+pub use graph::{
+    Door, DoorId, DoorKind, Room, RoomChange, RoomGraph, RoomId, RoomPath, RoomTracker, SoundLoss,
+};
 pub use input::{RoomItem, RoomMesh, RoomsInput, Up, is_door_name};
-pub use portals::{PortalKind, RoomPortal};
+pub use suggest::DoorSuggestion;
 pub use voxels::RoomVoxels;
 
 use grid::{Grid, VoxelSet};
 use input::{Bounds, Metric};
+use labels::LabelGrid;
 use rayon::prelude::*;
 use slice::NONE;
 use thiserror::Error;
@@ -105,29 +115,12 @@ pub enum RoomsError {
     },
 }
 
-/// A room.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Room {
-    /// Volume of its free space, in cubic metres.
-    pub volume: f64,
-    /// Floor area: volume over height, in square metres.
-    pub area: f64,
-    /// Lower and upper corner of its free space, in scene coordinates.
-    pub bounds: [[f64; 3]; 2],
-    /// Height of its floor in metres, along the up axis.
-    pub floor: f64,
-    /// Items in it or at its border, by index.
-    pub items: Vec<u32>,
-}
-
-/// The rooms of a building.
+/// The rooms of a building, and what they were found in.
 pub struct FoundRooms {
-    /// Rooms; other fields refer to them by index.
-    pub rooms: Vec<Room>,
-    /// The room that is not enclosed, if there is one.
-    pub outside: Option<u32>,
-    /// Doors, windows and openings.
-    pub portals: Vec<RoomPortal>,
+    /// Rooms, doors and windows.
+    pub graph: RoomGraph,
+    /// Items that may be closed doors, though nothing says so.
+    pub suggestions: Vec<DoorSuggestion>,
     /// The voxels that they were found in.
     pub voxels: RoomVoxels,
 }
@@ -161,9 +154,12 @@ pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRoom
             free.insert(voxel);
         }
     });
-    let mut rooms = measure(&grid, &metric, &labels, count);
+    let extents = measure(&grid, &labels, count);
     stacks::grow(&grid, &mut labels);
+    let outside = (outside != NONE).then_some(RoomId(outside));
+    let (mut rooms, storeys) = rooms_of(&grid, &metric, &extents, outside);
     list_items(input, &grid, &metric, &labels, &mut rooms);
+    let compact = LabelGrid::new(&grid, &labels);
     let voxels = RoomVoxels {
         grid,
         metric,
@@ -171,11 +167,10 @@ pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRoom
         labels,
         free,
     };
-    let portals = portals::find(&voxels, &classes, &bounds);
+    let doors = doors::find(&voxels, &classes, &bounds);
     Ok(FoundRooms {
-        rooms,
-        outside: (outside != NONE).then_some(outside),
-        portals,
+        graph: RoomGraph::new(rooms, doors, outside, storeys, metric, compact),
+        suggestions: suggest::find(input, &voxels, &classes, &bounds),
         voxels,
     })
 }
@@ -200,13 +195,15 @@ impl RoomOptions {
     }
 }
 
+/// The free space of a room: number of voxels, and first and end place (exclusive).
+struct Extent {
+    voxels: u64,
+    low: [usize; 3],
+    high: [usize; 3],
+}
+
 /// Measures the free space of each room.
-fn measure(grid: &Grid, metric: &Metric, labels: &[u32], count: usize) -> Vec<Room> {
-    struct Extent {
-        voxels: u64,
-        low: [usize; 3],
-        high: [usize; 3],
-    }
+fn measure(grid: &Grid, labels: &[u32], count: usize) -> Vec<Extent> {
     let none = || -> Vec<Extent> {
         let empty = |_| Extent {
             voxels: 0,
@@ -216,7 +213,7 @@ fn measure(grid: &Grid, metric: &Metric, labels: &[u32], count: usize) -> Vec<Ro
         (0..count).map(empty).collect()
     };
     let slice_len = grid.slice_len();
-    let extents = labels
+    labels
         .par_chunks(slice_len)
         .enumerate()
         .fold(none, |mut extents, (slice, labels)| {
@@ -224,42 +221,74 @@ fn measure(grid: &Grid, metric: &Metric, labels: &[u32], count: usize) -> Vec<Ro
                 let place = [voxel % grid.size[0], slice, voxel / grid.size[0]];
                 let extent = &mut extents[label as usize];
                 extent.voxels += 1;
-                for axis in 0..3 {
-                    extent.low[axis] = extent.low[axis].min(place[axis]);
-                    extent.high[axis] = extent.high[axis].max(place[axis] + 1);
-                }
+                extent.low = [0, 1, 2].map(|axis| extent.low[axis].min(place[axis]));
+                extent.high = [0, 1, 2].map(|axis| extent.high[axis].max(place[axis] + 1));
             }
             extents
         })
         .reduce(none, |mut sum, part| {
             for (sum, part) in sum.iter_mut().zip(part) {
                 sum.voxels += part.voxels;
-                for axis in 0..3 {
-                    sum.low[axis] = sum.low[axis].min(part.low[axis]);
-                    sum.high[axis] = sum.high[axis].max(part.high[axis]);
-                }
+                sum.low = [0, 1, 2].map(|axis| sum.low[axis].min(part.low[axis]));
+                sum.high = [0, 1, 2].map(|axis| sum.high[axis].max(part.high[axis]));
             }
             sum
-        });
-    let room = |Extent { voxels, low, high }: Extent| {
-        let at = |place: [usize; 3]| {
+        })
+}
+
+/// Returns the rooms with their names, and the floor of each storey, in metres.
+fn rooms_of(
+    grid: &Grid,
+    metric: &Metric,
+    extents: &[Extent],
+    outside: Option<RoomId>,
+) -> (Vec<Room>, Vec<f64>) {
+    /// Minimum height between the floors of two storeys.
+    const STOREY: f64 = 1.5;
+    let is_outside = |room: usize| outside == Some(RoomId(room as u32));
+    let floor = |extent: &Extent| grid.origin[1] + extent.low[1] as f64 * grid.step;
+    let indoors = extents.iter().enumerate().filter(|&(room, _)| !is_outside(room));
+    let mut floors: Vec<f64> = indoors.map(|(_, extent)| floor(extent)).collect();
+    floors.sort_by(f64::total_cmp);
+    let mut storeys: Vec<f64> = Vec::new();
+    for floor in floors {
+        if storeys.last().is_none_or(|&last| floor - last > STOREY) {
+            storeys.push(floor);
+        }
+    }
+    let mut numbers = vec![0; storeys.len()];
+    let room = |(number, extent): (usize, &Extent)| {
+        let Extent { voxels, low, high } = extent;
+        let at = |place: &[usize; 3]| {
             metric.scene([0, 1, 2].map(|axis| grid.origin[axis] + place[axis] as f64 * grid.step))
         };
-        let [one, other] = [at(low), at(high)];
-        let volume = voxels as f64 * grid.step.powi(3);
-        let height = (high[1] - low[1]) as f64 * grid.step;
+        let mut bounds = Bounds::EMPTY;
+        bounds.add(at(low));
+        bounds.add(at(high));
+        let volume = *voxels as f64 * grid.step.powi(3);
+        let storey = storeys
+            .partition_point(|&storey| storey <= floor(extent))
+            .saturating_sub(1);
+        let name = if is_outside(number) {
+            "outside".to_owned()
+        } else {
+            numbers[storey] += 1;
+            format!("{storey}.{:02}", numbers[storey])
+        };
         Room {
-            volume,
-            area: volume / height,
+            name,
+            volume: rounded(volume, f64::round),
+            area: rounded(volume / ((high[1] - low[1]) as f64 * grid.step), f64::round),
+            storey: storey as u32,
             bounds: [
-                [0, 1, 2].map(|axis| one[axis].min(other[axis])),
-                [0, 1, 2].map(|axis| one[axis].max(other[axis])),
+                bounds.min.map(|value| rounded(value, f64::floor)),
+                bounds.max.map(|value| rounded(value, f64::ceil)),
             ],
-            floor: grid.origin[1] + low[1] as f64 * grid.step,
             items: Vec::new(),
         }
     };
-    extents.into_iter().map(room).collect()
+    let rooms = extents.iter().enumerate().map(room).collect();
+    (rooms, storeys)
 }
 
 /// Lists the items of each room: all that touch a voxel of it.
@@ -301,4 +330,11 @@ fn containing(
         let size = |item: usize| bounds[item].size().iter().sum::<f64>();
         size(a).total_cmp(&size(b))
     })
+}
+
+/// Rounds to a multiple of 10⁻⁴ by `round`: short numbers in files.
+fn rounded(value: f64, round: fn(f64) -> f64) -> f64 {
+    let rounded = round(value * 1e4) / 1e4;
+    // Beyond 2⁵³ / 10⁴ every number is long, and a product could overflow.
+    if rounded.is_finite() { rounded } else { value }
 }

@@ -2,38 +2,14 @@
 //!
 //! Cost: O(voxels), and O(open faces · leaves of doors) where leaves are.
 
-use super::containing;
+use super::graph::{Door, DoorKind, RoomId};
 use super::input::{Bounds, Class};
 use super::slice::NONE;
 use super::voxels::RoomVoxels;
+use super::{containing, rounded};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
-
-/// What is between two rooms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum PortalKind {
-    /// The leaf of a door or gate.
-    Door,
-    /// Glass.
-    Window,
-    /// Nothing.
-    Opening,
-}
-
-/// A door, a window or an opening between two rooms.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RoomPortal {
-    /// The rooms on its two sides, the lower index first.
-    pub rooms: [u32; 2],
-    /// What is in it.
-    pub kind: PortalKind,
-    /// The leaf of a door, by item index.
-    pub leaf: Option<u32>,
-    /// Open area, in square metres: that of voxels without opaque parts.
-    pub area: f64,
-    /// A rectangle around it, in scene coordinates.
-    pub polygon: [[f64; 3]; 4],
-}
 
 /// A face between two voxels of different rooms.
 #[derive(Clone, Copy)]
@@ -44,12 +20,12 @@ struct Face {
 }
 
 /// Faces that belong together: rooms, kind and leaf.
-type Key = ([u32; 2], PortalKind, Option<u32>);
+type Key = ([u32; 2], DoorKind, Option<u32>);
 
 /// Groups smaller than this, in square metres, are joined to a larger one that they touch.
 const SLIVER: f64 = 0.3;
 
-pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds]) -> Vec<RoomPortal> {
+pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds]) -> Vec<Door> {
     let grid = &voxels.grid;
     let slice_len = grid.slice_len();
     let strides = grid.strides();
@@ -92,8 +68,10 @@ pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds]) ->
         })
         .collect();
     join_slivers(voxels, &mut groups);
-    let portal = |(key, faces): &(Key, Vec<Face>)| portal(voxels, *key, faces);
-    groups.iter().map(portal).collect()
+    groups
+        .iter()
+        .map(|(key, faces)| door(voxels, *key, faces))
+        .collect()
 }
 
 fn key_of(voxels: &RoomVoxels, face: Face, classes: &[Class], bounds: &[Bounds]) -> Key {
@@ -106,13 +84,13 @@ fn key_of(voxels: &RoomVoxels, face: Face, classes: &[Class], bounds: &[Bounds])
     if let Some(voxel) = pair.into_iter().find(|&voxel| voxels.solids.leaves.has(voxel)) {
         let is_leaf = |item: usize| classes[item] == Class::Leaf;
         let leaf = containing(bounds, is_leaf, voxels.grid.center(voxel), voxels.grid.step);
-        return (rooms, PortalKind::Door, leaf.map(|item| item as u32));
+        return (rooms, DoorKind::Door, leaf.map(|item| item as u32));
     }
     let is_glass = pair.into_iter().any(|voxel| voxels.is_separating(voxel));
     let kind = if is_glass {
-        PortalKind::Window
+        DoorKind::Window
     } else {
-        PortalKind::Opening
+        DoorKind::Opening
     };
     (rooms, kind, None)
 }
@@ -199,20 +177,18 @@ fn join_slivers(voxels: &RoomVoxels, groups: &mut Vec<(Key, Vec<Face>)>) {
 }
 
 /// Fits a rectangle to a group of faces.
-fn portal(voxels: &RoomVoxels, (rooms, kind, leaf): Key, faces: &[Face]) -> RoomPortal {
+fn door(voxels: &RoomVoxels, (rooms, kind, leaf): Key, faces: &[Face]) -> Door {
     let step = voxels.grid.step;
-    let centers: Vec<[f64; 3]> = faces
+    let centers: Vec<DVec3> = faces
         .iter()
         .map(|face| {
             let mut at = voxels.grid.center(face.voxel as usize);
             at[face.axis as usize] += 0.5 * step;
-            at
+            DVec3::from(at)
         })
         .collect();
-    let count = centers.len() as f64;
-    let mean = [0, 1, 2].map(|axis| centers.iter().map(|at| at[axis]).sum::<f64>() / count);
+    let mean = centers.iter().sum::<DVec3>() / centers.len() as f64;
     let level = faces.iter().filter(|face| face.axis == 1).count();
-    let is_level = 2 * level > faces.len();
     // Direction in plan along which the centres spread most.
     let spread = |a: usize, b: usize| -> f64 {
         centers
@@ -221,39 +197,47 @@ fn portal(voxels: &RoomVoxels, (rooms, kind, leaf): Key, faces: &[Face]) -> Room
             .sum()
     };
     let angle = 0.5 * (2.0 * spread(0, 2)).atan2(spread(0, 0) - spread(2, 2));
-    let along = [angle.cos(), 0.0, angle.sin()];
-    let across = [-along[2], 0.0, along[0]];
-    let up = if is_level { across } else { [0.0, 1.0, 0.0] };
-    let normal = if is_level { [0.0, 1.0, 0.0] } else { across };
-    let reach = |direction: [f64; 3]| {
-        let at = |center: &[f64; 3]| -> f64 {
-            (0..3)
-                .map(|axis| (center[axis] - mean[axis]) * direction[axis])
-                .sum()
-        };
-        let low = centers.iter().map(at).fold(f64::INFINITY, f64::min) - 0.5 * step;
-        let high = centers.iter().map(at).fold(f64::NEG_INFINITY, f64::max) + 0.5 * step;
-        [low, high]
+    let along = DVec3::new(angle.cos(), 0.0, angle.sin());
+    let across = DVec3::new(-along.z, 0.0, along.x);
+    let [up, normal] = if 2 * level > faces.len() {
+        [across, DVec3::Y]
+    } else {
+        [DVec3::Y, across]
+    };
+    let reach = |direction: DVec3| {
+        let places = || centers.iter().map(|at| (*at - mean).dot(direction));
+        [
+            places().fold(f64::INFINITY, f64::min) - 0.5 * step,
+            places().fold(f64::NEG_INFINITY, f64::max) + 0.5 * step,
+        ]
     };
     let [left, right] = reach(along);
     let [bottom, top] = reach(up);
-    let corner = |a: f64, b: f64| {
-        voxels
-            .metric
-            .scene([0, 1, 2].map(|axis| mean[axis] + a * along[axis] + b * up[axis]))
-    };
+    // To a tenth of a millimetre, the bounds outwards: short numbers in files.
+    let scene = |at: DVec3| voxels.metric.scene(at.into());
+
+    let mut bounds = Bounds::EMPTY;
+    for center in &centers {
+        bounds.add(scene(*center - 0.5 * step));
+        bounds.add(scene(*center + 0.5 * step));
+    }
     // Faces of a slanted boundary form steps: only their projection counts.
     let area: f64 = faces.iter().map(|face| normal[face.axis as usize].abs()).sum();
-    RoomPortal {
-        rooms,
+    let corner = |a: f64, b: f64| scene(mean + a * along + b * up).map(|value| rounded(value, f64::round));
+    Door {
+        rooms: rooms.map(RoomId),
         kind,
         leaf,
-        area: area * step * step,
+        area: rounded(area * step * step, f64::round),
         polygon: [
             corner(left, bottom),
             corner(right, bottom),
             corner(right, top),
             corner(left, top),
+        ],
+        bounds: [
+            bounds.min.map(|value| rounded(value, f64::floor)),
+            bounds.max.map(|value| rounded(value, f64::ceil)),
         ],
     }
 }

@@ -1,0 +1,325 @@
+//! Rooms as JSON: written by `enfilade rooms`, read by games.
+
+use super::NONE;
+use super::graph::{Door, DoorKind, Room, RoomGraph, RoomId};
+use super::grid::Grid;
+use super::input::{Metric, Up};
+use super::labels::LabelGrid;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Why JSON is no [`RoomGraph`].
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RoomFileError {
+    /// It is not JSON, or a value is missing or of the wrong type.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// It is of another format or version.
+    #[error("it is format {format:?}, version {version}; expected {FORMAT:?}, version {VERSION}")]
+    OtherFormat {
+        /// Value of `format`.
+        format: String,
+        /// Value of `version`.
+        version: u32,
+    },
+    /// A value contradicts another.
+    #[error("{place}: {rule}")]
+    Inconsistent {
+        /// Where the value is.
+        place: String,
+        /// What it must be.
+        rule: &'static str,
+    },
+}
+
+const FORMAT: &str = "enfilade-rooms";
+const VERSION: u32 = 1;
+
+/// Maximum number of rows of voxels: a small file must not need much memory.
+const MAX_ROWS: usize = 1 << 26;
+
+#[derive(Serialize, Deserialize)]
+struct File {
+    format: String,
+    version: u32,
+    up: UpName,
+    metres_per_unit: f64,
+    /// Height of the floor of each storey along the up axis, in metres.
+    storeys: Vec<f64>,
+    outside: Option<u32>,
+    rooms: Vec<RoomEntry>,
+    doors: Vec<DoorEntry>,
+    labels: Labels,
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum UpName {
+    X,
+    Y,
+    Z,
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct BoundsEntry {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+#[derive(Serialize, Deserialize)]
+struct RoomEntry {
+    name: String,
+    volume_m3: f64,
+    area_m2: f64,
+    storey: u32,
+    bounds: BoundsEntry,
+    items: Vec<u32>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct DoorEntry {
+    rooms: [u32; 2],
+    kind: KindName,
+    leaf: Option<u32>,
+    area_m2: f64,
+    polygon: [[f64; 3]; 4],
+    bounds: BoundsEntry,
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum KindName {
+    Door,
+    Window,
+    Opening,
+}
+
+/// The room of each voxel.
+#[derive(Serialize, Deserialize)]
+struct Labels {
+    size: [usize; 3],
+    origin: [f64; 3],
+    step: f64,
+    /// Runs of voxels along x: end (exclusive) and room (−1 for none), in turn.
+    patterns: Vec<Vec<i64>>,
+    /// Rows along x, by z, then by y: how many have the same pattern, and its index, in turn.
+    rows: Vec<u32>,
+}
+
+impl RoomGraph {
+    /// Returns the graph as JSON. Which doors are open is not part of it.
+    pub fn to_json(&self) -> String {
+        let bounds = |[min, max]: [[f64; 3]; 2]| BoundsEntry { min, max };
+        let room = |room: &Room| RoomEntry {
+            name: room.name.clone(),
+            volume_m3: room.volume,
+            area_m2: room.area,
+            storey: room.storey,
+            bounds: bounds(room.bounds),
+            items: room.items.clone(),
+        };
+        let door = |door: &Door| DoorEntry {
+            rooms: door.rooms.map(|room| room.0),
+            kind: match door.kind {
+                DoorKind::Door => KindName::Door,
+                DoorKind::Window => KindName::Window,
+                DoorKind::Opening => KindName::Opening,
+            },
+            leaf: door.leaf,
+            area_m2: door.area,
+            polygon: door.polygon,
+            bounds: bounds(door.bounds),
+        };
+        let file = File {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            up: match self.metric.up {
+                Up::X => UpName::X,
+                Up::Y => UpName::Y,
+                Up::Z => UpName::Z,
+            },
+            metres_per_unit: self.metric.metres_per_unit,
+            storeys: self.storeys.clone(),
+            outside: self.outside.map(|room| room.0),
+            rooms: self.rooms.iter().map(room).collect(),
+            doors: self.doors.iter().map(door).collect(),
+            labels: labels_entry(&self.labels),
+        };
+        serde_json::to_string(&file).unwrap_or_default()
+    }
+
+    /// Reads a graph from JSON; all doors with a leaf are closed. Unknown keys are ignored.
+    ///
+    /// # Errors
+    /// Returns a [`RoomFileError`] if it is not what [`RoomGraph::to_json`] writes.
+    pub fn from_json(json: &str) -> Result<RoomGraph, RoomFileError> {
+        #[derive(Deserialize)]
+        struct Head {
+            format: String,
+            version: u32,
+        }
+        let Head { format, version } = serde_json::from_str(json)?;
+        if format != FORMAT || version != VERSION {
+            return Err(RoomFileError::OtherFormat { format, version });
+        }
+        let file: File = serde_json::from_str(json)?;
+        let wrong = |place: &str, rule| {
+            Err(RoomFileError::Inconsistent {
+                place: place.to_owned(),
+                rule,
+            })
+        };
+        let count = file.rooms.len() as u32;
+        if !(file.metres_per_unit > 0.0 && file.metres_per_unit < f64::INFINITY) {
+            return wrong("metres_per_unit", "must be a number above zero");
+        }
+        if file.outside.is_some_and(|room| room >= count) {
+            return wrong("outside", "must be the index of a room");
+        }
+        for (number, room) in file.rooms.iter().enumerate() {
+            if room.storey as usize >= file.storeys.len().max(1) {
+                return wrong(
+                    &format!("rooms[{number}].storey"),
+                    "must be the index of a storey",
+                );
+            }
+        }
+        for (number, door) in file.doors.iter().enumerate() {
+            let [one, other] = door.rooms;
+            if one >= other || other >= count {
+                return wrong(
+                    &format!("doors[{number}].rooms"),
+                    "must be the indices of two rooms, the lower first",
+                );
+            }
+        }
+        let labels = read_labels(&file.labels, count)?;
+        let bounds = |BoundsEntry { min, max }| [min, max];
+        let room = |room: RoomEntry| Room {
+            name: room.name,
+            volume: room.volume_m3,
+            area: room.area_m2,
+            storey: room.storey,
+            bounds: bounds(room.bounds),
+            items: room.items,
+        };
+        let door = |door: DoorEntry| Door {
+            rooms: door.rooms.map(RoomId),
+            kind: match door.kind {
+                KindName::Door => DoorKind::Door,
+                KindName::Window => DoorKind::Window,
+                KindName::Opening => DoorKind::Opening,
+            },
+            leaf: door.leaf,
+            area: door.area_m2,
+            polygon: door.polygon,
+            bounds: bounds(door.bounds),
+        };
+        let metric = Metric {
+            up: match file.up {
+                UpName::X => Up::X,
+                UpName::Y => Up::Y,
+                UpName::Z => Up::Z,
+            },
+            metres_per_unit: file.metres_per_unit,
+        };
+        Ok(RoomGraph::new(
+            file.rooms.into_iter().map(room).collect(),
+            file.doors.into_iter().map(door).collect(),
+            file.outside.map(RoomId),
+            file.storeys,
+            metric,
+            labels,
+        ))
+    }
+}
+
+fn labels_entry(labels: &LabelGrid) -> Labels {
+    let LabelGrid {
+        grid,
+        rows,
+        firsts,
+        runs,
+    } = labels;
+    let room_number = |room: u32| if room == NONE { -1 } else { i64::from(room) };
+    let pattern = |ends: &[u32]| {
+        let runs = &runs[ends[0] as usize..ends[1] as usize];
+        runs.iter()
+            .flat_map(|&[end, room]| [i64::from(end), room_number(room)])
+            .collect()
+    };
+    let same = rows.chunk_by(|a, b| a == b);
+    Labels {
+        size: grid.size,
+        origin: grid.origin,
+        step: grid.step,
+        patterns: firsts.windows(2).map(pattern).collect(),
+        rows: same.flat_map(|same| [same.len() as u32, same[0]]).collect(),
+    }
+}
+
+fn read_labels(file: &Labels, rooms: u32) -> Result<LabelGrid, RoomFileError> {
+    let wrong = |place: &str, rule| {
+        Err(RoomFileError::Inconsistent {
+            place: place.to_owned(),
+            rule,
+        })
+    };
+    let [columns, slices, depth] = file.size;
+    let Some(row_count) = slices.checked_mul(depth).filter(|&rows| rows <= MAX_ROWS) else {
+        return wrong("labels.size", "must have at most 2^26 rows along x");
+    };
+    if !(file.step > 0.0 && file.step < f64::INFINITY) || file.origin.iter().any(|value| !value.is_finite()) {
+        return wrong(
+            "labels.step",
+            "must be a number above zero, and origin three numbers",
+        );
+    }
+    let mut labels = LabelGrid {
+        grid: Grid {
+            size: file.size,
+            origin: file.origin,
+            step: file.step,
+        },
+        rows: Vec::new(),
+        firsts: vec![0],
+        runs: Vec::new(),
+    };
+    for (number, pattern) in file.patterns.iter().enumerate() {
+        let (runs, left) = pattern.as_chunks::<2>();
+        let mut last = 0;
+        for &[end, room] in runs {
+            if end <= last || end > columns as i64 || room < -1 || room >= i64::from(rooms) {
+                return wrong(
+                    &format!("labels.patterns[{number}]"),
+                    "must be increasing ends up to the width, each with the index of a room or -1",
+                );
+            }
+            last = end;
+            labels
+                .runs
+                .push([end as u32, u32::try_from(room).unwrap_or(NONE)]);
+        }
+        if !left.is_empty() || last != columns as i64 {
+            return wrong(
+                &format!("labels.patterns[{number}]"),
+                "must be pairs that end at the width",
+            );
+        }
+        labels.firsts.push(labels.runs.len() as u32);
+    }
+    let (pairs, left) = file.rows.as_chunks::<2>();
+    let total: u64 = pairs.iter().map(|&[count, _]| u64::from(count)).sum();
+    let is_known = |&[_, pattern]: &[u32; 2]| (pattern as usize) < file.patterns.len();
+    if !left.is_empty() || total != row_count as u64 || !pairs.iter().all(is_known) {
+        return wrong(
+            "labels.rows",
+            "must be pairs of a count and the index of a pattern, as many rows in all as the size says",
+        );
+    }
+    for &[count, pattern] in pairs {
+        labels.rows.extend(std::iter::repeat_n(pattern, count as usize));
+    }
+    Ok(labels)
+}

@@ -94,6 +94,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         });
         let mut options = RoomOptions::default();
         options.join_width = args.join;
+        if args.verbose {
+            println!(
+                "{:?} {:?}",
+                enfilade_bake::detect_up(&items.input),
+                enfilade_bake::detect_metres_per_unit(&items.input, enfilade_bake::Up::Y)
+            );
+        }
         let found = find_rooms(&items.input, &options)?;
         let seconds = start.elapsed().as_secs_f64();
         if !truth_path(scene).exists() {

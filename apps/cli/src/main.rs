@@ -8,6 +8,7 @@ mod check;
 mod choose;
 mod compare;
 mod draw;
+mod html;
 mod info;
 mod json;
 #[cfg(feature = "levels")]
@@ -24,6 +25,7 @@ mod prepare;
 mod progress;
 mod read;
 mod report;
+mod rooms;
 mod run_files;
 mod save;
 mod text;
@@ -73,6 +75,7 @@ fn main() -> ExitCode {
         Some(Verb::Link(args)) => link::run(&args),
         Some(Verb::Vis(args)) => vis::run(args),
         Some(Verb::Portals(args)) => portals::run(&args),
+        Some(Verb::Rooms(args)) => rooms::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };
     match outcome {

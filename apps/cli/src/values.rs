@@ -175,6 +175,14 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     seconds.ok_or_else(|| "expected a number of seconds, such as 600 or 0.5".to_owned())
 }
 
+/// Parses a length in metres, above 0 and at most 10⁶.
+pub(crate) fn metres(text: &str) -> Result<f64, String> {
+    let metres: Option<f64> = text.parse().ok();
+    metres
+        .filter(|metres| *metres > 0.0 && *metres <= 1e6)
+        .ok_or_else(|| "expected a number of metres above 0, such as 0.1".to_owned())
+}
+
 /// Parses bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let wants = || "expected a number of bytes, such as 2GB, 500MB, 1.5GiB or 1000000".to_owned();

@@ -46,7 +46,7 @@ pub use pairs::{PairsOptions, VisiblePairs};
 pub use rooms::{
     Door, DoorId, DoorKind, DoorSuggestion, FoundRooms, Room, RoomChange, RoomFileError, RoomGraph, RoomId,
     RoomItem, RoomMesh, RoomOptions, RoomPath, RoomTracker, RoomVoxels, RoomsError, RoomsInput, SoundLoss,
-    Up, find_rooms, is_door_name,
+    Up, detect_metres_per_unit, detect_up, find_rooms, is_door_name,
 };
 pub use saved::ResumeError;
 pub use work::{PairsWork, Stage, TooLarge};

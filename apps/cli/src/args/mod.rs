@@ -3,10 +3,12 @@
 mod bench;
 mod choose;
 mod maps;
+mod rooms;
 
 pub(crate) use bench::BenchArgs;
 pub(crate) use choose::ChooseArgs;
 pub(crate) use maps::{PortalsArgs, VisArgs};
+pub(crate) use rooms::RoomsArgs;
 
 use crate::values::{self, Choice};
 use clap::{Parser, Subcommand};
@@ -56,6 +58,8 @@ pub(crate) enum Verb {
     Vis(VisArgs),
     /// Rebuild the lost .prt of a compiled Quake map
     Portals(PortalsArgs),
+    /// Find the rooms, doors and windows of a building, and draw its floor plans
+    Rooms(RoomsArgs),
     /// Print the contents of a scene file
     Info(InfoArgs),
 }
@@ -455,7 +459,7 @@ mod tests {
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");
         helps.extend(verbs.map(|verb| verb.render_help().to_string()));
-        assert_eq!(helps.len(), 10);
+        assert_eq!(helps.len(), 11);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
             assert!(

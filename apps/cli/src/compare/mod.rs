@@ -4,7 +4,6 @@ mod charts;
 mod contested;
 mod difference;
 mod embed;
-mod html;
 mod page;
 mod pictures;
 mod summary;

@@ -1,8 +1,8 @@
 //! The HTML page: one self-contained file.
 
 use super::charts::{self, Bar, Unit};
-use super::html::escaped;
 use super::{Comparison, summary, views};
+use crate::html::escaped;
 use crate::report::Report;
 use anyhow::Result;
 

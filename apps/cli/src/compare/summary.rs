@@ -2,7 +2,7 @@
 
 use super::Comparison;
 use super::charts::color;
-use super::html::escaped;
+use crate::html::escaped;
 use crate::report::Report;
 use crate::text::{bytes, count, ms, plural, short, table};
 use enfilade::Contract;

@@ -1,9 +1,9 @@
 //! The sections of the page: pictures and numbers of each view.
 
 use super::Comparison;
-use super::html::escaped;
 use super::pictures::{MethodPictures, ViewPictures};
 use super::summary::{failures, method};
+use crate::html::escaped;
 use crate::report::{CheckReport, Report, ViewReport};
 use crate::text::{count, ms, plural, point};
 

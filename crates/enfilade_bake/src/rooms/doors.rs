@@ -25,14 +25,20 @@ type Key = ([u32; 2], DoorKind, Option<u32>);
 /// Groups smaller than this, in square metres, are joined to a larger one that they touch.
 const SLIVER: f64 = 0.3;
 
+/// Openings smaller than this, in square metres, are gaps: nobody passes. So are parts of a door that lead elsewhere.
+const GAP: f64 = 0.4;
+
 pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds]) -> Vec<Door> {
     let grid = &voxels.grid;
     let slice_len = grid.slice_len();
     let strides = grid.strides();
+    // Free, a pane or a leaf; not a gap inside a wall, which nothing separates and no room reaches.
+    let shows =
+        |voxel: usize| !voxels.is_opaque(voxel) && (voxels.free.has(voxel) || voxels.is_separating(voxel));
     let of_slice = |slice: usize| {
         let mut faces = Vec::new();
         for voxel in slice * slice_len..(slice + 1) * slice_len {
-            if voxels.is_opaque(voxel) {
+            if !shows(voxel) {
                 continue;
             }
             let one = voxels.labels[voxel];
@@ -43,7 +49,7 @@ pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds]) ->
                 }
                 let next = voxel + strides[axis];
                 let other = voxels.labels[next];
-                if one != other && one != NONE && other != NONE && !voxels.is_opaque(next) {
+                if one != other && one != NONE && other != NONE && shows(next) {
                     let face = Face {
                         voxel: voxel as u32,
                         axis: axis as u8,
@@ -223,6 +229,10 @@ fn door(voxels: &RoomVoxels, (rooms, kind, leaf): Key, faces: &[Face]) -> Door {
     }
     // Faces of a slanted boundary form steps: only their projection counts.
     let area: f64 = faces.iter().map(|face| normal[face.axis as usize].abs()).sum();
+    let kind = match kind {
+        DoorKind::Opening | DoorKind::Door if area * step * step < GAP => DoorKind::Gap,
+        kind => kind,
+    };
     let corner = |a: f64, b: f64| scene(mean + a * along + b * up).map(|value| rounded(value, f64::round));
     Door {
         rooms: rooms.map(RoomId),

@@ -93,6 +93,7 @@ enum KindName {
     Door,
     Window,
     Opening,
+    Gap,
 }
 
 /// The room of each voxel.
@@ -125,6 +126,7 @@ impl RoomGraph {
                 DoorKind::Door => KindName::Door,
                 DoorKind::Window => KindName::Window,
                 DoorKind::Opening => KindName::Opening,
+                DoorKind::Gap => KindName::Gap,
             },
             leaf: door.leaf,
             area_m2: door.area,
@@ -210,6 +212,7 @@ impl RoomGraph {
                 KindName::Door => DoorKind::Door,
                 KindName::Window => DoorKind::Window,
                 KindName::Opening => DoorKind::Opening,
+                KindName::Gap => DoorKind::Gap,
             },
             leaf: door.leaf,
             area: door.area_m2,

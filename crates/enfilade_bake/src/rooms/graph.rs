@@ -42,6 +42,8 @@ pub enum DoorKind {
     Window,
     /// Nothing: always open.
     Opening,
+    /// A hole that is too small to pass: light and sound pass.
+    Gap,
 }
 
 /// A door, a window or an opening between two rooms.
@@ -244,7 +246,7 @@ impl RoomGraph {
         self.is_open[door.0 as usize]
     }
 
-    /// Opens or closes a door. Windows and openings stay as they are.
+    /// Opens or closes a door. Windows, openings and gaps stay as they are.
     ///
     /// # Panics
     /// If there is no such door.
@@ -260,9 +262,9 @@ impl RoomGraph {
         doors.filter_map(move |(door, number)| (door.leaf == Some(item)).then_some(DoorId(number)))
     }
 
-    /// Returns `true` if light passes: a window, an opening, or an open door.
+    /// Returns `true` if light passes: all but closed doors.
     fn shows(&self, door: DoorId) -> bool {
-        self.is_open(door) || self.doors[door.0 as usize].kind == DoorKind::Window
+        self.is_open(door) || self.doors[door.0 as usize].kind != DoorKind::Door
     }
 
     /// Returns the shortest way between two points through open doors and openings. `None` if there is none, or a point
@@ -332,7 +334,7 @@ impl RoomGraph {
         match self.doors[door.0 as usize].kind {
             DoorKind::Window => loss.window,
             DoorKind::Door if !self.is_open(door) => loss.door,
-            DoorKind::Door | DoorKind::Opening => 0.0,
+            DoorKind::Door | DoorKind::Opening | DoorKind::Gap => 0.0,
         }
     }
 

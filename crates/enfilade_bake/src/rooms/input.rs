@@ -32,7 +32,8 @@ pub struct RoomItem<'a> {
     pub mesh: usize,
     /// Object-to-world transform: three columns of the linear part, then the translation.
     pub world_from_item: [[f64; 3]; 4],
-    /// Whether the item is the leaf of a door or gate: it separates rooms but can be opened.
+    /// Whether the item is the leaf of a door or gate, if it is at least a metre high: it separates rooms but can be
+    /// opened.
     pub movable: bool,
 }
 
@@ -188,17 +189,68 @@ impl RoomsInput<'_> {
     }
 }
 
-/// Returns `true` if a name is that of a door or gate in English, French, German, Italian or Spanish.
+/// Returns `true` if a name is that of a door or gate in English, French, German, Italian or Spanish, but not of furniture
+/// with doors.
 pub fn is_door_name(name: &str) -> bool {
-    const WORDS: [&str; 9] = [
-        "door", "gate", "tuer", "tür", "tor", "porte", "porta", "puerta", "portail",
+    const WORDS: [&str; 7] = ["gate", "tor", "porte", "porta", "portone", "puerta", "portail"];
+    const ENDINGS: [&str; 2] = ["tür", "tuer"];
+    const OTHERS: [&str; 11] = [
+        "indoor", "outdoor", "cabinet", "furni", "closet", "wardrobe", "cupboard", "fridge", "oven",
+        "drawer", "shower",
     ];
     let name = name.to_lowercase();
+    if OTHERS.iter().any(|other| name.contains(other)) {
+        return false;
+    }
     // Whole words, so that a motor or a portal is none.
-    name.split(|letter: char| !letter.is_alphabetic()).any(|word| {
-        WORDS
-            .iter()
-            .any(|&known| word == known || word.strip_suffix('s') == Some(known))
-            || word.contains("door")
-    })
+    let is_door = |word: &str| {
+        WORDS.contains(&word.trim_end_matches('s')) || ENDINGS.iter().any(|ending| word.ends_with(ending))
+    };
+    name.contains("door") || name.split(|letter: char| !letter.is_alphabetic()).any(is_door)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn doors_are_known_by_name() {
+        for door in [
+            "Door_01",
+            "IfcDoor:M_Single",
+            "Innentuer-1",
+            "garden gates",
+            "Porte.002",
+            "sliding-door",
+            "Tür",
+        ] {
+            assert!(is_door_name(door), "{door}");
+        }
+        for other in [
+            "motor",
+            "Hall-portal",
+            "OutdoorChair",
+            "Tall Cabinet-Single Door",
+            "navigator",
+            "",
+        ] {
+            assert!(!is_door_name(other), "{other}");
+        }
+    }
+
+    #[test]
+    fn metres_and_scene_units_are_inverse() {
+        for up in [Up::X, Up::Y, Up::Z] {
+            let metric = Metric {
+                up,
+                metres_per_unit: 0.25,
+            };
+            assert_eq!(metric.scene(metric.metres([1.0, 2.0, 3.0])), [1.0, 2.0, 3.0]);
+        }
+        let metric = Metric {
+            up: Up::Z,
+            metres_per_unit: 1.0,
+        };
+        assert_eq!(metric.metres([1.0, 2.0, 3.0])[1], 3.0);
+    }
 }

@@ -19,6 +19,7 @@ mod sight;
 mod slice;
 mod stacks;
 mod suggest;
+mod units;
 mod voxels;
 
 pub use file::RoomFileError;
@@ -27,6 +28,7 @@ pub use graph::{
 };
 pub use input::{RoomItem, RoomMesh, RoomsInput, Up, is_door_name};
 pub use suggest::DoorSuggestion;
+pub use units::{detect_metres_per_unit, detect_up};
 pub use voxels::RoomVoxels;
 
 use grid::{Grid, VoxelSet};
@@ -142,6 +144,7 @@ pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRoom
     let extent = voxels::extent(input, &bounds, &metric, options)?;
     // The margin is a way around the building for the exterior.
     let grid = Grid::around(&extent, 1.0, options.step, options.max_voxels.max(1000));
+    let options = &options.at_least_voxels(grid.step);
     let solids = Solids::new(&grid, input, &classes, &metric);
     let stacks::Labels {
         rooms: mut labels,
@@ -176,6 +179,16 @@ pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRoom
 }
 
 impl RoomOptions {
+    /// Returns options for which a room has at least a few voxels on each axis.
+    fn at_least_voxels(&self, step: f64) -> RoomOptions {
+        RoomOptions {
+            min_volume: self.min_volume.max(64.0 * step.powi(3)),
+            min_height: self.min_height.max(4.0 * step),
+            min_half_width: self.min_half_width.max(1.5 * step),
+            ..*self
+        }
+    }
+
     fn check(&self) -> Result<(), RoomsError> {
         let numbers = [
             ("metres_per_unit", self.metres_per_unit),
@@ -243,12 +256,26 @@ fn rooms_of(
     extents: &[Extent],
     outside: Option<RoomId>,
 ) -> (Vec<Room>, Vec<f64>) {
-    /// Minimum height between the floors of two storeys.
-    const STOREY: f64 = 1.5;
+    /// Minimum height between the floors of two storeys, in metres.
+    const STOREY: f64 = 1.8;
+    /// Minimum height of a room for its floor to be that of a storey: spaces above ceilings are lower.
+    const UPRIGHT: f64 = 1.9;
     let is_outside = |room: usize| outside == Some(RoomId(room as u32));
     let floor = |extent: &Extent| grid.origin[1] + extent.low[1] as f64 * grid.step;
-    let indoors = extents.iter().enumerate().filter(|&(room, _)| !is_outside(room));
-    let mut floors: Vec<f64> = indoors.map(|(_, extent)| floor(extent)).collect();
+    let height = |extent: &Extent| (extent.high[1] - extent.low[1]) as f64 * grid.step;
+    let indoors = || {
+        let rooms = extents.iter().enumerate();
+        rooms
+            .filter(|&(room, _)| !is_outside(room))
+            .map(|(_, extent)| extent)
+    };
+    let mut floors: Vec<f64> = indoors()
+        .filter(|extent| height(extent) >= UPRIGHT)
+        .map(floor)
+        .collect();
+    if floors.is_empty() {
+        floors = indoors().map(floor).collect();
+    }
     floors.sort_by(f64::total_cmp);
     let mut storeys: Vec<f64> = Vec::new();
     for floor in floors {
@@ -278,7 +305,7 @@ fn rooms_of(
         Room {
             name,
             volume: rounded(volume, f64::round),
-            area: rounded(volume / ((high[1] - low[1]) as f64 * grid.step), f64::round),
+            area: rounded(volume / height(extent), f64::round),
             storey: storey as u32,
             bounds: [
                 bounds.min.map(|value| rounded(value, f64::floor)),

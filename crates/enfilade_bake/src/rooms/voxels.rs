@@ -73,6 +73,11 @@ impl RoomVoxels {
         self.grid.step
     }
 
+    /// Returns a point of the scene in metres with y up.
+    pub fn metres(&self, point: [f64; 3]) -> [f64; 3] {
+        self.metric.metres(point)
+    }
+
     /// Returns the number of a voxel from its column, height and row.
     pub fn index(&self, place: [usize; 3]) -> usize {
         self.grid.index(place)
@@ -109,11 +114,15 @@ impl RoomVoxels {
     }
 }
 
+/// Minimum height of the leaf of a door, in metres.
+const MIN_LEAF: f64 = 1.0;
+
 /// Returns the class of each item.
 pub(super) fn classify(input: &RoomsInput, bounds: &[Bounds], options: &RoomOptions) -> Vec<Class> {
     let of = |(item, bounds): (&super::RoomItem, &Bounds)| {
         let extent = bounds.size().into_iter().fold(0.0, f64::max);
-        if item.movable {
+        // Lower ones are cupboards that are called doors.
+        if item.movable && bounds.size()[1] >= MIN_LEAF {
             Class::Leaf
         } else if extent < options.clutter {
             Class::Clutter

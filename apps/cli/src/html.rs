@@ -1,7 +1,7 @@
 //! Escapes text for HTML.
 
 /// Escapes everything that HTML would read as markup. Names come from files and may contain anything.
-pub(super) fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

@@ -1,0 +1,311 @@
+//! `rooms`: finds the rooms, doors and windows of a building, and draws its floor plans.
+
+mod outline;
+mod page;
+mod plan;
+
+use crate::Outcome;
+use crate::args::PortalArgs;
+use crate::args::RoomsArgs;
+use crate::json::{Sink, rounded};
+use crate::open::{OpenedScene, Purpose, allow_threads, open};
+use crate::out;
+use crate::progress::Progress;
+use crate::run_files::RunFiles;
+use crate::text::{plural, short, table};
+use crate::values::Choice;
+use anyhow::{Context, Result, anyhow};
+use enfilade_bake::{
+    DoorKind, FoundRooms, RoomId, RoomOptions, Up, detect_metres_per_unit, detect_up, find_rooms,
+    is_door_name,
+};
+use enfilade_import::SceneRoomItems;
+use serde::Serialize;
+use serde_json::Value;
+use std::time::Instant;
+
+/// The report.
+#[derive(Debug, Serialize)]
+struct RoomsReport {
+    file: String,
+    up: &'static str,
+    metres_per_unit: f64,
+    /// Side of a voxel, in metres.
+    voxel_m: f64,
+    voxels: usize,
+    storeys: usize,
+    rooms: Vec<RoomRow>,
+    doors: usize,
+    windows: usize,
+    openings: usize,
+    suggestions: Vec<Suggestion>,
+    seconds: f64,
+    warnings: Vec<String>,
+}
+
+/// A room in the report.
+#[derive(Debug, Serialize)]
+struct RoomRow {
+    name: String,
+    storey: u32,
+    outside: bool,
+    area_m2: f64,
+    height_m: f64,
+    volume_m3: f64,
+    doors: usize,
+    windows: usize,
+    openings: usize,
+    items: usize,
+}
+
+/// An item that may be a door.
+#[derive(Debug, Serialize)]
+struct Suggestion {
+    item: String,
+    rooms: [String; 2],
+    middle: [f64; 3],
+}
+
+/// Everything that the outputs show.
+struct Rooms<'a> {
+    report: RoomsReport,
+    found: &'a FoundRooms,
+    /// Name of each item of the input.
+    names: Vec<&'a str>,
+}
+
+/// Runs `rooms`.
+pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
+    let mut files = RunFiles::of(&args.scene.scene, None)?;
+    let output = args
+        .output
+        .as_deref()
+        .map(|path| files.writes(path))
+        .transpose()?;
+    let html = args.html.as_deref().map(|path| files.writes(path)).transpose()?;
+    let sink = Sink::new(&args.json, &mut files)?;
+    allow_threads(&args.limits)?;
+    let opened = open(
+        &args.scene.scene,
+        Purpose::Visibility,
+        Choice::All,
+        PortalArgs::default(),
+        &args.limits,
+        &mut files,
+    )?;
+    let progress = Progress::spinner("finding rooms");
+    let start = Instant::now();
+    let name = |sector, item| {
+        opened
+            .scene
+            .geometry(sector)
+            .map_or("", |geometry| geometry.name(item))
+    };
+    let items = SceneRoomItems::of(&opened.scene, |sector, item| is_door(args, name(sector, item)));
+    let mut options = RoomOptions::default();
+    options.up = up(args, &opened, &items);
+    options.metres_per_unit = match args.scale {
+        Some(scale) => scale,
+        None => detect_metres_per_unit(&items.input, options.up).unwrap_or(1.0),
+    };
+    options.step = args.voxel;
+    let found = find_rooms(&items.input, &options).map_err(|why| anyhow!("{}: {why}", opened.file))?;
+    let seconds = start.elapsed().as_secs_f64();
+    drop(progress);
+    let names: Vec<&str> = items.input.items.iter().map(|item| item.name).collect();
+    let rooms = Rooms {
+        report: report(&opened, &options, &found, &names, seconds),
+        found: &found,
+        names,
+    };
+    if let Some(output) = &output {
+        output.write(rooms.graph_json()?.as_bytes())?;
+    }
+    if let Some(html) = &html {
+        html.write(page::page(&rooms).as_bytes())?;
+    }
+    if !args.json.takes_stdout() {
+        out::print(&rooms.for_people(args))?;
+    }
+    sink.write(&rooms.report)?;
+    Ok(Outcome::Done)
+}
+
+/// Returns `true` if an item is a door by its name.
+fn is_door(args: &RoomsArgs, name: &str) -> bool {
+    if args.no_names {
+        false
+    } else if args.doors.is_empty() {
+        is_door_name(name)
+    } else {
+        let name = name.to_lowercase();
+        args.doors
+            .iter()
+            .any(|word| !word.is_empty() && name.contains(&word.to_lowercase()))
+    }
+}
+
+fn up(args: &RoomsArgs, opened: &OpenedScene, items: &SceneRoomItems) -> Up {
+    match args.up {
+        Some(up) => up.into(),
+        // All other formats have y up, once read.
+        None if opened.format == "OBJ" => detect_up(&items.input),
+        None => Up::Y,
+    }
+}
+
+fn report(
+    opened: &OpenedScene,
+    options: &RoomOptions,
+    found: &FoundRooms,
+    names: &[&str],
+    seconds: f64,
+) -> RoomsReport {
+    let graph = &found.graph;
+    let count = |kind: DoorKind| graph.doors().iter().filter(|door| door.kind == kind).count();
+    let axis = match options.up {
+        Up::X => 0,
+        Up::Y => 1,
+        Up::Z => 2,
+    };
+    let row = |(number, room): (u32, &enfilade_bake::Room)| {
+        let of = |kind: DoorKind| {
+            let doors = graph.neighbours(RoomId(number));
+            doors
+                .filter(|&(door, _)| graph.doors()[door.0 as usize].kind == kind)
+                .count()
+        };
+        let [low, high] = room.bounds;
+        RoomRow {
+            name: room.name.clone(),
+            storey: room.storey,
+            outside: graph.outside() == Some(RoomId(number)),
+            area_m2: rounded(room.area),
+            height_m: rounded((high[axis] - low[axis]) * options.metres_per_unit),
+            volume_m3: rounded(room.volume),
+            doors: of(DoorKind::Door),
+            windows: of(DoorKind::Window),
+            openings: of(DoorKind::Opening),
+            items: room.items.len(),
+        }
+    };
+    let room_name = |room: RoomId| graph.rooms()[room.0 as usize].name.clone();
+    let mut warnings = opened.warnings.clone();
+    let step = found.voxels.step();
+    if step > 1.5 * options.step {
+        warnings.push(format!(
+            "the scene is large, so voxels are {} m wide: smaller rooms and doors are missed",
+            short(step)
+        ));
+    }
+    RoomsReport {
+        file: opened.file.clone(),
+        up: ["x", "y", "z"][axis],
+        metres_per_unit: options.metres_per_unit,
+        voxel_m: rounded(step),
+        voxels: found.voxels.size().iter().product(),
+        storeys: graph.storeys().count(),
+        rooms: (0..).zip(graph.rooms()).map(row).collect(),
+        doors: count(DoorKind::Door),
+        windows: count(DoorKind::Window),
+        openings: count(DoorKind::Opening),
+        suggestions: found
+            .suggestions
+            .iter()
+            .map(|door| Suggestion {
+                item: names[door.item as usize].to_owned(),
+                rooms: door.rooms.map(room_name),
+                middle: door.middle.map(rounded),
+            })
+            .collect(),
+        seconds: rounded(seconds),
+        warnings,
+    }
+}
+
+impl Rooms<'_> {
+    /// Returns the graph as JSON, with the names of items.
+    fn graph_json(&self) -> Result<String> {
+        let mut graph: Value =
+            serde_json::from_str(&self.found.graph.to_json()).context("cannot encode the graph")?;
+        graph["file"] = self.report.file.as_str().into();
+        graph["item_names"] = self.names.clone().into();
+        graph["suggestions"] = serde_json::to_value(&self.report.suggestions)?;
+        Ok(graph.to_string() + "\n")
+    }
+
+    fn for_people(&self, args: &RoomsArgs) -> String {
+        /// Rows of tables before the rest is only counted.
+        const MAX_ROWS: usize = 40;
+        let report = &self.report;
+        let indoors: Vec<&RoomRow> = report.rooms.iter().filter(|room| !room.outside).collect();
+        let mut text = format!(
+            "{}: {} on {}, {}, {}, {}; {} s\n",
+            report.file,
+            plural(indoors.len(), "room"),
+            plural(report.storeys, "storey").replace("storeys", "storeys"),
+            plural(report.doors, "door"),
+            plural(report.windows, "window"),
+            plural(report.openings, "opening"),
+            short(report.seconds),
+        );
+        if report.metres_per_unit != 1.0 && args.scale.is_none() {
+            text += &format!(
+                "  a unit is taken as {} m, by the heights of rooms; --scale sets it\n",
+                short(report.metres_per_unit)
+            );
+        }
+        for warning in &report.warnings {
+            text += &format!("  warning: {warning}\n");
+        }
+        let mut sorted = indoors.clone();
+        sorted.sort_by(|a, b| a.storey.cmp(&b.storey).then(b.area_m2.total_cmp(&a.area_m2)));
+        let rows: Vec<Vec<String>> = sorted
+            .iter()
+            .take(MAX_ROWS)
+            .map(|room| {
+                vec![
+                    room.name.clone(),
+                    short(room.area_m2),
+                    short(room.height_m),
+                    room.doors.to_string(),
+                    room.windows.to_string(),
+                    room.openings.to_string(),
+                    room.items.to_string(),
+                ]
+            })
+            .collect();
+        if !rows.is_empty() {
+            text += "\n";
+            text += &table(
+                &["room", "m²", "height m", "doors", "windows", "openings", "items"],
+                &rows,
+            );
+        }
+        if sorted.len() > MAX_ROWS {
+            text += &format!("  and {} more; -o writes all\n", sorted.len() - MAX_ROWS);
+        }
+        if !report.suggestions.is_empty() {
+            text += &format!(
+                "\n{} may be closed doors, by their shape:\n",
+                plural(report.suggestions.len(), "item")
+            );
+            for suggestion in report.suggestions.iter().take(MAX_ROWS) {
+                let [one, other] = &suggestion.rooms;
+                text += &format!("  {} between {one} and {other}\n", suggestion.item);
+            }
+            if report.suggestions.len() > MAX_ROWS {
+                text += &format!(
+                    "  and {} more; --json lists all\n",
+                    report.suggestions.len() - MAX_ROWS
+                );
+            }
+        }
+        for (what, path) in [("graph", &args.output), ("floor plans", &args.html)] {
+            if let Some(path) = path {
+                text += &format!("\n{what}: {}\n", path.display());
+            }
+        }
+        text
+    }
+}

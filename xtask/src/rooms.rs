@@ -5,11 +5,11 @@
 #![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
 use anyhow::{Context, Result, ensure};
-use enfilade::Method;
-use enfilade_bake::{FoundRooms, RoomOptions, RoomVoxels, find_rooms};
+use enfilade::{Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, Ray, Transform};
+use enfilade_bake::{DoorId, DoorKind, FoundRooms, RoomId, RoomOptions, RoomVoxels, find_rooms};
 use enfilade_import::{ReadOptions, SceneRoomItems, read};
 use serde_json::Value;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -22,8 +22,9 @@ pub(crate) struct Args {
     /// Print each room and door that is wrong
     #[arg(long)]
     verbose: bool,
-    #[arg(long, default_value_t = 0.5)]
-    join: f64,
+    /// Test with N random lines of sight that what sees each other is relevant to each other
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    lines: usize,
     /// Ignore the names of items: doors are then suggested by their shape
     #[arg(long)]
     no_names: bool,
@@ -93,7 +94,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             !args.no_names && enfilade_bake::is_door_name(name(sector, item))
         });
         let mut options = RoomOptions::default();
-        options.join_width = args.join;
+        let _ = &mut options;
         if args.verbose {
             println!(
                 "{:?} {:?}",
@@ -103,6 +104,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
         let found = find_rooms(&items.input, &options)?;
         let seconds = start.elapsed().as_secs_f64();
+        if args.lines > 0 {
+            test_lines(&items, &found, args)?;
+        }
         if !truth_path(scene).exists() {
             let g = found.voxels.size();
             println!(
@@ -413,9 +417,7 @@ fn score(found: &FoundRooms, truth: &Truth, verbose: bool) -> Score {
     let mut score = Score {
         rooms: count,
         found: (0..found.graph.rooms().len())
-            .filter(|&room| {
-                owners[room].is_some() && found.graph.outside() != Some(enfilade_bake::RoomId(room as u32))
-            })
+            .filter(|&room| owners[room].is_some() && found.graph.outside() != Some(RoomId(room as u32)))
             .count(),
         ..Score::default()
     };
@@ -593,4 +595,110 @@ fn print_row(name: &str, score: &Score, seconds: f64) {
         score.windows,
         score.windows_right,
     );
+}
+
+/// Tests random lines between points that see each other with all doors open.
+fn test_lines(items: &SceneRoomItems, found: &FoundRooms, args: &Args) -> Result<()> {
+    let mut graph = found.graph.clone();
+    for door in 0..graph.doors().len() as u32 {
+        graph.set_open(DoorId(door), true);
+    }
+    let relevant: Vec<BTreeSet<RoomId>> = (0..graph.rooms().len() as u32)
+        .map(|room| graph.relevant(RoomId(room)).into_iter().collect())
+        .collect();
+    let without_gaps = (0..graph.rooms().len() as u32).map(|room| {
+        let is_no_gap = |door: DoorId| graph.doors()[door.0 as usize].kind != DoorKind::Gap;
+        graph.relevant_by(RoomId(room), is_no_gap).len()
+    });
+    let without_gaps = without_gaps.sum::<usize>() as f64 / relevant.len().max(1) as f64;
+    let average = relevant.iter().map(BTreeSet::len).sum::<usize>() as f64 / relevant.len().max(1) as f64;
+    let walls = opaque(items, args)?;
+    let mut random = Random(7);
+    let [mut tested, mut between, mut missed, mut tries] = [0_usize; 4];
+    let size = found.voxels.size();
+    let count: usize = size.iter().product();
+    while tested < args.lines && tries < 100 * args.lines {
+        tries += 1;
+        let voxel = (random.next() * count as f64) as usize;
+        if found.voxels.free_room(voxel.min(count - 1)).is_none() {
+            continue;
+        }
+        let place = found.voxels.place(voxel.min(count - 1));
+        let from = [0, 1, 2].map(|axis| {
+            found.voxels.origin()[axis] + (place[axis] as f64 + random.next()) * found.voxels.step()
+        });
+        let z = 2.0 * random.next() - 1.0;
+        let angle = std::f64::consts::TAU * random.next();
+        let flat = (1.0 - z * z).sqrt();
+        let direction = [flat * angle.cos(), 0.3 * z, flat * angle.sin()];
+        let ray = Ray {
+            origin: from.map(|value| value as f32),
+            direction: direction.map(|value| value as f32),
+        };
+        let from = ray.origin.map(f64::from);
+        let direction = ray.direction.map(f64::from);
+        let hit = walls.cast(&ray).map_or(100.0, |hit| hit.distance);
+        let share = random.next() * hit * 0.999;
+        let to = [0, 1, 2].map(|axis| from[axis] + share * direction[axis]);
+        let (Some(one), Some(other)) = (graph.room_at(from), graph.room_at(to)) else {
+            continue;
+        };
+        // Points in rooms, not in gaps inside walls.
+        if found
+            .voxels
+            .voxel_at(to)
+            .is_some_and(|voxel| found.voxels.free_room(voxel).is_none())
+        {
+            continue;
+        }
+        tested += 1;
+        between += usize::from(one != other);
+        if !relevant[one.0 as usize].contains(&other) {
+            missed += 1;
+            if args.verbose && missed < 20 {
+                println!(
+                    "  {} {from:.3?} sees {} {to:.3?}",
+                    graph.rooms()[one.0 as usize].name,
+                    graph.rooms()[other.0 as usize].name
+                );
+            }
+        }
+    }
+    println!(
+        "{tested} lines, {between} between two rooms, {missed} missed; of {} rooms {average:.1} relevant on average, {without_gaps:.1} without gaps",
+        relevant.len()
+    );
+    Ok(())
+}
+
+/// Returns the triangles that block sight when all doors are open.
+fn opaque(items: &SceneRoomItems, args: &Args) -> Result<Geometry> {
+    let mut builder = GeometryBuilder::new(vec![Material::opaque([1.0; 3])]);
+    for item in &items.input.items {
+        if item.movable && !args.no_names {
+            continue;
+        }
+        let mesh = &items.input.meshes[item.mesh];
+        if mesh.opaque.is_empty() {
+            continue;
+        }
+        let built = Mesh::triangles(mesh.positions, mesh.opaque.as_flattened(), MaterialId(0))?;
+        let id = builder.mesh(built);
+        builder.item(item.name, id, Transform::from_columns_f64(item.world_from_item));
+    }
+    Ok(builder.build()?)
+}
+
+/// A small generator: the same lines on every machine.
+struct Random(u64);
+
+impl Random {
+    /// Returns a number from 0 to below 1.
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
 }

@@ -12,11 +12,11 @@ use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
 use crate::progress::Progress;
 use crate::run_files::RunFiles;
-use crate::text::{plural, short, table};
+use crate::text::{plural, point, short, table};
 use crate::values::Choice;
 use anyhow::{Context, Result, anyhow};
 use enfilade_bake::{
-    DoorKind, FoundRooms, RoomId, RoomOptions, Up, detect_metres_per_unit, detect_up, find_rooms,
+    Door, DoorKind, FoundRooms, RoomId, RoomOptions, Up, detect_metres_per_unit, detect_up, find_rooms,
     is_door_name,
 };
 use enfilade_import::SceneRoomItems;
@@ -39,6 +39,8 @@ struct RoomsReport {
     windows: usize,
     openings: usize,
     suggestions: Vec<Suggestion>,
+    /// Holes between rooms that nobody can pass, largest first.
+    leaks: Vec<Leak>,
     seconds: f64,
     warnings: Vec<String>,
 }
@@ -63,6 +65,16 @@ struct RoomRow {
 struct Suggestion {
     item: String,
     rooms: [String; 2],
+    middle: [f64; 3],
+}
+
+/// A hole between two rooms.
+#[derive(Debug, Serialize)]
+struct Leak {
+    rooms: [String; 2],
+    /// Area over length.
+    width_cm: f64,
+    length_cm: f64,
     middle: [f64; 3],
 }
 
@@ -218,9 +230,35 @@ fn report(
                 middle: door.middle.map(rounded),
             })
             .collect(),
+        leaks: leaks(found),
         seconds: rounded(seconds),
         warnings,
     }
+}
+
+fn leaks(found: &FoundRooms) -> Vec<Leak> {
+    let graph = &found.graph;
+    let mut gaps: Vec<&Door> = graph
+        .doors()
+        .iter()
+        .filter(|door| door.kind == DoorKind::Gap)
+        .collect();
+    gaps.sort_by(|a, b| b.area.total_cmp(&a.area));
+    let leak = |door: &&Door| {
+        let corners = door.polygon.map(|corner| found.voxels.metres(corner));
+        let side = |to: usize| {
+            let squares = (0..3).map(|axis| (corners[to][axis] - corners[0][axis]).powi(2));
+            squares.sum::<f64>().sqrt()
+        };
+        let length = side(1).max(side(3));
+        Leak {
+            rooms: door.rooms.map(|room| graph.rooms()[room.0 as usize].name.clone()),
+            width_cm: rounded(100.0 * door.area / length),
+            length_cm: rounded(100.0 * length),
+            middle: door.middle().map(rounded),
+        }
+    };
+    gaps.iter().map(leak).collect()
 }
 
 impl Rooms<'_> {
@@ -243,7 +281,7 @@ impl Rooms<'_> {
             "{}: {} on {}, {}, {}, {}; {} s\n",
             report.file,
             plural(indoors.len(), "room"),
-            plural(report.storeys, "storey").replace("storeys", "storeys"),
+            plural(report.storeys, "storey"),
             plural(report.doors, "door"),
             plural(report.windows, "window"),
             plural(report.openings, "opening"),
@@ -301,10 +339,39 @@ impl Rooms<'_> {
                 );
             }
         }
+        text += &self.leaks_for_people();
         for (what, path) in [("graph", &args.output), ("floor plans", &args.html)] {
             if let Some(path) = path {
                 text += &format!("\n{what}: {}\n", path.display());
             }
+        }
+        text
+    }
+
+    fn leaks_for_people(&self) -> String {
+        /// Narrower ones are counted only.
+        const MIN_WIDTH_CM: f64 = 2.0;
+        const MAX_ROWS: usize = 8;
+        let leaks = &self.report.leaks;
+        if leaks.is_empty() {
+            return String::new();
+        }
+        let mut text = format!(
+            "\n{} between rooms, too small to pass:\n",
+            plural(leaks.len(), "hole")
+        );
+        let wide = leaks.iter().filter(|leak| leak.width_cm >= MIN_WIDTH_CM);
+        for leak in wide.take(MAX_ROWS) {
+            let [one, other] = &leak.rooms;
+            text += &format!(
+                "  {one} and {other} join through a hole {} x {} cm at {}\n",
+                short(leak.width_cm.round()),
+                short(leak.length_cm.round()),
+                point(leak.middle.map(|value| value as f32)),
+            );
+        }
+        if leaks.len() > MAX_ROWS {
+            text += "  --json lists all\n";
         }
         text
     }

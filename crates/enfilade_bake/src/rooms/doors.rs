@@ -2,8 +2,9 @@
 //!
 //! Cost: O(voxels), and O(open faces · leaves of doors) where leaves are.
 
-use super::graph::{Door, DoorKind, RoomId};
-use super::input::{Bounds, Class};
+use super::graph::{Door, DoorKind, RoomId, Sight};
+use super::holes::Hole;
+use super::input::{Bounds, Class, Metric};
 use super::slice::NONE;
 use super::voxels::RoomVoxels;
 use super::{containing, rounded};
@@ -17,6 +18,8 @@ struct Face {
     /// The lower voxel; the other is the next one along the axis.
     voxel: u32,
     axis: u8,
+    /// Share of it that is open.
+    open: f64,
 }
 
 /// Faces that belong together: rooms, kind and leaf.
@@ -28,17 +31,14 @@ const SLIVER: f64 = 0.3;
 /// Openings smaller than this, in square metres, are gaps: nobody passes. So are parts of a door that lead elsewhere.
 const GAP: f64 = 0.4;
 
-pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds]) -> Vec<Door> {
+pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds], holes: &[Hole]) -> Vec<Door> {
     let grid = &voxels.grid;
     let slice_len = grid.slice_len();
     let strides = grid.strides();
-    // Free, a pane or a leaf; not a gap inside a wall, which nothing separates and no room reaches.
-    let shows =
-        |voxel: usize| !voxels.is_opaque(voxel) && (voxels.free.has(voxel) || voxels.is_separating(voxel));
     let of_slice = |slice: usize| {
         let mut faces = Vec::new();
         for voxel in slice * slice_len..(slice + 1) * slice_len {
-            if !shows(voxel) {
+            if !voxels.shows(voxel) {
                 continue;
             }
             let one = voxels.labels[voxel];
@@ -49,10 +49,11 @@ pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds]) ->
                 }
                 let next = voxel + strides[axis];
                 let other = voxels.labels[next];
-                if one != other && one != NONE && other != NONE && shows(next) {
+                if one != other && one != NONE && other != NONE && voxels.shows(next) {
                     let face = Face {
                         voxel: voxel as u32,
                         axis: axis as u8,
+                        open: 1.0,
                     };
                     faces.push((key_of(voxels, face, classes, bounds), face));
                 }
@@ -64,6 +65,12 @@ pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds]) ->
     let mut by_key: BTreeMap<Key, Vec<Face>> = BTreeMap::new();
     for (key, face) in faces.into_iter().flatten() {
         by_key.entry(key).or_default().push(face);
+    }
+    for &Hole { voxel, axis, open } in holes {
+        let next = voxel as usize + strides[axis as usize];
+        let [one, other] = [voxel as usize, next].map(|voxel| voxels.labels[voxel]);
+        let key = ([one.min(other), one.max(other)], DoorKind::Gap, None);
+        by_key.entry(key).or_default().push(Face { voxel, axis, open });
     }
     let mut groups: Vec<(Key, Vec<Face>)> = by_key
         .into_par_iter()
@@ -159,7 +166,8 @@ fn join_slivers(voxels: &RoomVoxels, groups: &mut Vec<(Key, Vec<Face>)>) {
         }
     }
     for number in 0..groups.len() {
-        if !is_sliver(&groups[number].1) {
+        // Holes beside a door are no part of it.
+        if groups[number].0.1 == DoorKind::Gap || !is_sliver(&groups[number].1) {
             continue;
         }
         let mut into: Option<u32> = None;
@@ -222,13 +230,11 @@ fn door(voxels: &RoomVoxels, (rooms, kind, leaf): Key, faces: &[Face]) -> Door {
     // To a tenth of a millimetre, the bounds outwards: short numbers in files.
     let scene = |at: DVec3| voxels.metric.scene(at.into());
 
-    let mut bounds = Bounds::EMPTY;
-    for center in &centers {
-        bounds.add(scene(*center - 0.5 * step));
-        bounds.add(scene(*center + 0.5 * step));
-    }
     // Faces of a slanted boundary form steps: only their projection counts.
-    let area: f64 = faces.iter().map(|face| normal[face.axis as usize].abs()).sum();
+    let area: f64 = faces
+        .iter()
+        .map(|face| face.open * normal[face.axis as usize].abs())
+        .sum();
     let kind = match kind {
         DoorKind::Opening | DoorKind::Door if area * step * step < GAP => DoorKind::Gap,
         kind => kind,
@@ -245,9 +251,35 @@ fn door(voxels: &RoomVoxels, (rooms, kind, leaf): Key, faces: &[Face]) -> Door {
             corner(right, top),
             corner(left, top),
         ],
+        sights: sights(voxels, rooms[0], faces),
+    }
+}
+
+/// Returns the boxes of the faces that point the same way.
+fn sights(voxels: &RoomVoxels, first: u32, faces: &[Face]) -> Vec<Sight> {
+    let Metric { up, .. } = voxels.metric;
+    let mut boxes: BTreeMap<(u8, bool), Bounds> = BTreeMap::new();
+    for face in faces {
+        let goes_up = voxels.labels[face.voxel as usize] == first;
+        let bounds = boxes.entry((face.axis, goes_up)).or_insert(Bounds::EMPTY);
+        let place = voxels.grid.place(face.voxel as usize);
+        let corner = |ahead: usize| {
+            let at = |axis: usize| {
+                let ahead = if axis == face.axis as usize { 1 } else { ahead };
+                voxels.grid.origin[axis] + (place[axis] + ahead) as f64 * voxels.grid.step
+            };
+            voxels.metric.scene([at(0), at(1), at(2)])
+        };
+        bounds.add(corner(0));
+        bounds.add(corner(1));
+    }
+    let sight = |((axis, goes_up), bounds): ((u8, bool), Bounds)| Sight {
         bounds: [
             bounds.min.map(|value| rounded(value, f64::floor)),
             bounds.max.map(|value| rounded(value, f64::ceil)),
         ],
-    }
+        axis: up.scene_axis(axis),
+        goes_up,
+    };
+    boxes.into_iter().map(sight).collect()
 }

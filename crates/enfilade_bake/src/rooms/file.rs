@@ -1,7 +1,7 @@
 //! Rooms as JSON: written by `enfilade rooms`, read by games.
 
 use super::NONE;
-use super::graph::{Door, DoorKind, Room, RoomGraph, RoomId};
+use super::graph::{Door, DoorKind, Room, RoomGraph, RoomId, Sight};
 use super::grid::Grid;
 use super::input::{Metric, Up};
 use super::labels::LabelGrid;
@@ -84,7 +84,16 @@ struct DoorEntry {
     leaf: Option<u32>,
     area_m2: f64,
     polygon: [[f64; 3]; 4],
-    bounds: BoundsEntry,
+    sights: Vec<SightEntry>,
+}
+
+/// A box that lines of sight through a door pass.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct SightEntry {
+    min: [f64; 3],
+    max: [f64; 3],
+    /// Axis of its faces, 0 to 2; with a minus, −3 to −1, if lines from the first room to the second go down the axis.
+    way: i8,
 }
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -131,7 +140,7 @@ impl RoomGraph {
             leaf: door.leaf,
             area_m2: door.area,
             polygon: door.polygon,
-            bounds: bounds(door.bounds),
+            sights: door.sights.iter().map(sight_entry).collect(),
         };
         let file = File {
             format: FORMAT.to_owned(),
@@ -195,6 +204,9 @@ impl RoomGraph {
                     "must be the indices of two rooms, the lower first",
                 );
             }
+            if door.sights.iter().any(|sight| !(-3..3).contains(&sight.way)) {
+                return wrong(&format!("doors[{number}].sights"), "way must be from -3 to 2");
+            }
         }
         let labels = read_labels(&file.labels, count)?;
         let bounds = |BoundsEntry { min, max }| [min, max];
@@ -217,7 +229,7 @@ impl RoomGraph {
             leaf: door.leaf,
             area: door.area_m2,
             polygon: door.polygon,
-            bounds: bounds(door.bounds),
+            sights: door.sights.iter().map(read_sight).collect(),
         };
         let metric = Metric {
             up: match file.up {
@@ -235,6 +247,25 @@ impl RoomGraph {
             metric,
             labels,
         ))
+    }
+}
+
+fn sight_entry(sight: &Sight) -> SightEntry {
+    let [min, max] = sight.bounds;
+    let axis = sight.axis as i8;
+    SightEntry {
+        min,
+        max,
+        way: if sight.goes_up { axis } else { -1 - axis },
+    }
+}
+
+fn read_sight(&SightEntry { min, max, way }: &SightEntry) -> Sight {
+    let (axis, goes_up) = if way < 0 { (-1 - way, false) } else { (way, true) };
+    Sight {
+        bounds: [min, max],
+        axis: axis as u8,
+        goes_up,
     }
 }
 

@@ -59,8 +59,19 @@ pub struct Door {
     pub area: f64,
     /// A rectangle in it, in scene coordinates.
     pub polygon: [[f64; 3]; 4],
-    /// A box around it, in scene coordinates: every line of sight from one room to the other through this door passes it.
-    pub bounds: [[f64; 3]; 2],
+    /// Boxes that every line of sight through it passes one of.
+    pub(super) sights: Vec<Sight>,
+}
+
+/// A part of a door whose faces point the same way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sight {
+    /// Lower and upper corner, in scene coordinates.
+    pub(super) bounds: [[f64; 3]; 2],
+    /// Axis of the faces, in scene coordinates.
+    pub(super) axis: u8,
+    /// Whether a line from the first room to the second goes up the axis.
+    pub(super) goes_up: bool,
 }
 
 impl Door {
@@ -262,11 +273,6 @@ impl RoomGraph {
         doors.filter_map(move |(door, number)| (door.leaf == Some(item)).then_some(DoorId(number)))
     }
 
-    /// Returns `true` if light passes: all but closed doors.
-    fn shows(&self, door: DoorId) -> bool {
-        self.is_open(door) || self.doors[door.0 as usize].kind != DoorKind::Door
-    }
-
     /// Returns the shortest way between two points through open doors and openings. `None` if there is none, or a point
     /// is in no room.
     pub fn path(&self, from: [f64; 3], to: [f64; 3]) -> Option<RoomPath> {
@@ -338,13 +344,31 @@ impl RoomGraph {
         }
     }
 
-    /// Returns the rooms that may be seen from a room through open doors, openings and windows, itself included, in
-    /// order. Conservative: a room of which any point sees any point of `room` is never left out.
+    /// Returns the rooms that may be seen from a room through open doors, openings, windows and gaps, itself included, in
+    /// order. Conservative: a room of which a point sees a point of `room` is not left out.
     ///
     /// # Panics
     /// If there is no such room.
+    #[doc(alias = "network relevance")]
     pub fn relevant(&self, room: RoomId) -> Vec<RoomId> {
-        sight::relevant(self, room, |door| self.shows(door))
+        self.relevant_by(room, |door| self.shows(door))
+    }
+
+    /// As [`RoomGraph::relevant`], with a rule of the caller for what light passes. A game may ignore gaps, for example:
+    /// cracks show little, but through many rooms.
+    ///
+    /// # Panics
+    /// If there is no such room.
+    pub fn relevant_by(&self, room: RoomId, shows: impl Fn(DoorId) -> bool) -> Vec<RoomId> {
+        sight::relevant(self, room, shows)
+    }
+
+    /// Returns `true` if light passes: all but closed doors.
+    ///
+    /// # Panics
+    /// If there is no such door.
+    pub fn shows(&self, door: DoorId) -> bool {
+        self.is_open(door) || self.doors[door.0 as usize].kind != DoorKind::Door
     }
 
     /// Returns the length in metres between two points.

@@ -59,6 +59,18 @@ pub enum Up {
     Z,
 }
 
+impl Up {
+    /// Returns the axis of the scene that is the axis `metric` once y is up.
+    pub(super) fn scene_axis(self, metric: u8) -> u8 {
+        let turns = match self {
+            Up::X => 2,
+            Up::Y => 0,
+            Up::Z => 1,
+        };
+        (metric + turns) % 3
+    }
+}
+
 /// Maps scene coordinates to metres with y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Metric {
@@ -246,6 +258,11 @@ mod tests {
                 metres_per_unit: 0.25,
             };
             assert_eq!(metric.scene(metric.metres([1.0, 2.0, 3.0])), [1.0, 2.0, 3.0]);
+            let turned = metric.metres([1.0, 2.0, 3.0]);
+            for axis in 0..3 {
+                let from = [1.0, 2.0, 3.0][up.scene_axis(axis) as usize];
+                assert_eq!(turned[axis as usize], 0.25 * from);
+            }
         }
         let metric = Metric {
             up: Up::Z,

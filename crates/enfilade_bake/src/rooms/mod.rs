@@ -12,6 +12,7 @@ mod doors;
 mod file;
 mod graph;
 mod grid;
+mod holes;
 mod input;
 mod labels;
 mod merge;
@@ -170,7 +171,8 @@ pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRoom
         labels,
         free,
     };
-    let doors = doors::find(&voxels, &classes, &bounds);
+    let holes = holes::find(input, &voxels, &classes);
+    let doors = doors::find(&voxels, &classes, &bounds, &holes);
     Ok(FoundRooms {
         graph: RoomGraph::new(rooms, doors, outside, storeys, metric, compact),
         suggestions: suggest::find(input, &voxels, &classes, &bounds),

@@ -8,7 +8,7 @@
 //! Cost: O(chains · doors³) for a chain; chains are limited.
 //! Conservative: a pair is left out only if no line passes the boxes of any chain. A line that enters a room twice also
 //!     passes the chain without the loop, so rooms are entered once. Beyond the limit, every room that can be reached
-//!     counts.
+//!     counts. Holes smaller than a voxel are found by chance (`holes`).
 
 use super::graph::{DoorId, RoomGraph, RoomId};
 use std::collections::BTreeSet;
@@ -29,7 +29,11 @@ struct Search<'a, F> {
     /// Rooms of the chain, and the boxes of its doors in each projection.
     entered: Vec<RoomId>,
     boxes: [Vec<Rect>; 3],
+    /// Whether the line goes up each axis, as far as a door on the way requires it.
+    ways: [Option<bool>; 3],
     chains: usize,
+    /// Number of rooms that can be reached, whatever the line: when all are found, the rest is known.
+    reachable: usize,
 }
 
 pub(super) fn relevant(rooms: &RoomGraph, from: RoomId, shows: impl Fn(DoorId) -> bool) -> Vec<RoomId> {
@@ -39,51 +43,71 @@ pub(super) fn relevant(rooms: &RoomGraph, from: RoomId, shows: impl Fn(DoorId) -
         found: BTreeSet::from([from]),
         entered: vec![from],
         boxes: Default::default(),
+        ways: [None; 3],
         chains: 0,
+        reachable: 0,
     };
+    let reachable = search.reach(from);
+    search.reachable = reachable.len();
     search.follow(from);
-    if search.chains >= MAX_CHAINS {
-        search.reach();
-    }
-    search.found.into_iter().collect()
+    let found = if search.chains >= MAX_CHAINS {
+        reachable
+    } else {
+        search.found
+    };
+    found.into_iter().collect()
 }
 
 impl<F: Fn(DoorId) -> bool> Search<'_, F> {
     fn follow(&mut self, room: RoomId) {
-        for (door, beyond) in self.rooms.neighbours(room) {
-            if self.chains >= MAX_CHAINS {
-                return;
-            }
+        let rooms = self.rooms;
+        for (door, beyond) in rooms.neighbours(room) {
             if !(self.shows)(door) || self.entered.contains(&beyond) {
                 continue;
             }
-            self.chains += 1;
-            let [min, max] = self.rooms.doors[door.0 as usize].bounds;
-            for (boxes, [a, b]) in self.boxes.iter_mut().zip(PROJECTIONS) {
-                boxes.push([[min[a], min[b]], [max[a], max[b]]]);
-            }
-            if self.boxes.iter().all(|boxes| is_stabbed(boxes)) {
-                self.found.insert(beyond);
-                self.entered.push(beyond);
-                self.follow(beyond);
-                self.entered.pop();
-            }
-            for boxes in &mut self.boxes {
-                boxes.pop();
+            let door = &rooms.doors[door.0 as usize];
+            for sight in &door.sights {
+                if self.chains >= MAX_CHAINS || self.found.len() == self.reachable {
+                    return;
+                }
+                let goes_up = sight.goes_up == (door.rooms[0] == room);
+                let way = &mut self.ways[sight.axis as usize];
+                // A line does not turn round.
+                if *way == Some(!goes_up) {
+                    continue;
+                }
+                let before = way.replace(goes_up);
+                self.chains += 1;
+                let [min, max] = sight.bounds;
+                for (boxes, [a, b]) in self.boxes.iter_mut().zip(PROJECTIONS) {
+                    boxes.push([[min[a], min[b]], [max[a], max[b]]]);
+                }
+                if self.boxes.iter().all(|boxes| is_stabbed(boxes)) {
+                    self.found.insert(beyond);
+                    self.entered.push(beyond);
+                    self.follow(beyond);
+                    self.entered.pop();
+                }
+                for boxes in &mut self.boxes {
+                    boxes.pop();
+                }
+                self.ways[sight.axis as usize] = before;
             }
         }
     }
 
-    /// Adds every room that can be reached.
-    fn reach(&mut self) {
-        let mut waiting: Vec<RoomId> = self.found.iter().copied().collect();
+    /// Returns every room that can be reached.
+    fn reach(&self, from: RoomId) -> BTreeSet<RoomId> {
+        let mut reached = BTreeSet::from([from]);
+        let mut waiting = vec![from];
         while let Some(room) = waiting.pop() {
             for (door, beyond) in self.rooms.neighbours(room) {
-                if (self.shows)(door) && self.found.insert(beyond) {
+                if (self.shows)(door) && reached.insert(beyond) {
                     waiting.push(beyond);
                 }
             }
         }
+        reached
     }
 }
 

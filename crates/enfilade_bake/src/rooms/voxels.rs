@@ -78,6 +78,12 @@ impl RoomVoxels {
         self.metric.metres(point)
     }
 
+    /// Returns the voxel that contains a point of the scene; `None` outside the grid.
+    pub fn voxel_at(&self, point: [f64; 3]) -> Option<usize> {
+        let cell = self.grid.cell_at(self.metric.metres(point))?;
+        Some(self.grid.index(cell))
+    }
+
     /// Returns the number of a voxel from its column, height and row.
     pub fn index(&self, place: [usize; 3]) -> usize {
         self.grid.index(place)
@@ -101,6 +107,12 @@ impl RoomVoxels {
         } else {
             None
         }
+    }
+
+    /// Returns `true` for voxels that light passes: free ones, panes and leaves, but not gaps inside walls, which nothing
+    /// separates and no room reaches.
+    pub(super) fn shows(&self, voxel: usize) -> bool {
+        !self.is_opaque(voxel) && (self.free.has(voxel) || self.is_separating(voxel))
     }
 
     /// Returns `true` if a wall, slab, pane or leaf touches the voxel.

@@ -6,7 +6,10 @@
 
 use anyhow::{Context, Result, ensure};
 use enfilade::{Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, Ray, Transform};
-use enfilade_bake::{DoorId, DoorKind, FoundRooms, RoomId, RoomOptions, RoomVoxels, find_rooms};
+use enfilade_bake::{
+    DoorId, DoorKind, DoorSuggestion, FoundRooms, RoomId, RoomOptions, RoomVoxels, detect_metres_per_unit,
+    find_rooms, is_door_name,
+};
 use enfilade_import::{ReadOptions, SceneRoomItems, read};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -60,19 +63,24 @@ struct TruePortal {
     rooms: [Option<u16>; 2],
 }
 
+/// Numbers of true ones, and of those that were found.
 #[derive(Default)]
 struct Score {
     rooms: usize,
     rooms_right: usize,
-    rooms_in_right_groups: usize,
     groups: usize,
     groups_right: usize,
     /// Found rooms that are mostly inside a true one.
     found: usize,
     doors: usize,
     doors_right: usize,
+    /// Doors between two rooms with an item that is suggested.
+    doors_suggested: usize,
     windows: usize,
     windows_right: usize,
+    suggestions: usize,
+    /// Suggested items that are doors by name.
+    suggestions_right: usize,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -82,98 +90,46 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         args.scenes.clone()
     };
     let mut sum = Score::default();
-    println!(
-        "building            rooms: right  in groups   groups: right   found   doors: right  windows: right      s"
-    );
-    for scene in &scenes {
+    println!("{HEADER}");
+    for path in &scenes {
         let start = Instant::now();
-        let import = read(scene, &ReadOptions::default())?;
-        let opened = import.scene(Method::ZBuffer, Method::DEFAULT_LIMIT)?;
-        let name = |sector, item| opened.geometry(sector).map_or("", |geometry| geometry.name(item));
-        let items = SceneRoomItems::of(&opened, |sector, item| {
-            !args.no_names && enfilade_bake::is_door_name(name(sector, item))
+        let import = read(path, &ReadOptions::default())?;
+        let scene = import.scene(Method::ZBuffer, Method::DEFAULT_LIMIT)?;
+        let name = |sector, item| scene.geometry(sector).map_or("", |geometry| geometry.name(item));
+        let items = SceneRoomItems::of(&scene, |sector, item| {
+            !args.no_names && is_door_name(name(sector, item))
         });
         let mut options = RoomOptions::default();
-        let _ = &mut options;
-        if args.verbose {
-            println!(
-                "{:?} {:?}",
-                enfilade_bake::detect_up(&items.input),
-                enfilade_bake::detect_metres_per_unit(&items.input, enfilade_bake::Up::Y)
-            );
-        }
+        options.metres_per_unit = detect_metres_per_unit(&items.input, options.up).unwrap_or(1.0);
         let found = find_rooms(&items.input, &options)?;
         let seconds = start.elapsed().as_secs_f64();
+        let file = path.file_stem().unwrap_or_default().to_string_lossy();
+        if truth_path(path).exists() {
+            let truth = truth_of(path)?;
+            let score = score(&found, &items, &truth, args.verbose);
+            score.print(&file, seconds);
+            sum.add(&score);
+        } else {
+            println!(
+                "{file:18} {} rooms, {} doors, windows and so on; {:.1} million voxels of {:.3} m; {seconds:.2} s",
+                found.graph.rooms().len(),
+                found.graph.doors().len(),
+                found.voxels.size().iter().product::<usize>() as f64 / 1e6,
+                found.voxels.step(),
+            );
+        }
         if args.lines > 0 {
             test_lines(&items, &found, args)?;
         }
-        if !truth_path(scene).exists() {
-            let g = found.voxels.size();
-            println!(
-                "{}: {} rooms, {} portals, {:?} voxels = {:.1} M of {:.3} m, {seconds:.2} s",
-                scene.display(),
-                found.graph.rooms().len(),
-                found.graph.doors().len(),
-                g,
-                g.iter().product::<usize>() as f64 / 1e6,
-                found.voxels.step()
-            );
-            continue;
-        }
-        if args.no_names {
-            let name = |item: u32| items.input.items[item as usize].name;
-            let right = found
-                .suggestions
-                .iter()
-                .filter(|door| enfilade_bake::is_door_name(name(door.item)))
-                .count();
-            let truth = truth_of(scene)?;
-            let doors = truth
-                .portals
-                .iter()
-                .filter(|portal| !portal.is_window && portal.rooms[0].is_some() && portal.rooms[1].is_some());
-            let (mut all, mut suggested) = (0, 0);
-            for portal in doors {
-                all += 1;
-                let hit = found.suggestions.iter().any(|door| {
-                    (0..3).all(|axis| {
-                        portal.min[axis] - 0.2 <= door.middle[axis]
-                            && door.middle[axis] <= portal.max[axis] + 0.2
-                    })
-                });
-                suggested += usize::from(hit);
-                if args.verbose && !hit {
-                    println!(
-                        "  not suggested: {} {:?} {:?}",
-                        portal.name, portal.min, portal.max
-                    );
-                }
-            }
-            if args.verbose {
-                for door in &found.suggestions {
-                    if !enfilade_bake::is_door_name(name(door.item)) {
-                        println!("   wrong {} at {:?}", name(door.item), door.middle);
-                    }
-                }
-            }
-            println!(
-                "{}: {} suggestions, {right} right; {suggested} of {all} doors",
-                scene.display(),
-                found.suggestions.len()
-            );
-        }
-        let truth = truth_of(scene)?;
-        let score = score(&found, &truth, args.verbose);
-        print_row(
-            &scene.file_stem().unwrap_or_default().to_string_lossy(),
-            &score,
-            seconds,
-        );
-        sum.add(&score);
     }
-    print_row("all", &sum, 0.0);
+    if scenes.len() > 1 {
+        sum.print("all", 0.0);
+    }
     Ok(())
 }
+
+const HEADER: &str = "\
+building           | rooms right found | groups right | doors right suggested | windows right | suggestions right |      s";
 
 /// Returns the buildings with a known truth.
 fn known() -> Result<Vec<PathBuf>> {
@@ -381,7 +337,7 @@ fn true_rooms(truth: &Truth, voxels: &RoomVoxels) -> Vec<u16> {
     labels
 }
 
-fn score(found: &FoundRooms, truth: &Truth, verbose: bool) -> Score {
+fn score(found: &FoundRooms, items: &SceneRoomItems, truth: &Truth, verbose: bool) -> Score {
     let voxels = &found.voxels;
     let labels = true_rooms(truth, voxels);
     let count = truth.names.len();
@@ -440,18 +396,17 @@ fn score(found: &FoundRooms, truth: &Truth, verbose: bool) -> Score {
         }
         score.groups += 1;
         let [mut common, mut union] = [0, 0];
-        for room in 0..owners.len() {
-            let within: u32 = members.iter().map(|&label| shared(room as u32, label)).sum();
-            if within > 0 && 2 * within >= inside[room] {
+        for (room, &inside) in (0..).zip(&inside) {
+            let within: u32 = members.iter().map(|&label| shared(room, label)).sum();
+            if within > 0 && 2 * within >= inside {
                 common += within;
-                union += inside[room];
+                union += inside;
             }
         }
         let of_members: u32 = members.iter().map(|&label| free[label as usize]).sum();
         let overlap = f64::from(common) / f64::from((of_members + union - common).max(1));
         if overlap >= OVERLAP {
             score.groups_right += 1;
-            score.rooms_in_right_groups += members.len();
         } else if verbose {
             let names: Vec<&str> = members
                 .iter()
@@ -461,6 +416,9 @@ fn score(found: &FoundRooms, truth: &Truth, verbose: bool) -> Score {
         }
     }
     score_portals(found, truth, &owners, &mut score, verbose);
+    score.suggestions = found.suggestions.len();
+    let is_door = |door: &&DoorSuggestion| is_door_name(items.input.items[door.item as usize].name);
+    score.suggestions_right = found.suggestions.iter().filter(is_door).count();
     score
 }
 
@@ -554,6 +512,11 @@ fn score_portals(
         } else if is_between {
             score.doors += 1;
             score.doors_right += usize::from(is_open);
+            let is_near = |at: [f64; 3]| {
+                (0..3).all(|axis| portal.min[axis] - 0.2 <= at[axis] && at[axis] <= portal.max[axis] + 0.2)
+            };
+            let is_suggested = found.suggestions.iter().any(|door| is_near(door.middle));
+            score.doors_suggested += usize::from(is_suggested);
         } else {
             continue;
         }
@@ -570,7 +533,6 @@ impl Score {
     fn add(&mut self, other: &Score) {
         self.rooms += other.rooms;
         self.rooms_right += other.rooms_right;
-        self.rooms_in_right_groups += other.rooms_in_right_groups;
         self.groups += other.groups;
         self.groups_right += other.groups_right;
         self.found += other.found;
@@ -578,23 +540,28 @@ impl Score {
         self.doors_right += other.doors_right;
         self.windows += other.windows;
         self.windows_right += other.windows_right;
+        self.doors_suggested += other.doors_suggested;
+        self.suggestions += other.suggestions;
+        self.suggestions_right += other.suggestions_right;
     }
-}
 
-fn print_row(name: &str, score: &Score, seconds: f64) {
-    println!(
-        "{name:18} {:6} {:6} {:10} {:8} {:7} {:8} {:6} {:7} {:7} {:7} {seconds:9.2}",
-        score.rooms,
-        score.rooms_right,
-        score.rooms_in_right_groups,
-        score.groups,
-        score.groups_right,
-        score.found,
-        score.doors,
-        score.doors_right,
-        score.windows,
-        score.windows_right,
-    );
+    fn print(&self, name: &str, seconds: f64) {
+        println!(
+            "{name:18} | {:5} {:5} {:5} | {:6} {:5} | {:5} {:5} {:9} | {:7} {:5} | {:11} {:5} | {seconds:6.2}",
+            self.rooms,
+            self.rooms_right,
+            self.found,
+            self.groups,
+            self.groups_right,
+            self.doors,
+            self.doors_right,
+            self.doors_suggested,
+            self.windows,
+            self.windows_right,
+            self.suggestions,
+            self.suggestions_right,
+        );
+    }
 }
 
 /// Tests random lines between points that see each other with all doors open.

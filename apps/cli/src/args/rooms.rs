@@ -19,10 +19,10 @@ The JSON file is the graph of rooms and doors that RoomGraph of the crate enfila
 added. Coordinates in it are those of the scene.
 
 Examples:
-  enfilade rooms house.glb
-  enfilade rooms house.glb -o rooms.json --html plan.html
-  enfilade rooms level.obj --up z --scale 0.01 --doors gate,shutter
-  enfilade rooms @enfilade --html plan.html --json report.json")]
+  enfilade rooms scene.glb
+  enfilade rooms scene.glb -o rooms.json --html plan.html
+  enfilade rooms scene.glb --up y --scale 1 --doors gate,shutter
+  enfilade rooms @house --html house.html --json -")]
 pub(crate) struct RoomsArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,

@@ -55,6 +55,11 @@ fn the_examples_of_look_run() {
 }
 
 #[test]
+fn the_examples_of_rooms_run() {
+    examples_run("rooms");
+}
+
+#[test]
 fn the_examples_of_compare_run() {
     examples_run("compare");
 }

@@ -66,10 +66,16 @@ pub(super) fn find(voxels: &RoomVoxels, classes: &[Class], bounds: &[Bounds], ho
     for (key, face) in faces.into_iter().flatten() {
         by_key.entry(key).or_default().push(face);
     }
-    for &Hole { voxel, axis, open } in holes {
+    for &Hole {
+        voxel,
+        axis,
+        open,
+        leaf,
+    } in holes
+    {
         let next = voxel as usize + strides[axis as usize];
         let [one, other] = [voxel as usize, next].map(|voxel| voxels.labels[voxel]);
-        let key = ([one.min(other), one.max(other)], DoorKind::Gap, None);
+        let key = ([one.min(other), one.max(other)], DoorKind::Gap, leaf);
         by_key.entry(key).or_default().push(Face { voxel, axis, open });
     }
     let mut groups: Vec<(Key, Vec<Face>)> = by_key

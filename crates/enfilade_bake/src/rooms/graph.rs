@@ -53,7 +53,7 @@ pub struct Door {
     pub rooms: [RoomId; 2],
     /// What is in it.
     pub kind: DoorKind,
-    /// The leaf, by item index in the input.
+    /// The leaf, by item index in the input. A gap has one if it is around a closed door.
     pub leaf: Option<u32>,
     /// Area without opaque parts other than the leaf, in square metres.
     pub area: f64,
@@ -147,6 +147,7 @@ pub struct RoomGraph {
     pub(super) labels: LabelGrid,
     /// Doors of each room.
     pub(super) doors_of: Vec<Vec<DoorId>>,
+    /// Whether light passes.
     pub(super) is_open: Vec<bool>,
 }
 
@@ -166,6 +167,8 @@ pub struct SoundLoss {
     pub door: f64,
     /// A window. Default 20.
     pub window: f64,
+    /// A gap. Default 10.
+    pub gap: f64,
 }
 
 impl Default for SoundLoss {
@@ -173,6 +176,7 @@ impl Default for SoundLoss {
         SoundLoss {
             door: 15.0,
             window: 20.0,
+            gap: 10.0,
         }
     }
 }
@@ -193,7 +197,10 @@ impl RoomGraph {
             }
         }
         RoomGraph {
-            is_open: doors.iter().map(|door| door.kind == DoorKind::Opening).collect(),
+            is_open: doors
+                .iter()
+                .map(|door| door.kind != DoorKind::Door && door.leaf.is_none())
+                .collect(),
             rooms,
             doors,
             outside,
@@ -254,16 +261,36 @@ impl RoomGraph {
     /// # Panics
     /// If there is no such door.
     pub fn is_open(&self, door: DoorId) -> bool {
+        match self.doors[door.0 as usize].kind {
+            DoorKind::Door => self.is_open[door.0 as usize],
+            DoorKind::Opening => true,
+            DoorKind::Window | DoorKind::Gap => false,
+        }
+    }
+
+    /// Returns `true` if light passes: all but closed doors, and gaps around them.
+    ///
+    /// # Panics
+    /// If there is no such door.
+    pub fn shows(&self, door: DoorId) -> bool {
         self.is_open[door.0 as usize]
     }
 
-    /// Opens or closes a door. Windows, openings and gaps stay as they are.
+    /// Opens or closes the leaf of a door, and so all doors and gaps with that leaf. Others stay as they are.
     ///
     /// # Panics
     /// If there is no such door.
     pub fn set_open(&mut self, door: DoorId, open: bool) {
-        if self.doors[door.0 as usize].kind == DoorKind::Door {
+        let Door { kind, leaf, .. } = self.doors[door.0 as usize];
+        if kind == DoorKind::Door {
             self.is_open[door.0 as usize] = open;
+        }
+        if leaf.is_some() {
+            for (door, is_open) in self.doors.iter().zip(&mut self.is_open) {
+                if door.leaf == leaf {
+                    *is_open = open;
+                }
+            }
         }
     }
 
@@ -339,8 +366,9 @@ impl RoomGraph {
     fn loss(&self, door: DoorId, loss: &SoundLoss) -> f64 {
         match self.doors[door.0 as usize].kind {
             DoorKind::Window => loss.window,
-            DoorKind::Door if !self.is_open(door) => loss.door,
-            DoorKind::Door | DoorKind::Opening | DoorKind::Gap => 0.0,
+            _ if !self.shows(door) => loss.door,
+            DoorKind::Gap => loss.gap,
+            DoorKind::Door | DoorKind::Opening => 0.0,
         }
     }
 
@@ -361,14 +389,6 @@ impl RoomGraph {
     /// If there is no such room.
     pub fn relevant_by(&self, room: RoomId, shows: impl Fn(DoorId) -> bool) -> Vec<RoomId> {
         sight::relevant(self, room, shows)
-    }
-
-    /// Returns `true` if light passes: all but closed doors.
-    ///
-    /// # Panics
-    /// If there is no such door.
-    pub fn shows(&self, door: DoorId) -> bool {
-        self.is_open(door) || self.doors[door.0 as usize].kind != DoorKind::Door
     }
 
     /// Returns the length in metres between two points.

@@ -39,11 +39,19 @@ pub(super) struct Hole {
     pub(super) voxel: u32,
     pub(super) axis: u8,
     pub(super) open: f64,
+    /// The leaf of a door that blocks all segments while it is closed, by item index.
+    pub(super) leaf: Option<u32>,
+}
+
+struct NearTriangle {
+    corners: [Vec3; 3],
+    /// The item, if it is the leaf of a door.
+    leaf: Option<u32>,
 }
 
 /// Triangles by voxel, in voxels from the origin of the grid.
 struct NearTriangles {
-    triangles: Vec<[Vec3; 3]>,
+    triangles: Vec<NearTriangle>,
     /// Voxel and triangle, sorted.
     in_voxels: Vec<(u32, u32)>,
 }
@@ -63,12 +71,22 @@ pub(super) fn find(input: &RoomsInput, voxels: &RoomVoxels, classes: &[Class]) -
     });
     let near = NearTriangles::new(input, voxels, classes, &crossed);
     let open = |suspect: &Suspect| {
-        let passes = |&number: &u64| !near.meets(voxels, &Segment::new(voxels, suspect, number));
-        let count = (0..SEGMENTS).filter(passes).count();
+        let mut count = 0;
+        let mut leaf = None;
+        let mut is_clear = false;
+        for number in 0..SEGMENTS {
+            match near.along(voxels, &Segment::new(voxels, suspect, number)) {
+                Obstacle::Wall => continue,
+                Obstacle::Leaf(item) => leaf = Some(item),
+                Obstacle::Nothing => is_clear = true,
+            }
+            count += 1;
+        }
         (count > 0).then(|| Hole {
             voxel: suspect.voxel,
             axis: suspect.axis,
-            open: count as f64 / SEGMENTS as f64,
+            open: f64::from(count) / SEGMENTS as f64,
+            leaf: leaf.filter(|_| !is_clear),
         })
     };
     suspects.par_iter().filter_map(open).collect()
@@ -190,11 +208,9 @@ impl Segment {
 impl NearTriangles {
     fn new(input: &RoomsInput, voxels: &RoomVoxels, classes: &[Class], crossed: &VoxelSet) -> NearTriangles {
         let of_item = |item: usize| {
-            let mut triangles: Vec<[Vec3; 3]> = Vec::new();
+            let mut triangles: Vec<NearTriangle> = Vec::new();
             let mut in_voxels: Vec<(u32, u32)> = Vec::new();
-            if classes[item] == Class::Leaf {
-                return (triangles, in_voxels);
-            }
+            let leaf = (classes[item] == Class::Leaf).then_some(item as u32);
             input.for_each_triangle(item, &voxels.metric, |corners, is_see_through| {
                 if is_see_through {
                     return;
@@ -207,11 +223,14 @@ impl NearTriangles {
                     }
                 });
                 if in_voxels.len() > before {
-                    triangles.push(corners.map(|at| {
-                        let place =
-                            |axis: usize| ((at[axis] - voxels.grid.origin[axis]) / voxels.grid.step) as f32;
-                        Vec3::new(place(0), place(1), place(2))
-                    }));
+                    let place = |at: [f64; 3]| {
+                        [0, 1, 2]
+                            .map(|axis| ((at[axis] - voxels.grid.origin[axis]) / voxels.grid.step) as f32)
+                    };
+                    triangles.push(NearTriangle {
+                        corners: corners.map(|at| Vec3::from(place(at))),
+                        leaf,
+                    });
                 }
             });
             (triangles, in_voxels)
@@ -234,9 +253,9 @@ impl NearTriangles {
         near
     }
 
-    /// Returns `true` if a segment meets a triangle.
-    fn meets(&self, voxels: &RoomVoxels, segment: &Segment) -> bool {
-        let mut meets = false;
+    /// Returns what a segment meets; a wall before a leaf, wherever they are.
+    fn along(&self, voxels: &RoomVoxels, segment: &Segment) -> Obstacle {
+        let mut obstacle = Obstacle::Nothing;
         segment.for_each_voxel(voxels, |voxel| {
             let start = self
                 .in_voxels
@@ -244,13 +263,30 @@ impl NearTriangles {
             let here = self.in_voxels[start..]
                 .iter()
                 .take_while(|&&(other, _)| other as usize == voxel);
-            meets = here
-                .into_iter()
-                .any(|&(_, number)| meets_triangle(segment, &self.triangles[number as usize]));
-            !meets
+            for &(_, number) in here {
+                let NearTriangle { corners, leaf } = &self.triangles[number as usize];
+                if meets_triangle(segment, corners) {
+                    match *leaf {
+                        Some(leaf) => obstacle = Obstacle::Leaf(leaf),
+                        None => {
+                            obstacle = Obstacle::Wall;
+                            return false;
+                        }
+                    }
+                }
+            }
+            true
         });
-        meets
+        obstacle
     }
+}
+
+/// What is on a segment.
+#[derive(Clone, Copy)]
+enum Obstacle {
+    Nothing,
+    Leaf(u32),
+    Wall,
 }
 
 /// Returns `true` if a segment meets a triangle, or almost: so none slips between two.

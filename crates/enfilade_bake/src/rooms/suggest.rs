@@ -8,6 +8,7 @@ use super::graph::RoomId;
 use super::input::{Bounds, Class, RoomsInput};
 use super::voxels::RoomVoxels;
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 
 /// An item that looks like the closed leaf of a door.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +22,8 @@ pub struct DoorSuggestion {
 }
 
 /// Extents of doors, in metres.
-const WIDTH: [f64; 2] = [0.5, 4.0];
-const HEIGHT: [f64; 2] = [1.6, 4.0];
+const WIDTH: RangeInclusive<f64> = 0.5..=4.0;
+const HEIGHT: RangeInclusive<f64> = 1.6..=4.0;
 const MAX_THICKNESS: f64 = 0.5;
 
 /// An item as an upright box, rotated in plan.
@@ -61,7 +62,7 @@ pub(super) fn find(
     let candidates = (0..input.items.len()).filter(|&item| classes[item] == Class::Structure);
     let suggest = |item: usize| {
         let [x, y, z] = bounds[item].size();
-        let has_size = HEIGHT[0] <= y && y <= HEIGHT[1] && x.max(z) <= WIDTH[1] + MAX_THICKNESS;
+        let has_size = HEIGHT.contains(&y) && x.max(z) <= WIDTH.end() + MAX_THICKNESS;
         let door = has_size.then(|| upright(input, voxels, item))??;
         let rooms = sides(voxels, &door)?;
         let is_door = is_framed(voxels, &door) && is_alone(input, voxels, bounds, item, &door);
@@ -114,11 +115,8 @@ fn upright(input: &RoomsInput, voxels: &RoomVoxels, item: usize) -> Option<Uprig
         thickness,
         ..
     } = thinnest;
-    let is_door = WIDTH[0] <= width
-        && width <= WIDTH[1]
-        && HEIGHT[0] <= height
-        && height <= HEIGHT[1]
-        && thickness <= MAX_THICKNESS.min(0.5 * width);
+    let is_door =
+        WIDTH.contains(&width) && HEIGHT.contains(&height) && thickness <= MAX_THICKNESS.min(0.5 * width);
     is_door.then_some(thinnest)
 }
 

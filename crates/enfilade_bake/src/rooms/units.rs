@@ -3,12 +3,13 @@
 use super::grid::{Grid, VoxelSet};
 use super::input::{Bounds, Metric, RoomsInput, Up};
 use glam::DVec3;
+use std::ops::RangeInclusive;
 
 /// Units that files are made in, in metres: metre, centimetre, millimetre, inch, foot.
 const UNITS: [f64; 5] = [1.0, 0.01, 0.001, 0.0254, 0.3048];
 
 /// Heights of rooms, in metres, for which the unit is a metre without a guess; up to the nave of a church.
-const ROOMS: [f64; 2] = [1.5, 40.0];
+const ROOMS: RangeInclusive<f64> = 1.5..=40.0;
 
 /// Usual height of a room, in metres.
 const USUAL: f64 = 2.8;
@@ -49,7 +50,7 @@ pub fn detect_up(input: &RoomsInput) -> Up {
 /// are. `None` if there are no rooms with a floor and a ceiling.
 pub fn detect_metres_per_unit(input: &RoomsInput, up: Up) -> Option<f64> {
     let height = room_height(input, up)?;
-    if ROOMS[0] <= height && height <= ROOMS[1] {
+    if ROOMS.contains(&height) {
         return Some(1.0);
     }
     let off = |unit: &f64| (height * unit / USUAL).ln().abs();

@@ -25,6 +25,9 @@ pub(crate) struct Args {
     /// Print each room and door that is wrong
     #[arg(long)]
     verbose: bool,
+    /// Test with random points that room_at finds their rooms, and time it
+    #[arg(long)]
+    points: bool,
     /// Test with N random lines of sight that what sees each other is relevant to each other
     #[arg(long, value_name = "N", default_value_t = 0)]
     lines: usize,
@@ -81,6 +84,15 @@ struct Score {
     suggestions: usize,
     /// Suggested items that are doors by name.
     suggestions_right: usize,
+    points: Points,
+}
+
+/// Random points in the free space of true rooms that are not part of an open plan.
+#[derive(Clone, Copy, Default)]
+struct Points {
+    count: usize,
+    right: usize,
+    nanoseconds: f64,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -108,6 +120,16 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             let truth = truth_of(path)?;
             let score = score(&found, &items, &truth, args.verbose);
             score.print(&file, seconds);
+            if args.points {
+                let Points {
+                    count,
+                    right,
+                    nanoseconds,
+                } = score.points;
+                println!(
+                    "{right} of {count} random points are in the right room; {nanoseconds:.0} ns for each"
+                );
+            }
             sum.add(&score);
         } else {
             println!(
@@ -416,10 +438,51 @@ fn score(found: &FoundRooms, items: &SceneRoomItems, truth: &Truth, verbose: boo
         }
     }
     score_portals(found, truth, &owners, &mut score, verbose);
+    let is_alone = |label: u16| {
+        group_of
+            .iter()
+            .filter(|&&group| group == group_of[label as usize])
+            .count()
+            == 1
+    };
+    let alone: Vec<bool> = (0..count as u16).map(is_alone).collect();
+    score.points = points(found, &labels, &alone, &owners);
     score.suggestions = found.suggestions.len();
     let is_door = |door: &&DoorSuggestion| is_door_name(items.input.items[door.item as usize].name);
     score.suggestions_right = found.suggestions.iter().filter(is_door).count();
     score
+}
+
+/// Tests `room_at` at random points.
+fn points(found: &FoundRooms, labels: &[u16], alone: &[bool], owners: &[Option<u16>]) -> Points {
+    const COUNT: usize = 100_000;
+    let voxels = &found.voxels;
+    let mut random = Random(3);
+    let mut points = Vec::with_capacity(COUNT);
+    let candidates: Vec<usize> = (0..labels.len())
+        .filter(|&voxel| {
+            let label = labels[voxel];
+            label != NONE && alone[label as usize] && voxels.free_room(voxel).is_some()
+        })
+        .collect();
+    while points.len() < COUNT && !candidates.is_empty() {
+        let voxel = candidates[(random.next() * candidates.len() as f64) as usize];
+        let place = voxels.place(voxel);
+        let at = [0, 1, 2]
+            .map(|axis| voxels.origin()[axis] + (place[axis] as f64 + random.next()) * voxels.step());
+        points.push((at, labels[voxel]));
+    }
+    let start = Instant::now();
+    let rooms: Vec<Option<RoomId>> = points.iter().map(|(at, _)| found.graph.room_at(*at)).collect();
+    let nanoseconds = start.elapsed().as_secs_f64() * 1e9 / points.len().max(1) as f64;
+    let is_right = |(room, (_, label)): (&Option<RoomId>, &([f64; 3], u16))| {
+        room.and_then(|room| owners[room.0 as usize]) == Some(*label)
+    };
+    Points {
+        count: points.len(),
+        right: rooms.iter().zip(&points).filter(|&pair| is_right(pair)).count(),
+        nanoseconds,
+    }
 }
 
 /// Returns for each true room the first of its group: rooms that touch with no wall, pane or leaf between them.

@@ -44,9 +44,10 @@ pub use cells::{Cells, CellsError, Portal};
 pub use line::{Witness, find_missing};
 pub use pairs::{PairsOptions, VisiblePairs};
 pub use rooms::{
-    Door, DoorId, DoorKind, DoorSuggestion, FoundRooms, Room, RoomChange, RoomFileError, RoomGraph, RoomId,
-    RoomItem, RoomMesh, RoomOptions, RoomPath, RoomTracker, RoomVoxels, RoomsError, RoomsInput, SoundLoss,
-    Up, detect_metres_per_unit, detect_up, find_rooms, is_door_name,
+    AuthoredDoor, AuthoredRooms, Door, DoorId, DoorKind, DoorSuggestion, FoundRooms, Room, RoomChange,
+    RoomFileError, RoomGraph, RoomId, RoomItem, RoomMesh, RoomOptions, RoomPath, RoomTracker, RoomVoxels,
+    RoomsError, RoomsInput, SoundLoss, Up, detect_metres_per_unit, detect_up, find_rooms, find_rooms_among,
+    is_door_name,
 };
 pub use saved::ResumeError;
 pub use work::{PairsWork, Stage, TooLarge};

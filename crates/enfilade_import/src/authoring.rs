@@ -21,7 +21,7 @@ pub enum AuthoringError {
         wanted: &'static str,
     },
     /// `extras.enfilade.kind` is unknown.
-    #[error("{node} has the unknown kind `{kind}`; kinds are room, portal, mirror and terrain")]
+    #[error("{node} has the unknown kind `{kind}`; kinds are room, portal, mirror, terrain and door")]
     UnknownKind {
         /// The node.
         node: String,

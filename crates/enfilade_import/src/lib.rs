@@ -37,6 +37,7 @@
 //! | | `{"kind": "portal", "exit": "NODE", "scale": 8}` | the same; the target appears 8 times smaller than it is |
 //! | `-mirror` | `{"kind": "mirror"}` | a flat convex mesh that mirrors its room |
 //! | `-terrain` | `{"kind": "terrain"}` | a heightfield mesh (regular grid) for the method `floating-horizon` |
+//! | | `{"kind": "door"}` | the leaf of a door: it can move, which only [`SceneRoomItems`] cares about |
 //!
 //! Either the name or the extras suffice. Blender's numeric suffix (`.001`) is ignored, and 1 counts as `true`. All
 //! rooms share world space. The importer finds the two rooms that a portal joins from the geometry on its two sides,
@@ -142,7 +143,7 @@ pub use quake::{
     PrtKind, RebuiltPortals, place_portals, read_portals, rebuild_portals, rebuild_portals_bytes,
     visibility_bytes, with_ambient_sounds, with_visibility,
 };
-pub use room_items::SceneRoomItems;
+pub use room_items::{SceneRoomItems, authored_doors};
 pub use source_nodes::SourceNodes;
 pub use terrain::{GridError, GridPlace, TerrainError};
 pub use warning::{Warning, WarningKind};

@@ -1,7 +1,7 @@
 //! Hands the items of a scene to room detection.
 
-use enfilade::{Alpha, Geometry, Item, ItemIndex, MeshId, Scene, SectorId};
-use enfilade_bake::{RoomItem, RoomMesh, RoomsInput};
+use enfilade::{Alpha, Geometry, Item, ItemIndex, MeshId, Portal, PortalId, Scene, SectorId, Transform};
+use enfilade_bake::{AuthoredDoor, RoomItem, RoomMesh, RoomsInput};
 use std::collections::HashMap;
 
 /// The items of a scene, as input of [`find_rooms`](enfilade_bake::find_rooms).
@@ -45,6 +45,27 @@ impl<'a> SceneRoomItems<'a> {
         }
         found
     }
+}
+
+/// Returns the doors between the sectors of a scene, for [`AuthoredRooms`](enfilade_bake::AuthoredRooms): portals that
+/// lead to the other side of their opening, without mirrors and teleports.
+pub fn authored_doors(scene: &Scene) -> Vec<AuthoredDoor> {
+    let portals = scene.portals().iter().zip(0..).filter(|&(portal, number)| {
+        let is_between = portal.there_from_here == Transform::IDENTITY && portal.from != portal.to;
+        scene.has_portal(PortalId(number)) && is_between
+    });
+    let door = |(portal, _): (&Portal, u32)| {
+        let opening = scene
+            .geometry(portal.from)?
+            .openings()
+            .get(usize::from(portal.opening.0))?;
+        let corners = opening.outline.corners().iter();
+        Some(AuthoredDoor {
+            rooms: [portal.from.0, portal.to.0],
+            outline: corners.map(|corner| corner.map(f64::from)).collect(),
+        })
+    };
+    portals.filter_map(door).collect()
 }
 
 /// Splits the triangles of an item's mesh by opacity of their clusters.

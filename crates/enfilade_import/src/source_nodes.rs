@@ -1,7 +1,7 @@
 //! Maps the items of a room to the nodes of its file.
 
 use enfilade::ItemIndex;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The nodes that the items of a room come from: their indices in the file, and ids that other programs assigned to
 /// them.
@@ -14,6 +14,8 @@ pub struct SourceNodes {
     firsts: Vec<(ItemIndex, u32)>,
     /// Ids by node index.
     ids: BTreeMap<u32, Box<str>>,
+    /// Nodes that can move.
+    movable: BTreeSet<u32>,
 }
 
 impl SourceNodes {
@@ -27,6 +29,17 @@ impl SourceNodes {
         if let Some(id) = id {
             self.ids.insert(node, id.into());
         }
+    }
+
+    /// Records that a node can move.
+    pub(crate) fn add_movable(&mut self, node: u32) {
+        self.movable.insert(node);
+    }
+
+    /// Returns `true` if an item's node, or one above it, is the target of an animation, or is marked as a door by
+    /// `extras.enfilade.kind`.
+    pub fn is_movable(&self, item: ItemIndex) -> bool {
+        self.node(item).is_some_and(|node| self.movable.contains(&node))
     }
 
     /// Returns the index of an item's node in the `nodes` of its glTF file; `None` if the file has no nodes.

@@ -9,10 +9,10 @@ use std::path::PathBuf;
 /// Options of `rooms`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Rooms are found in the triangles: walls, slabs, panes and closed doors separate them. Rooms and portals that the file marks \
-are not used by this verb.
+Rooms are found in the triangles: walls, slabs, panes and closed doors separate them. Where the file marks rooms and portals, \
+these are the rooms, and the outlines of the doors.
 
-A door can be opened if its name says so. Without names, items that look like closed doors are suggested; name them with \
+A door can be opened if the file animates it, if its extras say {\"enfilade\": {\"kind\": \"door\"}}, or if its name says so. Without names, items that look like closed doors are suggested; name them with \
 --doors, and they become doors.
 
 The JSON file is the graph of rooms and doors that RoomGraph of the crate enfilade_bake reads, with the names of items \

@@ -15,11 +15,12 @@ use crate::run_files::RunFiles;
 use crate::text::{plural, point, short, table};
 use crate::values::Choice;
 use anyhow::{Context, Result, anyhow};
+use enfilade::{Aabb, Scene, SectorId};
 use enfilade_bake::{
-    Door, DoorKind, FoundRooms, RoomId, RoomOptions, Up, detect_metres_per_unit, detect_up, find_rooms,
-    is_door_name,
+    AuthoredRooms, Door, DoorKind, FoundRooms, RoomId, RoomOptions, Up, detect_metres_per_unit, detect_up,
+    find_rooms_among, is_door_name,
 };
-use enfilade_import::SceneRoomItems;
+use enfilade_import::{SceneRoomItems, authored_doors};
 use serde::Serialize;
 use serde_json::Value;
 use std::time::Instant;
@@ -113,7 +114,13 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
             .geometry(sector)
             .map_or("", |geometry| geometry.name(item))
     };
-    let items = SceneRoomItems::of(&opened.scene, |sector, item| is_door(args, name(sector, item)));
+    let can_move = |sector: SectorId, item| {
+        let nodes = opened.nodes.get(sector.0 as usize);
+        nodes.is_some_and(|nodes| nodes.is_movable(item))
+    };
+    let items = SceneRoomItems::of(&opened.scene, |sector, item| {
+        can_move(sector, item) || is_door(args, name(sector, item))
+    });
     let mut options = RoomOptions::default();
     options.up = up(args, &opened, &items);
     options.metres_per_unit = match args.scale {
@@ -121,7 +128,16 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
         None => detect_metres_per_unit(&items.input, options.up).unwrap_or(1.0),
     };
     options.step = args.voxel;
-    let found = find_rooms(&items.input, &options).map_err(|why| anyhow!("{}: {why}", opened.file))?;
+    let scene = &opened.scene;
+    let room_at = |point: [f64; 3]| sector_at(scene, point).map(|sector| sector.0);
+    let authored = AuthoredRooms {
+        names: scene.sectors().map(|sector| scene.sector_name(sector)).collect(),
+        room_at: &room_at,
+        doors: authored_doors(scene),
+    };
+    let authored = (scene.sector_count() > 1).then_some(&authored);
+    let found = find_rooms_among(&items.input, &options, authored)
+        .map_err(|why| anyhow!("{}: {why}", opened.file))?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
     let names: Vec<&str> = items.input.items.iter().map(|item| item.name).collect();
@@ -155,6 +171,18 @@ fn is_door(args: &RoomsArgs, name: &str) -> bool {
             .iter()
             .any(|word| !word.is_empty() && name.contains(&word.to_lowercase()))
     }
+}
+
+/// Returns the sector whose box contains a point.
+fn sector_at(scene: &Scene, point: [f64; 3]) -> Option<SectorId> {
+    let [x, y, z] = point;
+    let sector = scene.locate([x, y, z], [x, y, z + 1.0])?;
+    let Aabb { min, max } = scene.bounds(sector);
+    let is_inside = (0..3).all(|axis| {
+        let is_below = point[axis] <= f64::from(max[axis]) || (axis == 1 && scene.is_open_above(sector));
+        f64::from(min[axis]) <= point[axis] && is_below
+    });
+    is_inside.then_some(sector)
 }
 
 fn up(args: &RoomsArgs, opened: &OpenedScene, items: &SceneRoomItems) -> Up {

@@ -169,8 +169,11 @@ fn heights(found: &FoundRooms, door: &Door) -> [f64; 2] {
     ]
 }
 
+/// The cells of each room.
+type CellsOfRooms = BTreeMap<u32, Vec<[usize; 2]>>;
+
 /// Restricts a cut to its rooms and a little around them; returns the cells of each room.
-fn cropped<'a>(whole: &Cut<'a>) -> Option<(Cut<'a>, BTreeMap<u32, Vec<[usize; 2]>>)> {
+fn cropped<'a>(whole: &Cut<'a>) -> Option<(Cut<'a>, CellsOfRooms)> {
     let [columns, rows] = whole.size;
     let [mut low, mut high] = [[usize::MAX; 2], [0; 2]];
     for z in 0..rows {
@@ -195,7 +198,7 @@ fn cropped<'a>(whole: &Cut<'a>) -> Option<(Cut<'a>, BTreeMap<u32, Vec<[usize; 2]
             (high[1] + around).min(rows) - first[1],
         ],
     };
-    let mut cells: BTreeMap<u32, Vec<[usize; 2]>> = BTreeMap::new();
+    let mut cells = CellsOfRooms::new();
     for z in 0..cut.size[1] {
         for x in 0..cut.size[0] {
             if let Some(room) = cut.room(x, z) {

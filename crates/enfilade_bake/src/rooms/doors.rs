@@ -224,18 +224,6 @@ fn door(voxels: &RoomVoxels, (rooms, kind, leaf): Key, faces: &[Face]) -> Door {
     } else {
         [DVec3::Y, across]
     };
-    let reach = |direction: DVec3| {
-        let places = || centers.iter().map(|at| (*at - mean).dot(direction));
-        [
-            places().fold(f64::INFINITY, f64::min) - 0.5 * step,
-            places().fold(f64::NEG_INFINITY, f64::max) + 0.5 * step,
-        ]
-    };
-    let [left, right] = reach(along);
-    let [bottom, top] = reach(up);
-    // To a tenth of a millimetre, the bounds outwards: short numbers in files.
-    let scene = |at: DVec3| voxels.metric.scene(at.into());
-
     // Faces of a slanted boundary form steps: only their projection counts.
     let area: f64 = faces
         .iter()
@@ -245,20 +233,43 @@ fn door(voxels: &RoomVoxels, (rooms, kind, leaf): Key, faces: &[Face]) -> Door {
         DoorKind::Opening | DoorKind::Door if area * step * step < GAP => DoorKind::Gap,
         kind => kind,
     };
-    let corner = |a: f64, b: f64| scene(mean + a * along + b * up).map(|value| rounded(value, f64::round));
     Door {
         rooms: rooms.map(RoomId),
         kind,
         leaf,
         area: rounded(area * step * step, f64::round),
-        polygon: [
-            corner(left, bottom),
-            corner(right, bottom),
-            corner(right, top),
-            corner(left, top),
-        ],
+        polygon: rectangle_along(&centers, [along, up], 0.5 * step, &voxels.metric),
         sights: sights(voxels, rooms[0], faces),
     }
+}
+
+/// Returns the rectangle around a flat outline in scene coordinates, upright unless the outline is level.
+pub(super) fn rectangle(outline: &[[f64; 3]], metric: &Metric) -> [[f64; 3]; 4] {
+    let points: Vec<DVec3> = outline.iter().map(|&at| DVec3::from(metric.metres(at))).collect();
+    let next = points.iter().cycle().skip(1);
+    let normal: DVec3 = points.iter().zip(next).map(|(a, b)| a.cross(*b)).sum();
+    let along = normal.cross(DVec3::Y).normalize_or(DVec3::X);
+    let is_level = normal.y.abs() > normal.x.hypot(normal.z);
+    let up = if is_level { along.cross(DVec3::Y) } else { DVec3::Y };
+    rectangle_along(&points, [along, up], 0.0, metric)
+}
+
+/// Returns the rectangle around points in metres with these directions, in scene coordinates to a tenth of a millimetre.
+fn rectangle_along(points: &[DVec3], [along, up]: [DVec3; 2], margin: f64, metric: &Metric) -> [[f64; 3]; 4] {
+    let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+    let reach = |direction: DVec3| {
+        let places = || points.iter().map(|at| (*at - mean).dot(direction));
+        [
+            places().fold(f64::INFINITY, f64::min) - margin,
+            places().fold(f64::NEG_INFINITY, f64::max) + margin,
+        ]
+    };
+    let [left, right] = reach(along);
+    let [bottom, top] = reach(up);
+    [[left, bottom], [right, bottom], [right, top], [left, top]].map(|[a, b]| {
+        let at = metric.scene((mean + a * along + b * up).into());
+        at.map(|value| rounded(value, f64::round))
+    })
 }
 
 /// Returns the boxes of the faces that point the same way.

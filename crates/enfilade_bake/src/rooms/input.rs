@@ -32,8 +32,7 @@ pub struct RoomItem<'a> {
     pub mesh: usize,
     /// Object-to-world transform: three columns of the linear part, then the translation.
     pub world_from_item: [[f64; 3]; 4],
-    /// Whether the item is the leaf of a door or gate, if it is at least a metre high: it separates rooms but can be
-    /// opened.
+    /// Whether the item is the leaf of a door or gate, if it is 1 to 10 m high: it separates rooms but can be opened.
     pub movable: bool,
 }
 

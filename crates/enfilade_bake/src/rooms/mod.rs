@@ -8,6 +8,7 @@
 //! Cost: O(voxels), 0.1 m wide, or as wide that there are at most 60 million.
 //! Approximate: rooms are what most people would call so. Looks do not use them.
 
+mod authored;
 mod doors;
 mod file;
 mod graph;
@@ -23,6 +24,7 @@ mod suggest;
 mod units;
 mod voxels;
 
+pub use authored::{AuthoredDoor, AuthoredRooms};
 pub use file::RoomFileError;
 pub use graph::{
     Door, DoorId, DoorKind, Room, RoomChange, RoomGraph, RoomId, RoomPath, RoomTracker, SoundLoss,
@@ -37,6 +39,7 @@ use input::{Bounds, Metric};
 use labels::LabelGrid;
 use rayon::prelude::*;
 use slice::NONE;
+use stacks::Labels;
 use thiserror::Error;
 use voxels::Solids;
 
@@ -134,6 +137,19 @@ pub struct FoundRooms {
 /// # Errors
 /// Returns a [`RoomsError`] if an index is out of range, an option is not above zero, or there are no triangles.
 pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRooms, RoomsError> {
+    find_rooms_among(input, options, None)
+}
+
+/// As [`find_rooms`], in a scene with rooms that its author marked: where there are any, they are the rooms, and their
+/// doors have the outlines that are marked.
+///
+/// # Errors
+/// As [`find_rooms`].
+pub fn find_rooms_among(
+    input: &RoomsInput,
+    options: &RoomOptions,
+    authored: Option<&AuthoredRooms>,
+) -> Result<FoundRooms, RoomsError> {
     input.check()?;
     options.check()?;
     let metric = Metric {
@@ -147,11 +163,16 @@ pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRoom
     let grid = Grid::around(&extent, 1.0, options.step, options.max_voxels.max(1000));
     let options = &options.at_least_voxels(grid.step);
     let solids = Solids::new(&grid, input, &classes, &metric);
-    let stacks::Labels {
+    let found = stacks::find(&grid, |voxel| solids.separating.has(voxel), options);
+    let (found, names) = match authored {
+        Some(authored) => authored::relabel(&grid, &metric, found, authored),
+        None => (found, Vec::new()),
+    };
+    let Labels {
         rooms: mut labels,
         count,
         outside,
-    } = stacks::find(&grid, |voxel| solids.separating.has(voxel), options);
+    } = found;
     let free = VoxelSet::new(&grid);
     (0..grid.len()).into_par_iter().for_each(|voxel| {
         if labels[voxel] != NONE {
@@ -162,6 +183,9 @@ pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRoom
     stacks::grow(&grid, &mut labels);
     let outside = (outside != NONE).then_some(RoomId(outside));
     let (mut rooms, storeys) = rooms_of(&grid, &metric, &extents, outside);
+    for (room, name) in rooms.iter_mut().zip(&names) {
+        room.name.clone_from(name);
+    }
     list_items(input, &grid, &metric, &labels, &mut rooms);
     let compact = LabelGrid::new(&grid, &labels);
     let voxels = RoomVoxels {
@@ -172,7 +196,10 @@ pub fn find_rooms(input: &RoomsInput, options: &RoomOptions) -> Result<FoundRoom
         free,
     };
     let holes = holes::find(input, &voxels, &classes);
-    let doors = doors::find(&voxels, &classes, &bounds, &holes);
+    let mut doors = doors::find(&voxels, &classes, &bounds, &holes);
+    if let Some(authored) = authored {
+        authored::outline_doors(&mut doors, &names, authored, &metric);
+    }
     Ok(FoundRooms {
         graph: RoomGraph::new(rooms, doors, outside, storeys, metric, compact),
         suggestions: suggest::find(input, &voxels, &classes, &bounds),

@@ -126,15 +126,16 @@ impl RoomVoxels {
     }
 }
 
-/// Minimum height of the leaf of a door, in metres.
+/// Minimum height of the leaf of a door, and its maximum extent, in metres.
 const MIN_LEAF: f64 = 1.0;
+const MAX_LEAF: f64 = 10.0;
 
 /// Returns the class of each item.
 pub(super) fn classify(input: &RoomsInput, bounds: &[Bounds], options: &RoomOptions) -> Vec<Class> {
     let of = |(item, bounds): (&super::RoomItem, &Bounds)| {
         let extent = bounds.size().into_iter().fold(0.0, f64::max);
-        // Lower ones are cupboards that are called doors.
-        if item.movable && bounds.size()[1] >= MIN_LEAF {
+        // Lower ones are cupboards that are called doors, larger ones lifts or all that an animation turns.
+        if item.movable && bounds.size()[1] >= MIN_LEAF && extent <= MAX_LEAF {
             Class::Leaf
         } else if extent < options.clutter {
             Class::Clutter

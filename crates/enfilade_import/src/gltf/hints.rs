@@ -28,6 +28,8 @@ pub(super) enum Hint {
     Hole,
     /// The node's mesh is a grid of heights.
     Terrain,
+    /// The node and its descendants are the leaf of a door; drawn as any other.
+    Door,
 }
 
 /// The target of an opening, as written by the author.
@@ -56,9 +58,12 @@ enum Kind {
     Portal,
     Mirror,
     Terrain,
+    /// Not by a name: names of doors do not follow our convention.
+    Door,
 }
 
-const KINDS: [(&str, Kind); 4] = [
+const KINDS: [(&str, Kind); 5] = [
+    ("door", Kind::Door),
     ("room", Kind::Room),
     ("portal", Kind::Portal),
     ("mirror", Kind::Mirror),
@@ -75,6 +80,7 @@ pub(super) fn read(document: &Document, faults: &mut Faults, warnings: &mut Warn
                 Some(Kind::Portal | Kind::Mirror) => (Subject::Portal, Some(Hint::Hole)),
                 Some(Kind::Room) => (Subject::Room, Some(Hint::Room { method: None })),
                 Some(Kind::Terrain) => (Subject::Room, Some(Hint::Terrain)),
+                Some(Kind::Door) => (Subject::Room, Some(Hint::Door)),
                 None => (Subject::Room, None),
             };
             faults.report(subject, why, warnings);
@@ -129,7 +135,7 @@ fn kind_by_name(name: &str) -> Option<Kind> {
     let (_, ending) = base.rsplit_once('-')?;
     KINDS
         .iter()
-        .find(|(kind, _)| *kind == ending)
+        .find(|(name, kind)| *name == ending && *kind != Kind::Door)
         .map(|(_, kind)| *kind)
 }
 
@@ -211,6 +217,7 @@ impl Notes {
                 by_name,
             },
             Kind::Terrain => Hint::Terrain,
+            Kind::Door => Hint::Door,
         })
     }
 

@@ -23,6 +23,8 @@ pub(super) struct Plan<'d> {
     /// For each name that a portal uses as an exit, the positions in `placed` of the first two nodes with that name.
     exits: HashMap<&'d str, [Option<usize>; 2]>,
     flat: bool,
+    /// Nodes that can move: leaves of doors, and what animations move, with all below them.
+    movable: BTreeSet<u32>,
     /// Method of the room for nodes outside every room, if the scene defines one.
     method_of_rest: Option<Method>,
 }
@@ -58,6 +60,19 @@ impl<'d> Plan<'d> {
                 *two = [two[0].or(Some(place)), two[0].and(two[1].or(Some(place)))];
             }
         }
+        let doors = hints
+            .iter()
+            .filter(|(_, hint)| **hint == Hint::Door)
+            .map(|(&node, _)| node);
+        let mut waiting: Vec<u32> = doors.chain(document.animated_nodes()).collect();
+        let mut movable = BTreeSet::new();
+        while let Some(number) = waiting.pop() {
+            if let Some(node) = document.nodes.get(number as usize)
+                && movable.insert(number)
+            {
+                waiting.extend(&node.children);
+            }
+        }
         let mut plan = Plan {
             document,
             exits: called,
@@ -65,6 +80,7 @@ impl<'d> Plan<'d> {
             hints,
             rooms,
             flat,
+            movable,
             method_of_rest,
         };
         plan.check_rooms(faults, warnings);
@@ -253,6 +269,9 @@ impl<'d> Plan<'d> {
             .collect();
         for placed in held {
             let id = assets.ids.get(&placed.node).map(String::as_str);
+            if self.movable.contains(&placed.node) {
+                nodes.add_movable(placed.node);
+            }
             let node = node(placed);
             if let (Some(field), Some(mesh)) = (terrain(placed), node.mesh) {
                 let name = names.name(placed.node, node);

@@ -54,8 +54,35 @@ pub(in crate::gltf) struct Document<'a> {
     // Only counted; `IgnoredAny` takes no memory.
     #[serde(default)]
     pub(in crate::gltf) skins: Vec<IgnoredAny>,
-    #[serde(default)]
-    pub(in crate::gltf) animations: Vec<IgnoredAny>,
+    #[serde(borrow, default)]
+    pub(in crate::gltf) animations: Vec<&'a RawValue>,
+}
+
+impl Document<'_> {
+    /// Returns the nodes that animations move. What is not valid is ignored, as all else in animations is.
+    pub(in crate::gltf) fn animated_nodes(&self) -> impl Iterator<Item = u32> {
+        #[derive(Deserialize)]
+        struct Animation {
+            channels: Vec<Channel>,
+        }
+        #[derive(Deserialize)]
+        struct Channel {
+            target: Target,
+        }
+        #[derive(Deserialize)]
+        struct Target {
+            node: Option<u32>,
+            path: String,
+        }
+        let animations = self.animations.iter();
+        let read = animations.filter_map(|animation| serde_json::from_str::<Animation>(animation.get()).ok());
+        let targets = read
+            .flat_map(|animation| animation.channels)
+            .map(|channel| channel.target);
+        targets
+            .filter(|target| target.path != "weights")
+            .filter_map(|target| target.node)
+    }
 }
 
 #[derive(Debug, Deserialize)]

@@ -198,7 +198,7 @@ fn extras_of_the_wrong_type_or_with_unknown_words() {
         (json!(5), &["enfilade = 5", "an object such as"][..]),
         (
             json!({ "kind": "gate" }),
-            &["`gate`", "room, portal, mirror and terrain"],
+            &["`gate`", "room, portal, mirror, terrain and door"],
         ),
         (json!({ "kind": 3 }), &["kind = 3", "a string"]),
         (json!({ "to": ["B-room"] }), &["to = [\"B-room\"]", "a string"]),

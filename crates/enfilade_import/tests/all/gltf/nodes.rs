@@ -298,3 +298,26 @@ fn items_know_their_nodes_and_what_other_programs_call_these() {
         ]
     );
 }
+
+#[test]
+fn doors_by_extras_and_what_animations_move_can_move() {
+    let mut file = forest(json!([
+        { "name": "wall", "mesh": 0 },
+        { "name": "leaf", "children": [2], "extras": { "enfilade": { "kind": "door" } } },
+        { "name": "panel", "mesh": 0 },
+        { "name": "gate", "mesh": 0 },
+        { "name": "face", "mesh": 0 },
+    ]));
+    let channel = |node: u32, path: &str| json!({ "sampler": 0, "target": { "node": node, "path": path } });
+    file.json["animations"] = json!([
+        { "channels": [channel(3, "rotation"), channel(4, "weights"), channel(99, "translation")], "samplers": [] },
+        { "channels": "none" },
+        7,
+    ]);
+    let import = reads(&file);
+    let can_move: Vec<bool> = (0..4)
+        .map(|item| import.rooms[0].nodes.is_movable(ItemIndex(item)))
+        .collect();
+    assert_eq!(names(&import), ["wall", "panel", "gate", "face"]);
+    assert_eq!(can_move, [false, true, true, false]);
+}

@@ -18,6 +18,9 @@
 //! point of one may see any point of the other. It is an upper bound: a pair that can see each other is never left out.
 //! [`PairsWork`] computes it in steps and can be stopped, saved and resumed. [`find_missing`] tests a PVS with random
 //! rays. It shares no code with the computation and returns a [`Witness`] for a missing pair.
+//!
+//! [`find_rooms`] finds the rooms, doors and windows of a building in its triangles, and [`RoomGraph`] answers what games
+//! ask: which room a point is in, ways, sound, and which rooms may see each other.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 

@@ -22,7 +22,7 @@ Examples:
   enfilade rooms scene.glb
   enfilade rooms scene.glb -o rooms.json --html plan.html
   enfilade rooms scene.glb --up y --scale 1 --doors gate,shutter
-  enfilade rooms @house --html house.html --json -")]
+  enfilade rooms @house --flat --html house.html --json -")]
 pub(crate) struct RoomsArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
@@ -44,6 +44,9 @@ pub(crate) struct RoomsArgs {
     /// Use no names: doors are then only suggested
     #[arg(long, conflicts_with = "doors")]
     pub(crate) no_names: bool,
+    /// Find all rooms, also where the scene marks some
+    #[arg(long)]
+    pub(crate) flat: bool,
     /// Set the side of a voxel; walls and gaps smaller than this may be missed
     #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = values::metres)]
     pub(crate) voxel: f64,

@@ -135,7 +135,7 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
         room_at: &room_at,
         doors: authored_doors(scene),
     };
-    let authored = (scene.sector_count() > 1).then_some(&authored);
+    let authored = (scene.sector_count() > 1 && !args.flat).then_some(&authored);
     let found = find_rooms_among(&items.input, &options, authored)
         .map_err(|why| anyhow!("{}: {why}", opened.file))?;
     let seconds = start.elapsed().as_secs_f64();

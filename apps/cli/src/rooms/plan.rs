@@ -263,6 +263,9 @@ fn draw_door(svg: &mut String, rooms: &Rooms, cut: &Cut, door: &Door, height: f6
 
 /// Writes the name and area of a room where it is widest.
 fn label(svg: &mut String, rooms: &Rooms, cut: &Cut, room: u32, cells: &[[usize; 2]]) {
+    /// Width of a letter, as a share of the size of the font, and the smallest size.
+    const LETTER: f64 = 0.6;
+    const SMALLEST: f64 = 6.5;
     let Some(([x, z], reach)) = widest(cut, room, cells) else {
         return;
     };
@@ -271,12 +274,18 @@ fn label(svg: &mut String, rooms: &Rooms, cut: &Cut, room: u32, cells: &[[usize;
         return;
     }
     let entry = &rooms.report.rooms[room as usize];
-    let size = (half_width * 0.8).clamp(8.0, 15.0);
+    // The mark of rooms in glTF files says nothing here.
+    let name = entry.name.strip_suffix("-room").unwrap_or(&entry.name);
+    let fits = 2.2 * half_width / (LETTER * name.chars().count().max(1) as f64);
+    let size = (half_width * 0.8).clamp(8.0, 15.0).min(fits);
+    if size < SMALLEST {
+        return;
+    }
     let [x, y] = [x, z].map(|value| (value as f64 + 0.5) * cut.cell() + MARGIN * SCALE);
     let _ = writeln!(
         svg,
         "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size:.0}\" font-weight=\"600\" fill=\"#20252e\">{}</text>",
-        escaped(&entry.name)
+        escaped(name)
     );
     if half_width > 16.0 {
         let _ = writeln!(

@@ -1,6 +1,8 @@
 //! Walks through a building: which room it is, what is heard, and which doors must open. Run: cargo run --release
 //! --example 07_rooms_of_a_building -p enfilade_import -- building.glb
 
+#![allow(clippy::print_stdout, reason = "an example prints what it finds")]
+
 use enfilade::{Method, Scene};
 use enfilade_bake::{
     DoorId, DoorKind, RoomGraph, RoomOptions, RoomTracker, SoundLoss, find_rooms, is_door_name,

@@ -22,6 +22,9 @@ pub(crate) struct Args {
     /// Buildings [default: all in ENFILADE_SCENES with a known truth]
     #[arg(value_name = "SCENES")]
     scenes: Vec<PathBuf>,
+    /// Fail if less is right than promised: 97 % of groups and doors, 95 % of windows, 1.5 rooms for a true one, all lines
+    #[arg(long)]
+    check: bool,
     /// Print each room and door that is wrong
     #[arg(long)]
     verbose: bool,
@@ -102,6 +105,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         args.scenes.clone()
     };
     let mut sum = Score::default();
+    let mut missed = 0;
     println!("{HEADER}");
     for path in &scenes {
         let start = Instant::now();
@@ -141,13 +145,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             );
         }
         if args.lines > 0 {
-            test_lines(&items, &found, args)?;
+            missed += test_lines(&items, &found, args)?;
         }
     }
     if scenes.len() > 1 {
         sum.print("all", 0.0);
     }
-    Ok(())
+    if args.check { sum.check(missed) } else { Ok(()) }
 }
 
 const HEADER: &str = "\
@@ -608,6 +612,33 @@ impl Score {
         self.suggestions_right += other.suggestions_right;
     }
 
+    /// Fails if less is right than promised.
+    fn check(&self, missed: usize) -> Result<()> {
+        let is_share = |right: usize, all: usize, share: f64| right as f64 >= share * all as f64;
+        ensure!(self.rooms > 0, "no building has a known truth");
+        ensure!(
+            is_share(self.groups_right, self.groups, 0.97),
+            "too few groups of rooms are right"
+        );
+        ensure!(
+            is_share(self.doors_right, self.doors, 0.97),
+            "too few doors are right"
+        );
+        ensure!(
+            is_share(self.windows_right, self.windows, 0.95),
+            "too few windows are right"
+        );
+        ensure!(
+            self.found as f64 <= 1.5 * self.rooms as f64,
+            "too many rooms are found"
+        );
+        ensure!(
+            missed == 0,
+            "{missed} lines of sight end in a room that is not relevant"
+        );
+        Ok(())
+    }
+
     fn print(&self, name: &str, seconds: f64) {
         println!(
             "{name:18} | {:5} {:5} {:5} | {:6} {:5} | {:5} {:5} {:9} | {:7} {:5} | {:11} {:5} | {seconds:6.2}",
@@ -628,7 +659,7 @@ impl Score {
 }
 
 /// Tests random lines between points that see each other with all doors open.
-fn test_lines(items: &SceneRoomItems, found: &FoundRooms, args: &Args) -> Result<()> {
+fn test_lines(items: &SceneRoomItems, found: &FoundRooms, args: &Args) -> Result<usize> {
     let mut graph = found.graph.clone();
     for door in 0..graph.doors().len() as u32 {
         graph.set_open(DoorId(door), true);
@@ -698,7 +729,7 @@ fn test_lines(items: &SceneRoomItems, found: &FoundRooms, args: &Args) -> Result
         "{tested} lines, {between} between two rooms, {missed} missed; of {} rooms {average:.1} relevant on average, {without_gaps:.1} without gaps",
         relevant.len()
     );
-    Ok(())
+    Ok(missed)
 }
 
 /// Returns the triangles that block sight when all doors are open.

@@ -18,6 +18,7 @@ mod maps;
 mod obj;
 mod portals;
 mod real_scenes;
+mod rooms;
 mod same_file;
 mod saved;
 mod simd;

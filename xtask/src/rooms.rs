@@ -7,8 +7,8 @@
 use anyhow::{Context, Result, ensure};
 use enfilade::{Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, Ray, Transform};
 use enfilade_bake::{
-    DoorId, DoorKind, DoorSuggestion, FoundRooms, RoomId, RoomOptions, RoomVoxels, detect_metres_per_unit,
-    find_rooms, is_door_name,
+    DoorId, DoorKind, DoorSuggestion, FoundRooms, RoomGraph, RoomId, RoomOptions, RoomVoxels,
+    detect_metres_per_unit, find_rooms, is_door_name,
 };
 use enfilade_import::{ReadOptions, SceneRoomItems, read};
 use serde_json::Value;
@@ -658,89 +658,99 @@ impl Score {
     }
 }
 
-/// Tests random lines between points that see each other with all doors open.
+/// Tests random lines between points that see each other, with all doors open and with all closed. Returns the number of
+/// those that end in a room that is not relevant.
 fn test_lines(items: &SceneRoomItems, found: &FoundRooms, args: &Args) -> Result<usize> {
-    let mut graph = found.graph.clone();
-    for door in 0..graph.doors().len() as u32 {
-        graph.set_open(DoorId(door), true);
-    }
-    let relevant: Vec<BTreeSet<RoomId>> = (0..graph.rooms().len() as u32)
-        .map(|room| graph.relevant(RoomId(room)).into_iter().collect())
-        .collect();
-    let without_gaps = (0..graph.rooms().len() as u32).map(|room| {
-        let is_no_gap = |door: DoorId| graph.doors()[door.0 as usize].kind != DoorKind::Gap;
-        graph.relevant_by(RoomId(room), is_no_gap).len()
-    });
-    let without_gaps = without_gaps.sum::<usize>() as f64 / relevant.len().max(1) as f64;
-    let average = relevant.iter().map(BTreeSet::len).sum::<usize>() as f64 / relevant.len().max(1) as f64;
-    let walls = opaque(items, args)?;
-    let mut random = Random(7);
-    let [mut tested, mut between, mut missed, mut tries] = [0_usize; 4];
-    let size = found.voxels.size();
-    let count: usize = size.iter().product();
-    while tested < args.lines && tries < 100 * args.lines {
-        tries += 1;
-        let voxel = (random.next() * count as f64) as usize;
-        if found.voxels.free_room(voxel.min(count - 1)).is_none() {
-            continue;
+    let mut all_missed = 0;
+    for open in [true, false] {
+        let mut graph = found.graph.clone();
+        for door in 0..graph.doors().len() as u32 {
+            graph.set_open(DoorId(door), open);
         }
-        let place = found.voxels.place(voxel.min(count - 1));
-        let from = [0, 1, 2].map(|axis| {
-            found.voxels.origin()[axis] + (place[axis] as f64 + random.next()) * found.voxels.step()
-        });
-        let z = 2.0 * random.next() - 1.0;
-        let angle = std::f64::consts::TAU * random.next();
-        let flat = (1.0 - z * z).sqrt();
-        let direction = [flat * angle.cos(), 0.3 * z, flat * angle.sin()];
+        let obstacles = obstacles(items, !open)?;
+        all_missed += test_lines_in(
+            &graph,
+            &obstacles,
+            found,
+            args,
+            if open { "open" } else { "closed" },
+        );
+    }
+    Ok(all_missed)
+}
+
+fn test_lines_in(
+    graph: &RoomGraph,
+    obstacles: &Geometry,
+    found: &FoundRooms,
+    args: &Args,
+    doors: &str,
+) -> usize {
+    let rooms = || (0..graph.rooms().len() as u32).map(RoomId);
+    let is_no_gap = |door: DoorId| graph.shows(door) && graph.doors()[door.0 as usize].kind != DoorKind::Gap;
+    let relevant: Vec<BTreeSet<RoomId>> = rooms()
+        .map(|room| graph.relevant(room).into_iter().collect())
+        .collect();
+    let count = relevant.len().max(1) as f64;
+    let average = relevant.iter().map(BTreeSet::len).sum::<usize>() as f64 / count;
+    let without_gaps = rooms()
+        .map(|room| graph.relevant_by(room, is_no_gap).len())
+        .sum::<usize>() as f64
+        / count;
+    let voxels = &found.voxels;
+    let free: Vec<usize> = (0..voxels.size().iter().product())
+        .filter(|&voxel| voxels.free_room(voxel).is_some())
+        .collect();
+    let mut random = Random(7);
+    let [mut tested, mut between, mut missed] = [0_usize; 3];
+    while tested < args.lines && !free.is_empty() {
+        let voxel = free[(random.next() * free.len() as f64) as usize];
+        let place = voxels.place(voxel);
+        let from = [0, 1, 2]
+            .map(|axis| voxels.origin()[axis] + (place[axis] as f64 + random.next()) * voxels.step());
+        let from = voxels.scene(from);
+        let [rise, angle] = [0.6 * random.next() - 0.3, std::f64::consts::TAU * random.next()];
         let ray = Ray {
             origin: from.map(|value| value as f32),
-            direction: direction.map(|value| value as f32),
+            direction: [angle.cos(), rise, angle.sin()].map(|value| value as f32),
         };
-        let from = ray.origin.map(f64::from);
-        let direction = ray.direction.map(f64::from);
-        let hit = walls.cast(&ray).map_or(100.0, |hit| hit.distance);
-        let share = random.next() * hit * 0.999;
-        let to = [0, 1, 2].map(|axis| from[axis] + share * direction[axis]);
+        // Farther than any building is long.
+        let hit = obstacles.cast(&ray).map_or(300.0, |hit| hit.distance);
+        let share = 0.999 * hit * random.next();
+        let to = [0, 1, 2].map(|axis| f64::from(ray.origin[axis]) + share * f64::from(ray.direction[axis]));
+        // Points in rooms, not in gaps inside walls.
+        let is_in_wall = voxels
+            .voxel_at(to)
+            .is_some_and(|voxel| voxels.free_room(voxel).is_none());
         let (Some(one), Some(other)) = (graph.room_at(from), graph.room_at(to)) else {
             continue;
         };
-        // Points in rooms, not in gaps inside walls.
-        if found
-            .voxels
-            .voxel_at(to)
-            .is_some_and(|voxel| found.voxels.free_room(voxel).is_none())
-        {
+        if is_in_wall {
             continue;
         }
         tested += 1;
         between += usize::from(one != other);
         if !relevant[one.0 as usize].contains(&other) {
             missed += 1;
-            if args.verbose && missed < 20 {
-                println!(
-                    "  {} {from:.3?} sees {} {to:.3?}",
-                    graph.rooms()[one.0 as usize].name,
-                    graph.rooms()[other.0 as usize].name
-                );
+            if args.verbose && missed <= 10 {
+                let [one, other] = [one, other].map(|room| &graph.rooms()[room.0 as usize].name);
+                println!("    {one} {from:.3?} sees {other} {to:.3?}");
             }
         }
     }
     println!(
-        "{tested} lines, {between} between two rooms, {missed} missed; of {} rooms {average:.1} relevant on average, {without_gaps:.1} without gaps",
-        relevant.len()
+        "  doors {doors}: {tested} lines, {between} between two rooms, {missed} missed; of {count} rooms {average:.1} relevant on \
+         average, {without_gaps:.1} without gaps"
     );
-    Ok(missed)
+    missed
 }
 
-/// Returns the triangles that block sight when all doors are open.
-fn opaque(items: &SceneRoomItems, args: &Args) -> Result<Geometry> {
+/// Returns the triangles that block sight; those of doors too if they are closed.
+fn obstacles(items: &SceneRoomItems, are_closed: bool) -> Result<Geometry> {
     let mut builder = GeometryBuilder::new(vec![Material::opaque([1.0; 3])]);
     for item in &items.input.items {
-        if item.movable && !args.no_names {
-            continue;
-        }
         let mesh = &items.input.meshes[item.mesh];
-        if mesh.opaque.is_empty() {
+        if (item.movable && !are_closed) || mesh.opaque.is_empty() {
             continue;
         }
         let built = Mesh::triangles(mesh.positions, mesh.opaque.as_flattened(), MaterialId(0))?;

@@ -171,16 +171,23 @@ fn join_slivers(voxels: &RoomVoxels, groups: &mut Vec<(Key, Vec<Face>)>) {
             }
         }
     }
+    let closes = |&(_, kind, leaf): &Key| kind == DoorKind::Door || leaf.is_some();
     for number in 0..groups.len() {
         // Holes beside a door are no part of it.
         if groups[number].0.1 == DoorKind::Gap || !is_sliver(&groups[number].1) {
             continue;
         }
         let mut into: Option<u32> = None;
-        let rooms = groups[number].0.0;
+        let own = groups[number].0;
+        let rooms = own.0;
+        // What a leaf does not close must not become part of what it closes.
+        let may_join = |group: u32| {
+            let other = &groups[group as usize].0;
+            !closes(other) || (closes(&own) && other.2 == own.2)
+        };
         for face in &groups[number].1 {
             for_each_around(voxels, face.voxel, |voxel| {
-                if let Some(&group) = of_voxel.get(&(rooms, voxel)) {
+                if let Some(&group) = of_voxel.get(&(rooms, voxel)).filter(|&&group| may_join(group)) {
                     let size = |group: u32| (groups[group as usize].1.len(), std::cmp::Reverse(group));
                     if into.is_none_or(|into| size(group) > size(into)) {
                         into = Some(group);

@@ -1,6 +1,6 @@
 //! Holes in walls that are smaller than a voxel: railings, cracks, gaps below doors.
 //!
-//! Where two rooms meet inside solid voxels, short random segments from one room to the other are tested against the
+//! Where two rooms meet inside solid voxels, or at the leaf of a door, short random segments from one room to the other are tested against the
 //! triangles. One that meets none is a line of sight. Holes are found by chance, small ones with a smaller one: eight
 //! segments for each face of a voxel.
 //! Source: segments against triangles: Möller, Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997.
@@ -22,7 +22,7 @@ const REACH: usize = 6;
 /// Maximum slope of a segment against the normal of its face.
 const SLOPE: f32 = 0.8;
 
-/// A face between two voxels of different rooms that are solid, or one of which is.
+/// A face between two voxels of different rooms that is not plainly open: a voxel beside it is solid, or a leaf is in it.
 #[derive(Clone, Copy)]
 struct Suspect {
     /// The lower voxel; the other is the next one along the axis.
@@ -31,6 +31,8 @@ struct Suspect {
     /// Distance to free voxels of the two rooms, in voxels.
     before: u8,
     after: u8,
+    /// Whether it is open but for a leaf.
+    is_door: bool,
 }
 
 /// A face with the share of segments that pass.
@@ -77,6 +79,8 @@ pub(super) fn find(input: &RoomsInput, voxels: &RoomVoxels, classes: &[Class]) -
         for number in 0..SEGMENTS {
             match near.along(voxels, &Segment::new(voxels, suspect, number)) {
                 Obstacle::Wall => continue,
+                // That is the door itself.
+                Obstacle::Leaf(_) if suspect.is_door => continue,
                 Obstacle::Leaf(item) => leaf = Some(item),
                 Obstacle::Nothing => is_clear = true,
             }
@@ -108,7 +112,9 @@ fn suspects(voxels: &RoomVoxels) -> Vec<Suspect> {
                 }
                 let next = voxel + strides[axis];
                 let other = voxels.labels[next];
-                if other == one || other == NONE || (voxels.shows(voxel) && voxels.shows(next)) {
+                let is_open = voxels.shows(voxel) && voxels.shows(next);
+                let has_leaf = voxels.solids.leaves.has(voxel) || voxels.solids.leaves.has(next);
+                if other == one || other == NONE || (is_open && !has_leaf) {
                     continue;
                 }
                 let free = |room: u32, away: usize, is_after: bool| {
@@ -134,6 +140,7 @@ fn suspects(voxels: &RoomVoxels) -> Vec<Suspect> {
                         axis: axis as u8,
                         before: before as u8,
                         after: after as u8,
+                        is_door: is_open,
                     });
                 }
             }

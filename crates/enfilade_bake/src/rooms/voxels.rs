@@ -78,6 +78,11 @@ impl RoomVoxels {
         self.metric.metres(point)
     }
 
+    /// Returns a point in metres, y up, in the coordinates of the scene.
+    pub fn scene(&self, point: [f64; 3]) -> [f64; 3] {
+        self.metric.scene(point)
+    }
+
     /// Returns the voxel that contains a point of the scene; `None` outside the grid.
     pub fn voxel_at(&self, point: [f64; 3]) -> Option<usize> {
         let cell = self.grid.cell_at(self.metric.metres(point))?;

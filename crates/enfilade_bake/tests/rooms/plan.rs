@@ -8,7 +8,7 @@ const CELL: f32 = 0.5;
 const HEIGHT: f32 = 3.0;
 const DOOR: f32 = 2.0;
 
-/// A storey: `#` wall, `.` floor, `|` the leaf of a door in a wall, `=` a pane from floor to ceiling, `o` a box that is
+/// A storey: `#` wall, `.` floor, `|` the leaf of a door in a wall, `!` one that leaves a gap of 3 cm in a wall along z, `=` a pane from floor to ceiling, `o` a box that is
 /// too small to part rooms, letters are floor.
 pub(crate) struct Plan {
     cells: Vec<Vec<char>>,
@@ -42,6 +42,14 @@ impl Plan {
                     '#' => boxes.push(("wall", corners([left, 0.0, near], [right, HEIGHT, far]))),
                     '|' => {
                         boxes.push(("leaf", thin(0.0, DOOR)));
+                        boxes.push(("lintel", corners([left, DOOR, near], [right, HEIGHT, far])));
+                    }
+                    '!' => {
+                        let middle = 0.5 * (left + right);
+                        boxes.push((
+                            "leaf",
+                            corners([middle - 0.02, 0.0, near + 0.03], [middle + 0.02, DOOR, far]),
+                        ));
                         boxes.push(("lintel", corners([left, DOOR, near], [right, HEIGHT, far])));
                     }
                     '=' => boxes.push(("pane", thin(0.0, HEIGHT))),

@@ -88,6 +88,27 @@ fn rooms_on_the_same_side_of_a_corridor_are_not_relevant_to_each_other() {
 }
 
 #[test]
+fn one_sees_through_the_gap_beside_a_closed_door() {
+    for (leaf, sees) in [("|", false), ("!", true)] {
+        let plan = Plan::new(
+            &"################
+              #......#.......#
+              #......#.......#
+              #..A...|...B...#
+              #......#.......#
+              #......#.......#
+              ################"
+                .replace('|', leaf),
+        );
+        let graph = plan.find().graph;
+        let [a, b] = ['A', 'B'].map(|letter| graph.room_at(plan.at(letter)).expect("a room"));
+        assert_eq!(doors(&graph).len(), 1);
+        assert_eq!(graph.relevant(a).contains(&b), sees);
+        assert_eq!(graph.path(plan.at('A'), plan.at('B')), None);
+    }
+}
+
+#[test]
 fn whoever_walks_through_a_door_changes_rooms_once() {
     let (plan, graph) = two_rooms_and_a_corridor();
     let [from, to] = ['A', 'C'].map(|letter| plan.at(letter));

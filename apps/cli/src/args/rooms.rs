@@ -6,8 +6,13 @@ use clap::ValueEnum;
 use enfilade_bake::Up;
 use std::path::PathBuf;
 
+/// Help of `--memory`.
+const MEMORY_OF_ROOMS: &str =
+    "Limit the memory for reading the file, and for voxels: with less, they are larger";
+
 /// Options of `rooms`.
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("memory", |arg| arg.help(MEMORY_OF_ROOMS)))]
 #[command(after_help = "\
 Rooms are found in the triangles: walls, slabs, panes and closed doors separate them. Where the file marks rooms and portals, \
 these are the rooms, and the outlines of the doors.

@@ -25,6 +25,9 @@ use serde::Serialize;
 use serde_json::Value;
 use std::time::Instant;
 
+/// Memory for a voxel, with that of what is found in it.
+const BYTES_PER_VOXEL: u64 = 10;
+
 /// The report.
 #[derive(Debug, Serialize)]
 struct RoomsReport {
@@ -128,6 +131,9 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
         None => detect_metres_per_unit(&items.input, options.up).unwrap_or(1.0),
     };
     options.step = args.voxel;
+    options.max_voxels = options
+        .max_voxels
+        .min((args.limits.memory() / BYTES_PER_VOXEL) as usize);
     let scene = &opened.scene;
     let room_at = |point: [f64; 3]| sector_at(scene, point).map(|sector| sector.0);
     let authored = AuthoredRooms {

@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_has_at_most_so_many_voxels() {
+    fn a_grid_has_at_most_the_maximum_number_of_voxels() {
         let bounds = Bounds {
             min: [-1e5, 0.0, -3e5],
             max: [4e5, 90.0, 1e5],

@@ -1,8 +1,8 @@
 //! Holes in walls that are smaller than a voxel: railings, cracks, gaps below doors.
 //!
 //! Where two rooms meet inside solid voxels, or at the leaf of a door, short random segments from one room to the other are tested against the
-//! triangles. One that meets none is a line of sight. Holes are found by chance, small ones with a smaller one: eight
-//! segments for each face of a voxel.
+//! triangles. One that meets none is a line of sight. Eight
+//! segments are cast for each face of a voxel, so a small hole may be missed.
 //! Source: segments against triangles: Möller, Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997.
 //! Cost: O(faces between rooms), and O(triangles near them).
 

@@ -21,14 +21,14 @@ impl Sets {
         self.parents.clear();
     }
 
-    /// Adds a number in a set of its own, and returns it.
+    /// Adds a set of one new number, and returns the number.
     pub(super) fn add(&mut self) -> u32 {
         let number = self.parents.len() as u32;
         self.parents.push(number);
         number
     }
 
-    /// Returns the number that stands for the set of `number`.
+    /// Returns the representative of the set that contains `number`.
     pub(super) fn find(&mut self, number: u32) -> u32 {
         let mut at = number;
         loop {
@@ -42,7 +42,7 @@ impl Sets {
         }
     }
 
-    /// Joins two sets, given by the numbers that stand for them; `kept` stands for both.
+    /// Joins two sets, given by their representatives; `kept` represents both.
     pub(super) fn join(&mut self, kept: u32, gone: u32) {
         self.parents[gone as usize] = kept;
     }

@@ -5,7 +5,7 @@
 //! a window or an opening ([`doors`]).
 //! Source: Haumont, Debeir, Sillion, Volumetric Cell-and-Portal Generation, Eurographics 2003; here by slices, because a
 //!     building whose slabs are missing would be one cell.
-//! Cost: O(voxels), 0.1 m wide, or as wide that there are at most 60 million.
+//! Cost: O(voxels): 0.1 m wide, or wider if there would be more than 60 million.
 //! Approximate: rooms are what most people would call so. Looks do not use them.
 
 mod authored;

@@ -8,7 +8,8 @@
 //! Cost: O(chains · doors³) for a chain; chains are limited.
 //! Conservative: a pair is left out only if no line passes the boxes of any chain. A line that enters a room twice also
 //!     passes the chain without the loop, so rooms are entered once. Beyond the limit, every room that can be reached
-//!     counts. Holes smaller than a voxel are found by chance (`holes`).
+//!     counts. Holes smaller than a voxel are found by sampling
+//!     (`holes`).
 
 use super::graph::{DoorId, RoomGraph, RoomId};
 use std::collections::BTreeSet;

@@ -24,7 +24,7 @@ const ROUNDING: f64 = 0.9;
 pub(super) struct SliceFlood {
     /// Columns and rows.
     size: [usize; 2],
-    /// Maximum distance that is told apart, in voxels.
+    /// Maximum distance that is measured, in voxels.
     cap: usize,
     /// Square of the distance to the nearest solid voxel, in voxels.
     distance: Vec<u16>,

@@ -14,7 +14,7 @@ use super::slice::{NONE, Region, SliceFlood};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// Maximum distance to walls that is told apart, in metres: wider halls have one region.
+/// Maximum distance to walls that is measured, in metres: wider halls have one region.
 const CAP: f64 = 4.0;
 
 /// Regions of neighbouring slices are one stack if the overlap is more than this share of their union.
@@ -174,7 +174,7 @@ impl Counter {
     }
 }
 
-/// Joins the regions at the border of the grid, and returns the number that stands for them.
+/// Joins the regions at the border of the grid, and returns their representative.
 fn join_border(grid: &Grid, labels: &[u32], sets: &mut Sets) -> Option<u32> {
     let [columns, slices, rows] = grid.size;
     let mut outside = None;
@@ -204,7 +204,7 @@ fn join_border(grid: &Grid, labels: &[u32], sets: &mut Sets) -> Option<u32> {
 /// The stacks that are left, and their contacts.
 struct Stacks<'a> {
     grid: &'a Grid,
-    /// By the number that stands for the stack.
+    /// By the representative of its regions.
     stacks: BTreeMap<u32, Stack>,
     contacts: HashMap<u32, BTreeMap<u32, Contact>>,
     outside: Option<u32>,

@@ -1,7 +1,7 @@
 //! Suggests items that look like closed doors, when nothing says that they can be opened.
 //!
-//! A door is thin, upright, stands on the floor, is alone in its middle, has something beside and above it, and separates
-//! two rooms. So do wardrobes and panels of facades, now and then: a person should confirm.
+//! A door is thin and upright. A wall is beside and above it, but not below it, no other item is in its middle, and it
+//! separates two rooms. So do wardrobes and panels of facades, now and then: a person should confirm.
 //! Cost: O(voxels of the items that have the size of a door).
 
 use super::graph::RoomId;

@@ -40,7 +40,8 @@ pub(crate) struct RoomsArgs {
     /// Take this axis as up [default: y in glTF files and maps, otherwise the one that floors face]
     #[arg(long, value_name = "AXIS")]
     pub(crate) up: Option<UpArg>,
-    /// Take a scene unit as this many metres [default: 1, or what makes rooms as high as rooms are]
+    /// Take a scene unit as this many metres [default: 0.0254 in Quake maps, otherwise 1, or what makes rooms as high as rooms
+    /// are]
     #[arg(long, value_name = "METRES", value_parser = values::metres)]
     pub(crate) scale: Option<f64>,
     /// Let items be doors whose names contain one of these words [default: door, gate and so on, in five languages]

@@ -126,10 +126,7 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
     });
     let mut options = RoomOptions::default();
     options.up = up(args, &opened, &items);
-    options.metres_per_unit = match args.scale {
-        Some(scale) => scale,
-        None => detect_metres_per_unit(&items.input, options.up).unwrap_or(1.0),
-    };
+    options.metres_per_unit = metres_per_unit(args, &opened, &items, options.up);
     options.step = args.voxel;
     options.max_voxels = options
         .max_voxels
@@ -189,6 +186,17 @@ fn sector_at(scene: &Scene, point: [f64; 3]) -> Option<SectorId> {
         f64::from(min[axis]) <= point[axis] && is_below
     });
     is_inside.then_some(sector)
+}
+
+/// Returns the metres in a scene unit.
+fn metres_per_unit(args: &RoomsArgs, opened: &OpenedScene, items: &SceneRoomItems, up: Up) -> f64 {
+    /// A unit of Quake is an inch, more or less.
+    const QUAKE: f64 = 0.0254;
+    match args.scale {
+        Some(scale) => scale,
+        None if opened.map.is_some() => QUAKE,
+        None => detect_metres_per_unit(&items.input, up).unwrap_or(1.0),
+    }
 }
 
 fn up(args: &RoomsArgs, opened: &OpenedScene, items: &SceneRoomItems) -> Up {
@@ -323,7 +331,7 @@ impl Rooms<'_> {
         );
         if report.metres_per_unit != 1.0 && args.scale.is_none() {
             text += &format!(
-                "  a unit is taken as {} m, by the heights of rooms; --scale sets it\n",
+                "  a unit is taken as {} m; --scale sets it\n",
                 short(report.metres_per_unit)
             );
         }

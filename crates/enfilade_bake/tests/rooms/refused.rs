@@ -1,7 +1,10 @@
 //! Bad input gets an error, never a panic.
 
 use crate::plan::Plan;
-use enfilade_bake::{RoomGraph, RoomItem, RoomMesh, RoomOptions, RoomsError, RoomsInput, find_rooms};
+use enfilade_bake::{
+    RoomGraph, RoomId, RoomItem, RoomMesh, RoomOptions, RoomsError, RoomsInput, Up, detect_metres_per_unit,
+    detect_up, find_rooms,
+};
 
 const IDENTITY: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
 
@@ -124,4 +127,52 @@ fn a_spoilt_file_is_read_or_refused() {
         }
     }
     assert!(refused > 500);
+}
+
+#[test]
+fn random_triangles_have_rooms_or_are_refused() {
+    let mut random = fastrand::Rng::with_seed(5);
+    let mut accepted = 0;
+    for round in 0..300 {
+        let scale = 10_f32.powi(random.i32(-6..7));
+        let mut number = || match random.u8(..) {
+            0 => f32::NAN,
+            1 => f32::INFINITY,
+            2 => f32::MAX,
+            3..40 => 0.0,
+            _ => scale * (2.0 * random.f32() - 1.0),
+        };
+        let positions: Vec<[f32; 3]> = (0..60).map(|_| [number(), number(), number()]).collect();
+        let mut triangles =
+            || -> Vec<[u32; 3]> { (0..20).map(|_| [(); 3].map(|()| random.u32(..60))).collect() };
+        let meshes = vec![RoomMesh {
+            positions: &positions,
+            opaque: triangles(),
+            see_through: triangles(),
+        }];
+        let items = (0..6)
+            .map(|item| RoomItem {
+                name: "door",
+                mesh: 0,
+                world_from_item: [(); 4].map(|()| [(); 3].map(|()| random.f64() * 4.0 - 2.0)),
+                movable: item % 2 == 0,
+            })
+            .collect();
+        let input = RoomsInput { meshes, items };
+        let mut options = RoomOptions::default();
+        options.max_voxels = 20_000;
+        options.up = [Up::X, Up::Y, Up::Z][round % 3];
+        options.metres_per_unit = detect_metres_per_unit(&input, options.up).unwrap_or(1.0);
+        detect_up(&input);
+        let Ok(found) = find_rooms(&input, &options) else {
+            continue;
+        };
+        accepted += 1;
+        let graph = RoomGraph::from_json(&found.graph.to_json()).expect("its own file");
+        assert_eq!(graph.to_json(), found.graph.to_json());
+        for room in 0..graph.rooms().len().min(5) as u32 {
+            assert!(graph.relevant(RoomId(room)).contains(&RoomId(room)));
+        }
+    }
+    assert!(accepted > 100, "{accepted}");
 }

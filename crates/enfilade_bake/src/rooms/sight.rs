@@ -7,15 +7,14 @@
 //!     Walkthroughs, SIGGRAPH 1991, section 4.
 //! Cost: O(chains · doors³) for a chain; chains are limited.
 //! Conservative: a pair is left out only if no line passes the boxes of any chain. A line that enters a room twice also
-//!     passes the chain without the loop, so rooms are entered once. Beyond the limit, every room that can be reached
-//!     counts. Holes smaller than a voxel are found by sampling
-//!     (`holes`).
+//!     passes the chain without the loop, so rooms are entered once. Beyond the limit, holes between the same rooms count as
+//!     one, then every room that can be reached is added. Holes smaller than a voxel are found by sampling (`holes`).
 
 use super::graph::{DoorId, RoomGraph, RoomId};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximum number of chains that are followed from a room.
-const MAX_CHAINS: usize = 20_000;
+/// Maximum number of chains that are followed from a room: by single holes, then by boxes around them.
+const MAX_CHAINS: usize = 10_000;
 
 /// Axes of the three projections.
 const PROJECTIONS: [[usize; 2]; 3] = [[0, 2], [0, 1], [1, 2]];
@@ -23,14 +22,24 @@ const PROJECTIONS: [[usize; 2]; 3] = [[0, 2], [0, 1], [1, 2]];
 /// A box in a projection: lower and upper corner.
 type Rect = [[f64; 2]; 2];
 
-struct Search<'a, F> {
-    rooms: &'a RoomGraph,
-    shows: F,
+/// A way for lines from a room into another.
+#[derive(Clone, Copy)]
+struct Link {
+    beyond: RoomId,
+    axis: u8,
+    /// Whether lines go up the axis.
+    goes_up: bool,
+    bounds: [[f64; 3]; 2],
+}
+
+struct Search<'a> {
+    /// Links out of each room.
+    links: &'a [Vec<Link>],
     found: BTreeSet<RoomId>,
-    /// Rooms of the chain, and the boxes of its doors in each projection.
+    /// Rooms of the chain, and the boxes of its links in each projection.
     entered: Vec<RoomId>,
     boxes: [Vec<Rect>; 3],
-    /// Whether the line goes up each axis, as far as a door on the way requires it.
+    /// Whether the line goes up each axis, as far as a link on the way requires it.
     ways: [Option<bool>; 3],
     chains: usize,
     /// Number of rooms that can be reached, whatever the line: when all are found, the rest is known.
@@ -38,77 +47,108 @@ struct Search<'a, F> {
 }
 
 pub(super) fn relevant(rooms: &RoomGraph, from: RoomId, shows: impl Fn(DoorId) -> bool) -> Vec<RoomId> {
+    let links = links(rooms, shows);
+    let reachable = reachable(&links, from);
+    let found = search(&links, from, reachable.len())
+        // Many holes in a wall make many chains; one box around them makes few.
+        .or_else(|| search(&merged(&links), from, reachable.len()));
+    found.unwrap_or(reachable).into_iter().collect()
+}
+
+/// Returns the links out of each room.
+fn links(rooms: &RoomGraph, shows: impl Fn(DoorId) -> bool) -> Vec<Vec<Link>> {
+    let of_room = |room: u32| {
+        let doors = rooms.neighbours(RoomId(room)).filter(|&(door, _)| shows(door));
+        let links = doors.flat_map(|(door, beyond)| {
+            let door = &rooms.doors[door.0 as usize];
+            let is_first = door.rooms[0] == RoomId(room);
+            door.sights.iter().map(move |sight| Link {
+                beyond,
+                axis: sight.axis,
+                goes_up: sight.goes_up == is_first,
+                bounds: sight.bounds,
+            })
+        });
+        links.collect()
+    };
+    (0..rooms.rooms.len() as u32).map(of_room).collect()
+}
+
+/// Replaces links between the same rooms and in the same direction by one.
+fn merged(links: &[Vec<Link>]) -> Vec<Vec<Link>> {
+    let merge = |links: &Vec<Link>| {
+        let mut merged: BTreeMap<(RoomId, u8, bool), Link> = BTreeMap::new();
+        for link in links {
+            let [low, high] = &mut merged
+                .entry((link.beyond, link.axis, link.goes_up))
+                .or_insert(*link)
+                .bounds;
+            *low = [0, 1, 2].map(|axis| low[axis].min(link.bounds[0][axis]));
+            *high = [0, 1, 2].map(|axis| high[axis].max(link.bounds[1][axis]));
+        }
+        merged.into_values().collect()
+    };
+    links.iter().map(merge).collect()
+}
+
+/// Returns every room that can be reached.
+fn reachable(links: &[Vec<Link>], from: RoomId) -> BTreeSet<RoomId> {
+    let mut reached = BTreeSet::from([from]);
+    let mut waiting = vec![from];
+    while let Some(room) = waiting.pop() {
+        for link in &links[room.0 as usize] {
+            if reached.insert(link.beyond) {
+                waiting.push(link.beyond);
+            }
+        }
+    }
+    reached
+}
+
+/// Returns the rooms at the ends of chains that a line may pass; `None` if there are too many chains.
+fn search(links: &[Vec<Link>], from: RoomId, reachable: usize) -> Option<BTreeSet<RoomId>> {
     let mut search = Search {
-        rooms,
-        shows,
+        links,
         found: BTreeSet::from([from]),
         entered: vec![from],
         boxes: Default::default(),
         ways: [None; 3],
         chains: 0,
-        reachable: 0,
+        reachable,
     };
-    let reachable = search.reach(from);
-    search.reachable = reachable.len();
     search.follow(from);
-    let found = if search.chains >= MAX_CHAINS {
-        reachable
-    } else {
-        search.found
-    };
-    found.into_iter().collect()
+    (search.chains < MAX_CHAINS || search.found.len() == reachable).then_some(search.found)
 }
 
-impl<F: Fn(DoorId) -> bool> Search<'_, F> {
+impl Search<'_> {
     fn follow(&mut self, room: RoomId) {
-        let rooms = self.rooms;
-        for (door, beyond) in rooms.neighbours(room) {
-            if !(self.shows)(door) || self.entered.contains(&beyond) {
+        let links = self.links;
+        for link in &links[room.0 as usize] {
+            if self.chains >= MAX_CHAINS || self.found.len() == self.reachable {
+                return;
+            }
+            let axis = link.axis as usize;
+            // A line does not turn round.
+            if self.ways[axis] == Some(!link.goes_up) || self.entered.contains(&link.beyond) {
                 continue;
             }
-            let door = &rooms.doors[door.0 as usize];
-            for sight in &door.sights {
-                if self.chains >= MAX_CHAINS || self.found.len() == self.reachable {
-                    return;
-                }
-                let goes_up = sight.goes_up == (door.rooms[0] == room);
-                let way = &mut self.ways[sight.axis as usize];
-                // A line does not turn round.
-                if *way == Some(!goes_up) {
-                    continue;
-                }
-                let before = way.replace(goes_up);
-                self.chains += 1;
-                let [min, max] = sight.bounds;
-                for (boxes, [a, b]) in self.boxes.iter_mut().zip(PROJECTIONS) {
-                    boxes.push([[min[a], min[b]], [max[a], max[b]]]);
-                }
-                if self.boxes.iter().all(|boxes| is_stabbed(boxes)) {
-                    self.found.insert(beyond);
-                    self.entered.push(beyond);
-                    self.follow(beyond);
-                    self.entered.pop();
-                }
-                for boxes in &mut self.boxes {
-                    boxes.pop();
-                }
-                self.ways[sight.axis as usize] = before;
+            let before = self.ways[axis].replace(link.goes_up);
+            self.chains += 1;
+            let [min, max] = link.bounds;
+            for (boxes, [a, b]) in self.boxes.iter_mut().zip(PROJECTIONS) {
+                boxes.push([[min[a], min[b]], [max[a], max[b]]]);
             }
-        }
-    }
-
-    /// Returns every room that can be reached.
-    fn reach(&self, from: RoomId) -> BTreeSet<RoomId> {
-        let mut reached = BTreeSet::from([from]);
-        let mut waiting = vec![from];
-        while let Some(room) = waiting.pop() {
-            for (door, beyond) in self.rooms.neighbours(room) {
-                if (self.shows)(door) && reached.insert(beyond) {
-                    waiting.push(beyond);
-                }
+            if self.boxes.iter().all(|boxes| is_stabbed(boxes)) {
+                self.found.insert(link.beyond);
+                self.entered.push(link.beyond);
+                self.follow(link.beyond);
+                self.entered.pop();
             }
+            for boxes in &mut self.boxes {
+                boxes.pop();
+            }
+            self.ways[axis] = before;
         }
-        reached
     }
 }
 

@@ -688,10 +688,12 @@ fn test_lines_in(
 ) -> usize {
     let rooms = || (0..graph.rooms().len() as u32).map(RoomId);
     let is_no_gap = |door: DoorId| graph.shows(door) && graph.doors()[door.0 as usize].kind != DoorKind::Gap;
+    let start = Instant::now();
     let relevant: Vec<BTreeSet<RoomId>> = rooms()
         .map(|room| graph.relevant(room).into_iter().collect())
         .collect();
     let count = relevant.len().max(1) as f64;
+    let ms = 1e3 * start.elapsed().as_secs_f64() / count;
     let average = relevant.iter().map(BTreeSet::len).sum::<usize>() as f64 / count;
     let without_gaps = rooms()
         .map(|room| graph.relevant_by(room, is_no_gap).len())
@@ -740,7 +742,7 @@ fn test_lines_in(
     }
     println!(
         "  doors {doors}: {tested} lines, {between} between two rooms, {missed} missed; of {count} rooms {average:.1} relevant on \
-         average, {without_gaps:.1} without gaps"
+         average in {ms:.1} ms, {without_gaps:.1} without gaps"
     );
     missed
 }

@@ -375,8 +375,8 @@ impl RoomGraph {
     /// Returns the rooms that may be seen from a room through open doors, openings, windows and gaps, itself included, in
     /// order. Conservative: a room of which a point sees a point of `room` is not left out.
     ///
-    /// Takes microseconds in a house, and tens of milliseconds where walls have hundreds of gaps: call it when a door opens
-    /// or closes, not in every frame.
+    /// Takes milliseconds in a house with gaps in its walls, and a tenth of a second in an office of 167 rooms: call it when
+    /// a door opens or closes, not in every frame.
     ///
     /// # Panics
     /// If there is no such room.

@@ -79,13 +79,19 @@ impl RunFiles {
         let Some(identity) = Identity::of(path) else {
             return Ok(());
         };
-        let entry = match self.0.entry(identity) {
+        let mut entry = match self.0.entry(identity) {
             Entry::Vacant(free) => {
                 free.insert((role, path.to_owned()));
                 return Ok(());
             }
             Entry::Occupied(entry) => entry,
         };
+        let (_, other) = entry.get();
+        // Another run may have replaced the other file meanwhile, and the file system may have given its node to this one.
+        if Identity::of(other).as_ref() != Some(entry.key()) {
+            entry.insert((role, path.to_owned()));
+            return Ok(());
+        }
         let (other_role, other) = entry.get();
         let [path, other] = [path, other].map(Path::display);
         match (other_role, role) {

@@ -22,7 +22,6 @@ use enfilade_bake::{
 };
 use enfilade_import::{SceneRoomItems, authored_doors};
 use serde::Serialize;
-use serde_json::Value;
 use std::time::Instant;
 
 /// Memory for a voxel, with that of what is found in it.
@@ -306,12 +305,22 @@ fn leaks(found: &FoundRooms) -> Vec<Leak> {
 impl Rooms<'_> {
     /// Returns the graph as JSON, with the names of items.
     fn graph_json(&self) -> Result<String> {
-        let mut graph: Value =
-            serde_json::from_str(&self.found.graph.to_json()).context("cannot encode the graph")?;
-        graph["file"] = self.report.file.as_str().into();
-        graph["item_names"] = self.names.clone().into();
-        graph["suggestions"] = serde_json::to_value(&self.report.suggestions)?;
-        Ok(graph.to_string() + "\n")
+        #[derive(Serialize)]
+        struct Added<'a> {
+            file: &'a str,
+            item_names: &'a [&'a str],
+            suggestions: &'a [Suggestion],
+        }
+        let added = Added {
+            file: &self.report.file,
+            item_names: &self.names,
+            suggestions: &self.report.suggestions,
+        };
+        // Both are objects; as text, because reading the numbers of the graph could change their last bits.
+        let graph = self.found.graph.to_json();
+        let graph = graph.strip_suffix('}').context("cannot encode the graph")?;
+        let added = serde_json::to_string(&added).context("cannot encode the names of items")?;
+        Ok(format!("{graph},{}\n", &added[1..]))
     }
 
     fn for_people(&self, args: &RoomsArgs) -> String {

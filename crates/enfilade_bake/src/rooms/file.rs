@@ -5,7 +5,9 @@ use super::graph::{Door, DoorKind, Room, RoomGraph, RoomId, Sight};
 use super::grid::Grid;
 use super::input::{Metric, Up};
 use super::labels::LabelGrid;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::value::RawValue;
 use thiserror::Error;
 
 /// Why JSON is no [`RoomGraph`].
@@ -44,9 +46,9 @@ struct File {
     format: String,
     version: u32,
     up: UpName,
-    metres_per_unit: f64,
+    metres_per_unit: Number,
     /// Height of the floor of each storey along the up axis, in metres.
-    storeys: Vec<f64>,
+    storeys: Vec<Number>,
     outside: Option<u32>,
     rooms: Vec<RoomEntry>,
     doors: Vec<DoorEntry>,
@@ -63,15 +65,15 @@ enum UpName {
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
 struct BoundsEntry {
-    min: [f64; 3],
-    max: [f64; 3],
+    min: [Number; 3],
+    max: [Number; 3],
 }
 
 #[derive(Serialize, Deserialize)]
 struct RoomEntry {
     name: String,
-    volume_m3: f64,
-    area_m2: f64,
+    volume_m3: Number,
+    area_m2: Number,
     storey: u32,
     bounds: BoundsEntry,
     items: Vec<u32>,
@@ -82,16 +84,16 @@ struct DoorEntry {
     rooms: [u32; 2],
     kind: KindName,
     leaf: Option<u32>,
-    area_m2: f64,
-    polygon: [[f64; 3]; 4],
+    area_m2: Number,
+    polygon: [[Number; 3]; 4],
     sights: Vec<SightEntry>,
 }
 
 /// A box that lines of sight through a door pass.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 struct SightEntry {
-    min: [f64; 3],
-    max: [f64; 3],
+    min: [Number; 3],
+    max: [Number; 3],
     /// Axis of its faces, 0 to 2; with a minus, −3 to −1, if lines from the first room to the second go down the axis.
     way: i8,
 }
@@ -105,12 +107,32 @@ enum KindName {
     Gap,
 }
 
+/// A number that is read to the last bit; `serde_json` alone may be off by one.
+#[derive(Clone, Copy)]
+struct Number(f64);
+
+impl Serialize for Number {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Number, D::Error> {
+        let text = <&RawValue>::deserialize(deserializer)?.get();
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        let number =
+            number.ok_or_else(|| D::Error::custom(format_args!("expected a number, not {text:.20}")))?;
+        Ok(Number(number))
+    }
+}
+
 /// The room of each voxel.
 #[derive(Serialize, Deserialize)]
 struct Labels {
     size: [usize; 3],
-    origin: [f64; 3],
-    step: f64,
+    origin: [Number; 3],
+    step: Number,
     /// Runs of voxels along x: end (exclusive) and room (−1 for none), in turn.
     patterns: Vec<Vec<i64>>,
     /// Rows along x, by z, then by y: how many have the same pattern, and its index, in turn.
@@ -120,11 +142,15 @@ struct Labels {
 impl RoomGraph {
     /// Returns the graph as JSON. Which doors are open is not part of it.
     pub fn to_json(&self) -> String {
-        let bounds = |[min, max]: [[f64; 3]; 2]| BoundsEntry { min, max };
+        let numbers = |point: [f64; 3]| point.map(Number);
+        let bounds = |[min, max]: [[f64; 3]; 2]| BoundsEntry {
+            min: numbers(min),
+            max: numbers(max),
+        };
         let room = |room: &Room| RoomEntry {
             name: room.name.clone(),
-            volume_m3: room.volume,
-            area_m2: room.area,
+            volume_m3: Number(room.volume),
+            area_m2: Number(room.area),
             storey: room.storey,
             bounds: bounds(room.bounds),
             items: room.items.clone(),
@@ -138,8 +164,8 @@ impl RoomGraph {
                 DoorKind::Gap => KindName::Gap,
             },
             leaf: door.leaf,
-            area_m2: door.area,
-            polygon: door.polygon,
+            area_m2: Number(door.area),
+            polygon: door.polygon.map(numbers),
             sights: door.sights.iter().map(sight_entry).collect(),
         };
         let file = File {
@@ -150,8 +176,8 @@ impl RoomGraph {
                 Up::Y => UpName::Y,
                 Up::Z => UpName::Z,
             },
-            metres_per_unit: self.metric.metres_per_unit,
-            storeys: self.storeys.clone(),
+            metres_per_unit: Number(self.metric.metres_per_unit),
+            storeys: self.storeys.iter().copied().map(Number).collect(),
             outside: self.outside.map(|room| room.0),
             rooms: self.rooms.iter().map(room).collect(),
             doors: self.doors.iter().map(door).collect(),
@@ -182,7 +208,7 @@ impl RoomGraph {
             })
         };
         let count = file.rooms.len() as u32;
-        if !(file.metres_per_unit > 0.0 && file.metres_per_unit < f64::INFINITY) {
+        if file.metres_per_unit.0 <= 0.0 {
             return wrong("metres_per_unit", "must be a number above zero");
         }
         if file.outside.is_some_and(|room| room >= count) {
@@ -209,11 +235,12 @@ impl RoomGraph {
             }
         }
         let labels = read_labels(&file.labels, count)?;
-        let bounds = |BoundsEntry { min, max }| [min, max];
+        let point = |point: [Number; 3]| point.map(|number| number.0);
+        let bounds = |BoundsEntry { min, max }| [point(min), point(max)];
         let room = |room: RoomEntry| Room {
             name: room.name,
-            volume: room.volume_m3,
-            area: room.area_m2,
+            volume: room.volume_m3.0,
+            area: room.area_m2.0,
             storey: room.storey,
             bounds: bounds(room.bounds),
             items: room.items,
@@ -227,8 +254,8 @@ impl RoomGraph {
                 KindName::Gap => DoorKind::Gap,
             },
             leaf: door.leaf,
-            area: door.area_m2,
-            polygon: door.polygon,
+            area: door.area_m2.0,
+            polygon: door.polygon.map(point),
             sights: door.sights.iter().map(read_sight).collect(),
         };
         let metric = Metric {
@@ -237,13 +264,13 @@ impl RoomGraph {
                 UpName::Y => Up::Y,
                 UpName::Z => Up::Z,
             },
-            metres_per_unit: file.metres_per_unit,
+            metres_per_unit: file.metres_per_unit.0,
         };
         Ok(RoomGraph::new(
             file.rooms.into_iter().map(room).collect(),
             file.doors.into_iter().map(door).collect(),
             file.outside.map(RoomId),
-            file.storeys,
+            file.storeys.iter().map(|number| number.0).collect(),
             metric,
             labels,
         ))
@@ -254,8 +281,8 @@ fn sight_entry(sight: &Sight) -> SightEntry {
     let [min, max] = sight.bounds;
     let axis = sight.axis as i8;
     SightEntry {
-        min,
-        max,
+        min: min.map(Number),
+        max: max.map(Number),
         way: if sight.goes_up { axis } else { -1 - axis },
     }
 }
@@ -263,7 +290,7 @@ fn sight_entry(sight: &Sight) -> SightEntry {
 fn read_sight(&SightEntry { min, max, way }: &SightEntry) -> Sight {
     let (axis, goes_up) = if way < 0 { (-1 - way, false) } else { (way, true) };
     Sight {
-        bounds: [min, max],
+        bounds: [min, max].map(|point| point.map(|number| number.0)),
         axis: axis as u8,
         goes_up,
     }
@@ -286,8 +313,8 @@ fn labels_entry(labels: &LabelGrid) -> Labels {
     let same = rows.chunk_by(|a, b| a == b);
     Labels {
         size: grid.size,
-        origin: grid.origin,
-        step: grid.step,
+        origin: grid.origin.map(Number),
+        step: Number(grid.step),
         patterns: firsts.windows(2).map(pattern).collect(),
         rows: same.flat_map(|same| [same.len() as u32, same[0]]).collect(),
     }
@@ -304,17 +331,14 @@ fn read_labels(file: &Labels, rooms: u32) -> Result<LabelGrid, RoomFileError> {
     let Some(row_count) = slices.checked_mul(depth).filter(|&rows| rows <= MAX_ROWS) else {
         return wrong("labels.size", "must have at most 2^26 rows along x");
     };
-    if !(file.step > 0.0 && file.step < f64::INFINITY) || file.origin.iter().any(|value| !value.is_finite()) {
-        return wrong(
-            "labels.step",
-            "must be a number above zero, and origin three numbers",
-        );
+    if file.step.0 <= 0.0 {
+        return wrong("labels.step", "must be a number above zero");
     }
     let mut labels = LabelGrid {
         grid: Grid {
             size: file.size,
-            origin: file.origin,
-            step: file.step,
+            origin: file.origin.map(|number| number.0),
+            step: file.step.0,
         },
         rows: Vec::new(),
         firsts: vec![0],

@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         rooms.set_open(door, true);
     }
     println!(
-        "{} doors and openings on {:.1} m of way; {} rooms may see each other",
+        "doors and openings on the way of {1:.1} m: {0}; rooms that may be seen from the start: {2}",
         path.doors.len(),
         path.length,
         rooms.relevant(rooms.room_at(start).ok_or("no room")?).len()

@@ -29,7 +29,7 @@ pub(super) fn page(comparison: &Comparison) -> Result<String> {
 /// The content security policy: the page may not load anything from outside.
 const ALLOWED: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
 
-const STYLE: &str = include_str!("style.css");
+const STYLE: &str = concat!(include_str!("../page.css"), include_str!("style.css"));
 
 const TIMES: &str = "Times to look and draw are medians over the views; the time of a view is the median of three passes \
     over all views in order, after one warm-up pass, so temporal coherence always uses the view before. Building is timed \

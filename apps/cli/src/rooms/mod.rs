@@ -5,8 +5,7 @@ mod page;
 mod plan;
 
 use crate::Outcome;
-use crate::args::PortalArgs;
-use crate::args::RoomsArgs;
+use crate::args::{PortalArgs, RoomsArgs};
 use crate::json::{Sink, rounded};
 use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
@@ -243,13 +242,15 @@ fn report(
         }
     };
     let room_name = |room: RoomId| graph.rooms()[room.0 as usize].name.clone();
-    let mut warnings = opened.warnings.clone();
     let step = found.voxels.step();
+    let mut warnings = opened.warnings.clone();
     if step > 1.5 * options.step {
-        warnings.push(format!(
+        let coarse = format!(
             "the scene is large, so voxels are {} m wide: smaller rooms and doors are missed",
             short(step)
-        ));
+        );
+        out::warn(format_args!("{}: {coarse}", opened.file));
+        warnings.push(coarse);
     }
     RoomsReport {
         file: opened.file.clone(),
@@ -343,9 +344,6 @@ impl Rooms<'_> {
                 "  a unit is taken as {} m; --scale sets it\n",
                 short(report.metres_per_unit)
             );
-        }
-        for warning in &report.warnings {
-            text += &format!("  warning: {warning}\n");
         }
         let mut sorted = indoors.clone();
         sorted.sort_by(|a, b| a.storey.cmp(&b.storey).then(b.area_m2.total_cmp(&a.area_m2)));

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// The content security policy: the page may not load anything from outside.
 const ALLOWED: &str = "default-src 'none'; style-src 'unsafe-inline'";
 
-const STYLE: &str = include_str!("style.css");
+const STYLE: &str = concat!(include_str!("../page.css"), include_str!("style.css"));
 
 /// Returns the whole page.
 pub(super) fn page(rooms: &Rooms) -> String {

@@ -1,7 +1,8 @@
 //! `rooms`: rooms, doors and floor plans.
 
-use crate::support::Folder;
+use crate::support::{Folder, document, glb};
 use enfilade_bake::{DoorKind, RoomGraph};
+use serde_json::json;
 
 fn text(folder: &Folder, name: &str) -> String {
     std::fs::read_to_string(folder.path(name)).expect("text")
@@ -42,12 +43,26 @@ fn marked_rooms_win_over_found_ones() {
 }
 
 #[test]
-fn names_of_items_cannot_become_markup() {
-    let folder = Folder::new();
+fn names_of_rooms_are_no_markup() {
+    let folder = Folder::empty();
+    let box_of = |name: &str, scale: [f32; 3], x: f32| json!({ "name": name, "mesh": 0, "translation": [x, 1.5, 0.0], "scale": scale });
+    // Two closed boxes, each a marked room.
+    let nodes = [
+        box_of("one", [4.0, 3.0, 4.0], 0.0),
+        box_of("other", [4.0, 3.0, 4.0], 9.0),
+        json!({ "name": "<script>&'\"x-room", "children": [0] }),
+        json!({ "name": "plain-room", "children": [1] }),
+    ];
+    let mut scene = document(&nodes, json!([]));
+    scene["scenes"] = json!([{ "nodes": [2, 3] }]);
+    folder.add("scene.glb", glb(&scene));
     let run = folder.run("rooms scene.glb --html plan.html");
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let page = text(&folder, "plan.html");
-    assert!(page.ends_with("</html>\n") && !page.contains("<script"));
+    assert!(
+        page.contains("&lt;script&gt;&amp;&#39;&quot;x") && !page.contains("<script"),
+        "{page}"
+    );
 }
 
 #[test]

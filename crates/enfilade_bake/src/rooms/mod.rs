@@ -373,7 +373,7 @@ fn list_items(input: &RoomsInput, grid: &Grid, metric: &Metric, labels: &[u32], 
     }
 }
 
-/// Returns a box of the items' boxes that contain a point within a margin.
+/// Returns the item with the smallest of the boxes that contain a point within a margin.
 fn containing(
     bounds: &[Bounds],
     which: impl Fn(usize) -> bool,
@@ -381,7 +381,6 @@ fn containing(
     margin: f64,
 ) -> Option<usize> {
     let near = (0..bounds.len()).filter(|&item| which(item) && bounds[item].is_near(point, margin));
-    // The smallest, because large ones contain others.
     near.min_by(|&a, &b| {
         let size = |item: usize| bounds[item].size().iter().sum::<f64>();
         size(a).total_cmp(&size(b))

@@ -14,8 +14,11 @@ const ROOMS: RangeInclusive<f64> = 1.5..=40.0;
 /// Usual height of a room, in metres.
 const USUAL: f64 = 2.8;
 
-/// Returns the axis that floors and ceilings face: [`Up::Y`], unless others have clearly more area.
+/// Returns the axis that floors face: the one across the planes with the most area, because a building is wider than high.
+/// [`Up::Y`], unless another has clearly more.
 pub fn detect_up(input: &RoomsInput) -> Up {
+    /// Planes that are distinguished along the longest extent.
+    const PLANES: usize = 256;
     /// Ratio of areas from which on it is another axis.
     const CLEARLY: f64 = 1.5;
     /// Cosine of the angle to an axis.
@@ -24,7 +27,9 @@ pub fn detect_up(input: &RoomsInput) -> Up {
         up: Up::Y,
         metres_per_unit: 1.0,
     };
-    let mut areas = DVec3::ZERO;
+    let all = around(input, &as_it_is);
+    let longest = all.size().into_iter().fold(0.0, f64::max);
+    let mut areas = vec![DVec3::ZERO; PLANES];
     for item in 0..input.items.len() {
         input.for_each_triangle(item, &as_it_is, |corners, _| {
             let [a, b, c] = corners.map(DVec3::from);
@@ -32,18 +37,30 @@ pub fn detect_up(input: &RoomsInput) -> Up {
             let length = normal.length();
             for axis in 0..3 {
                 if normal[axis].abs() > ALONG * length {
-                    areas[axis] += length;
+                    let plane = (a[axis] - all.min[axis]) / longest * PLANES as f64;
+                    areas[(plane as usize).min(PLANES - 1)][axis] += length;
                 }
             }
         });
     }
-    if areas.z > CLEARLY * areas.y && areas.z > areas.x {
+    let most = areas.into_iter().fold(DVec3::ZERO, DVec3::max);
+    if most.z > CLEARLY * most.y && most.z > most.x {
         Up::Z
-    } else if areas.x > CLEARLY * areas.y && areas.x > CLEARLY * areas.z {
+    } else if most.x > CLEARLY * most.y {
         Up::X
     } else {
         Up::Y
     }
+}
+
+/// Returns the box of all items.
+fn around(input: &RoomsInput, metric: &Metric) -> Bounds {
+    let mut all = Bounds::EMPTY;
+    for bounds in input.bounds(metric).iter().filter(|bounds| !bounds.is_empty()) {
+        all.add(bounds.min);
+        all.add(bounds.max);
+    }
+    all
 }
 
 /// Returns the metres per scene unit: 1 if rooms are as high as rooms are, else that of the usual unit for which they
@@ -68,11 +85,7 @@ fn room_height(input: &RoomsInput, up: Up) -> Option<f64> {
         up,
         metres_per_unit: 1.0,
     };
-    let mut all = Bounds::EMPTY;
-    for bounds in input.bounds(&metric).iter().filter(|bounds| !bounds.is_empty()) {
-        all.add(bounds.min);
-        all.add(bounds.max);
-    }
+    let all = around(input, &metric);
     let longest = all.size().into_iter().fold(0.0, f64::max);
     if all.is_empty() || longest.is_infinite() || longest <= 0.0 {
         return None;
@@ -85,7 +98,7 @@ fn room_height(input: &RoomsInput, up: Up) -> Option<f64> {
             grid.for_each_voxel_of(corners, |voxel| solid.insert(voxel));
         });
     }
-    // Number of columns with free space of each height.
+    // Number of free voxels by the height of their free space: by volume, because hollow slabs have as much area as rooms.
     let [columns, slices, rows] = grid.size;
     let mut heights = vec![0_u64; slices + 1];
     for z in 0..rows {
@@ -96,7 +109,7 @@ fn room_height(input: &RoomsInput, up: Up) -> Option<f64> {
                     if let Some(last) = last_solid
                         && y - last > MIN_HEIGHT
                     {
-                        heights[y - last - 1] += 1;
+                        heights[y - last - 1] += (y - last - 1) as u64;
                     }
                     last_solid = Some(y);
                 }

@@ -4,7 +4,7 @@ mod plan;
 mod queries;
 mod refused;
 
-use enfilade_bake::{DoorKind, RoomOptions, find_rooms};
+use enfilade_bake::{DoorKind, RoomOptions, Up, detect_metres_per_unit, detect_up, find_rooms};
 use plan::Plan;
 
 #[test]
@@ -151,4 +151,45 @@ fn a_door_without_a_name_is_suggested() {
         .map(|door| input.items[door.item as usize].name)
         .collect();
     assert_eq!(suggested, ["leaf"]);
+}
+
+#[test]
+fn the_up_axis_and_the_unit_are_those_of_a_house() {
+    let plan = Plan::new(
+        "################################
+         #..............#...............#
+         #..............#...............#
+         #......A...............B.......#
+         #..............#...............#
+         #..............#...............#
+         #..............#...............#
+         ################################",
+    );
+    for (up, unit) in [(Up::Y, 1.0), (Up::Z, 0.01), (Up::X, 0.001)] {
+        let mut input = plan.input();
+        // The axes of the house in the scene: z is up if (x, y, z) become (y, z, x), for example.
+        let turns = match up {
+            Up::Y => 0,
+            Up::Z => 1,
+            Up::X => 2,
+        };
+        for item in &mut input.items {
+            for column in &mut item.world_from_item {
+                column.rotate_right(turns);
+                *column = column.map(|value| value / unit);
+            }
+        }
+        assert_eq!(detect_up(&input), up);
+        assert_eq!(detect_metres_per_unit(&input, up), Some(unit));
+        let mut options = RoomOptions::default();
+        options.up = up;
+        options.metres_per_unit = unit;
+        let graph = find_rooms(&input, &options).expect("rooms").graph;
+        let [a, b] = ['A', 'B'].map(|letter| {
+            let mut at = plan.at(letter);
+            at.rotate_right(turns);
+            graph.room_at(at.map(|value| value / unit))
+        });
+        assert!(a.is_some() && b.is_some() && a != b, "{up:?}");
+    }
 }

@@ -1,5 +1,5 @@
 //! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `targets`, `public-api`, `ci-long`, `charts`,
-//! `lines`, `rooms` and `scenes`.
+//! `lines`, `rooms`, `web` and `scenes`.
 #![forbid(unsafe_code)]
 
 mod charts;
@@ -12,6 +12,7 @@ mod rooms;
 mod scenes;
 mod targets;
 mod verify;
+mod web;
 
 use clap::Parser;
 
@@ -37,6 +38,8 @@ enum Task {
     Lines(lines::Args),
     /// Compares the rooms and doors found in buildings with the true ones
     Rooms(rooms::Args),
+    /// Builds the npm package in `web/`, and tests it
+    Web(web::Args),
     /// Lists the real scenes, where they are published, and checks a folder of them
     Scenes(scenes::Args),
 }
@@ -55,6 +58,7 @@ fn main() -> anyhow::Result<()> {
         Task::Charts(args) => charts::run(&args),
         Task::Lines(args) => lines::run(&args),
         Task::Rooms(args) => rooms::run(&args),
+        Task::Web(args) => web::run(&args),
         Task::Scenes(args) => scenes::run(&args),
     }
 }

@@ -98,7 +98,7 @@ impl Target {
 }
 
 /// Installs the standard library for a target, unless it is there.
-fn install(triple: &str) -> Result<()> {
+pub(crate) fn install(triple: &str) -> Result<()> {
     let mut rustc = Command::new("rustc");
     let folder = rustc
         .args(["--print", "target-libdir", "--target", triple])
@@ -109,7 +109,8 @@ fn install(triple: &str) -> Result<()> {
     succeed(Command::new("rustup").args(["target", "add", triple]))
 }
 
-fn succeed(command: &mut Command) -> Result<()> {
+/// Runs a command, and returns an error if it fails.
+pub(crate) fn succeed(command: &mut Command) -> Result<()> {
     let status = command.status().with_context(|| format!("{command:?}"))?;
     ensure!(status.success(), "failed: {command:?}");
     Ok(())

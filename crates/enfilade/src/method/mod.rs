@@ -46,6 +46,7 @@ impl UnsuitedMethod {
     /// Other reasons name what to do themselves.
     fn advice(&self) -> &'static str {
         match self.reason {
+            #[cfg(feature = "exact")]
             Unsuited::TooLarge { .. } if self.method != Method::ZBuffer => "; z-buffer needs less",
             _ => "",
         }
@@ -57,7 +58,7 @@ impl Method {
     /// method that accepted any geometry instead (geometry without baked cells as one large cell, for example) would
     /// only look as if it worked.
     pub const ALL: [Method; TABLE.len()] = {
-        let mut all = [Method::ZBuffer; TABLE.len()];
+        let mut all = [Method::Masked; TABLE.len()];
         let mut number = 0;
         while number < all.len() {
             all[number] = TABLE[number].method;

@@ -178,20 +178,27 @@ pub enum Method {
     #[cfg(feature = "classic")]
     BspFront,
     /// Depth buffer: [`ZBuffer`](crate::ZBuffer). Exact.
+    #[cfg(feature = "exact")]
     ZBuffer,
     /// Scanline span buffer: [`SBuffer`](crate::SBuffer). Exact.
+    #[cfg(feature = "exact")]
     SBuffer,
     /// Octree and Hi-Z depth pyramid: [`HierarchicalZ`](crate::HierarchicalZ). Exact.
+    #[cfg(feature = "exact")]
     HierarchicalZ,
     /// Octree and scanline spans: [`HierarchicalS`](crate::HierarchicalS). Exact.
+    #[cfg(feature = "exact")]
     HierarchicalS,
     /// Masked occlusion culling: [`Masked`](crate::Masked). Conservative.
     Masked,
     /// Occlusion tree of shadow volumes, tested by faces: [`Svbsp`](crate::Svbsp). Strict.
+    #[cfg(feature = "strict")]
     Svbsp,
     /// Occlusion tree of shadow volumes, tested by boxes: [`Mobsp`](crate::Mobsp). Strict.
+    #[cfg(feature = "strict")]
     Mobsp,
     /// Baked potentially visible sets: [`Pvs`](crate::Pvs). Strict; requires a baked PVS.
+    #[cfg(feature = "strict")]
     Pvs,
     /// Convex room without depth test: [`Cell`](crate::Cell). Exact; requires convex geometry.
     #[cfg(feature = "classic")]
@@ -263,21 +270,25 @@ pub(super) const TABLE: &[Row] = &[
     ),
     #[cfg(feature = "classic")]
     row::<BspFront>(Method::BspFront, "bsp-front", "Boreskov, Using portals"),
+    #[cfg(feature = "exact")]
     row::<ZBuffer>(
         Method::ZBuffer,
         "z-buffer",
         "Catmull, A Subdivision Algorithm for Computer Display of Curved Surfaces, 1974",
     ),
+    #[cfg(feature = "exact")]
     row::<SBuffer>(
         Method::SBuffer,
         "s-buffer",
         "Boreskov, Hierarchical s-buffer for scenes of high complexity, section 2",
     ),
+    #[cfg(feature = "exact")]
     row::<InCells<HierarchicalZ>>(
         Method::HierarchicalZ,
         "hierarchical-z",
         "Greene, Kass, Miller, Hierarchical Z-Buffer Visibility, SIGGRAPH 1993",
     ),
+    #[cfg(feature = "exact")]
     row::<InCells<HierarchicalS>>(
         Method::HierarchicalS,
         "hierarchical-s",
@@ -288,16 +299,19 @@ pub(super) const TABLE: &[Row] = &[
         "masked",
         "Hasselgren, Andersson, Akenine-Möller, Masked Software Occlusion Culling, HPG 2016",
     ),
+    #[cfg(feature = "strict")]
     row::<Svbsp>(
         Method::Svbsp,
         "svbsp",
         "Bittner, Havran, Slavík, Hierarchical Visibility Culling with Occlusion Trees, CGI 1998",
     ),
+    #[cfg(feature = "strict")]
     row::<Mobsp>(
         Method::Mobsp,
         "mobsp",
         "Better occlusion culling in modern computer games (in Ukrainian, author unknown)",
     ),
+    #[cfg(feature = "strict")]
     row::<Pvs>(
         Method::Pvs,
         "pvs",

@@ -242,9 +242,9 @@ pub(super) fn check_door(a: &Opening, b: &Opening) -> Result<(), SceneError> {
 /// Returns what a removed sector leaves: a sector without items and openings.
 fn removed() -> Body {
     let empty = GeometryBuilder::default().build().ok();
-    let built = empty.and_then(|empty| Method::ZBuffer.build_editable(Arc::new(empty), u64::MAX).ok());
+    let built = empty.and_then(|empty| Method::Masked.build_editable(Arc::new(empty), u64::MAX).ok());
     match built {
         Some(sector) => Body::Removed(sector),
-        None => unreachable!("empty geometry suits a z-buffer"),
+        None => unreachable!("empty geometry suits every method that is always there"),
     }
 }

@@ -1,0 +1,467 @@
+import type { BatchedMesh, Camera, Frustum, InstancedMesh, LOD, Mesh, Object3D } from 'three';
+import { REVISION, Vector2 } from 'three';
+import { load, type LoadOptions, type ViewerOptions } from '../index.js';
+import { BatchedEntry } from './batched.js';
+import { type AddOptions, type Entry, MeshEntry, type World } from './entry.js';
+import { Meshes } from './geometry.js';
+import { InstancedEntry } from './instanced.js';
+import { Materials } from './material.js';
+import { Slots } from './slots.js';
+import { CameraView } from './view.js';
+
+/** What a renderer of three.js tells a culler: `WebGLRenderer` and `WebGPURenderer` do. */
+export interface SizedRenderer {
+  getDrawingBufferSize(target: Vector2): Vector2;
+}
+
+/** Options of a culler. */
+export interface CullerOptions extends LoadOptions, ViewerOptions {
+  /** Where `update` takes the size of the picture from, if it is not told. */
+  renderer?: SizedRenderer;
+}
+
+/** What the last `update` did. */
+export interface CullerStats {
+  /** Objects and instances that were looked for. */
+  objects: number;
+  /** Those of them that may be visible. */
+  visible: number;
+  /** Those of them that are not. */
+  hidden: number;
+  /** Objects and instances that moved since the update before. */
+  moved: number;
+  /** Meshes that are left to the frustum test of three.js. */
+  unculled: number;
+  /** Milliseconds for comparing objects with what was handed in before, and for handing in changes. */
+  syncMs: number;
+  /** Milliseconds for finding out what is visible. */
+  lookMs: number;
+  /** Triangles of all objects and instances. */
+  triangles: number;
+}
+
+const size = new Vector2();
+
+/**
+ * Occlusion culling for three.js: before each frame, finds out which objects a camera can see, and lets the renderer skip
+ * the others. Shadows, other cameras, children and raycasts are as without it.
+ *
+ * ```js
+ * import { EnfiladeCuller } from 'enfilade/three';
+ * const culler = await EnfiladeCuller.load({ renderer });
+ * culler.addScene(scene);
+ * renderer.setAnimationLoop(() => {
+ *   culler.update(camera);
+ *   renderer.render(scene, camera);
+ * });
+ * ```
+ */
+export class EnfiladeCuller {
+  /** Whether anything is culled. Default `true`. */
+  enabled = true;
+
+  /**
+   * While `true`, `update` does not look again: what was visible stays, so that you can move the camera and see what is
+   * skipped. Default `false`.
+   */
+  frozen = false;
+
+  /**
+   * Whether `update` compares every object with what it was (default). With `false` it does so only for new objects and
+   * those reported to `moved`: for large scenes in which little moves.
+   */
+  autoUpdate = true;
+
+  readonly stats: CullerStats = {
+    objects: 0,
+    visible: 0,
+    hidden: 0,
+    moved: 0,
+    unculled: 0,
+    syncMs: 0,
+    lookMs: 0,
+    triangles: 0,
+  };
+
+  readonly #options: CullerOptions;
+  readonly #slots = new Slots();
+  readonly #materials = new Materials();
+  readonly #entries = new Map<Object3D, Entry>();
+  /** Objects given to `add` and `addScene`. */
+  readonly #roots = new Map<Object3D, { options: AddOptions; watches: boolean }>();
+  readonly #views: CameraView[] = [];
+  readonly #warned = new Set<string>();
+  readonly #world: World;
+  #moved: Object3D[] = [];
+  #frame = 0;
+  #hasFailed = false;
+  #isDisposed = false;
+
+  private constructor(options: CullerOptions) {
+    this.#options = options;
+    const culler = this;
+    this.#world = {
+      slots: this.#slots,
+      meshes: new Meshes(this.#slots.scene),
+      materials: this.#materials,
+      get compares() {
+        return culler.autoUpdate && !culler.frozen;
+      },
+      warn: (once, message) => this.#warn(once, message),
+      isOn: (view, frustum) => this.#isOn && view.isOf(frustum),
+      hiddenFor: (camera, entry) => {
+        const view = this.#isOn && this.#entries.has(entry.object) && this.#views.find((one) => one.isOfCamera(camera));
+        return view ? (slot) => view.hides(slot) : undefined;
+      },
+    };
+  }
+
+  /** Loads the module and creates a culler: one for each scene that you render. */
+  static async load(options: CullerOptions = {}): Promise<EnfiladeCuller> {
+    if (Number.parseInt(REVISION, 10) < 187) {
+      throw new Error(`enfilade: three.js ${REVISION} has no hook for culling; use 0.187 or newer`);
+    }
+    await load(options);
+    return new EnfiladeCuller(options);
+  }
+
+  /**
+   * Adds an object with all meshes below it. Meshes that are put below it later are not added: add them too, or use
+   * `addScene`. Lines, points and sprites are left to three.js.
+   */
+  add(object: Object3D, options: AddOptions = {}): this {
+    this.#addRoot(object, options, false);
+    return this;
+  }
+
+  /** Adds everything in a scene, or below another object, and from now on whatever is put there. */
+  addScene(scene: Object3D): this {
+    this.#addRoot(scene, {}, true);
+    return this;
+  }
+
+  /** Removes an object, with all meshes below it. It is drawn as without culler. */
+  remove(object: Object3D): this {
+    this.#roots.delete(object);
+    object.traverse((below) => {
+      this.#roots.delete(below);
+      this.#forget(below);
+    });
+    return this;
+  }
+
+  /** Reports objects that moved or changed since the last `update`, with what is below them. Needed only if `autoUpdate` is `false`. */
+  moved(objects: Iterable<Object3D>): this {
+    this.#moved.push(...objects);
+    return this;
+  }
+
+  /**
+   * Finds out what a camera can see. Call it for each camera that you cull for, when everything is where it will be
+   * drawn, right before `render`. A picture drawn with another frustum is not culled.
+   *
+   * @param width of the picture in device pixels; default: that of the renderer given to `load`. If you draw pictures of
+   *   several sizes with one camera, give the largest.
+   * @param height of the picture in device pixels
+   */
+  update(camera: Camera, width?: number, height?: number): void {
+    if (this.#isDisposed || this.#hasFailed) {
+      return;
+    }
+    if (width === undefined || height === undefined) {
+      if (this.#options.renderer === undefined) {
+        throw new Error('enfilade: update needs the size of the picture, or load the renderer');
+      }
+      this.#options.renderer.getDrawingBufferSize(size);
+      [width, height] = [size.x, size.y];
+    }
+    try {
+      this.#update(camera, width, height);
+    } catch (why) {
+      if (!(why instanceof WebAssembly.RuntimeError)) {
+        throw why;
+      }
+      this.#hasFailed = true;
+      console.error('enfilade: the module failed, so nothing is culled from now on. Please report this.', why);
+    }
+  }
+
+  #update(camera: Camera, width: number, height: number): void {
+    const start = performance.now();
+    const view = this.#viewOf(camera);
+    if (this.frozen && this.#frame > 0) {
+      updateCamera(camera);
+      view.aim();
+      return;
+    }
+    this.#materials.begin();
+    this.#frame++;
+    if (this.autoUpdate || this.#frame === 1) {
+      this.#compareAll(camera);
+    } else {
+      this.#compareMoved();
+    }
+    this.#moved = [];
+    updateCamera(camera);
+    this.stats.moved = this.#slots.flush();
+    const synced = performance.now();
+    this.stats.syncMs = synced - start;
+    this.#look(view, Math.max(1, Math.round(width)), Math.max(1, Math.round(height)));
+    this.stats.lookMs = performance.now() - synced;
+  }
+
+  #look(view: CameraView, width: number, height: number): void {
+    try {
+      view.look(this.#slots, width, height);
+    } catch (why) {
+      const { code } = why as { code?: string };
+      if (code === undefined) {
+        throw why;
+      }
+      view.forget();
+      this.#warn(code, `a camera is not culled for: ${(why as Error).message}`);
+      return;
+    }
+    let unculled = 0;
+    for (const entry of this.#entries.values()) {
+      if (entry.count === 0) {
+        unculled++;
+      } else {
+        entry.seen(view);
+      }
+    }
+    const { present, visible } = view.counts();
+    Object.assign(this.stats, {
+      objects: present,
+      visible,
+      hidden: present - visible,
+      unculled,
+      triangles: this.#slots.scene.triangleCount,
+    });
+  }
+
+  /** Whether a camera may see an object or instance of it, at its last update; `true` if that is not known. */
+  isVisible(object: Object3D, camera?: Camera): boolean {
+    const entry = this.#entries.get(object);
+    const view = camera ? this.#views.find((one) => one.camera === camera) : this.#views[0];
+    return entry === undefined || view === undefined || entry.count === 0 || entry.anySeen(view);
+  }
+
+  /** Keys of the objects that a camera may see, at its last update. Objects that are left to three.js are not among them. */
+  visibleKeys(camera?: Camera): Set<unknown> {
+    const view = camera ? this.#views.find((one) => one.camera === camera) : this.#views[0];
+    const keys = new Set<unknown>();
+    for (const entry of this.#entries.values()) {
+      if (view && entry.anySeen(view)) {
+        keys.add(entry.key);
+      }
+    }
+    return keys;
+  }
+
+  /** Objects that were looked for and not seen. */
+  hiddenObjects(camera?: Camera): Object3D[] {
+    const view = camera ? this.#views.find((one) => one.camera === camera) : this.#views[0];
+    const entries = view ? [...this.#entries.values()] : [];
+    return entries.filter((entry) => entry.isSeen(view!) === false && !entry.anySeen(view!)).map((entry) => entry.object);
+  }
+
+  /** Stops culling for a camera. */
+  removeCamera(camera: Camera): void {
+    const number = this.#views.findIndex((view) => view.camera === camera);
+    if (number >= 0) {
+      const [view] = this.#views.splice(number, 1);
+      this.#entries.forEach((entry) => entry.forgetView(view));
+      view.dispose();
+    }
+  }
+
+  /** Undoes all that was done to the objects, and frees the memory. */
+  dispose(): void {
+    if (this.#isDisposed) {
+      return;
+    }
+    this.#isDisposed = true;
+    for (const entry of this.#entries.values()) {
+      entry.dispose();
+    }
+    this.#entries.clear();
+    this.#roots.clear();
+    this.#views.forEach((view) => view.dispose());
+    this.#views.length = 0;
+    this.#slots.dispose();
+  }
+
+  get #isOn(): boolean {
+    return this.enabled && !this.#hasFailed && !this.#isDisposed;
+  }
+
+  #addRoot(object: Object3D, options: AddOptions, watches: boolean): void {
+    this.#roots.set(object, { options, watches });
+    object.traverse((below) => this.#addEntry(below, options));
+  }
+
+  #addEntry(object: Object3D, options: AddOptions): void {
+    if (!('isMesh' in object) || object.userData.enfilade === true) {
+      return;
+    }
+    if (this.#entries.has(object)) {
+      this.#forget(object);
+    }
+    const mesh = object as Mesh;
+    const entry = (
+      'isInstancedMesh' in object
+        ? new InstancedEntry(mesh as InstancedMesh, options, this.#world)
+        : 'isBatchedMesh' in object
+          ? new BatchedEntry(mesh as BatchedMesh, options, this.#world)
+          : new MeshEntry(mesh, options, this.#world)
+    ) as Entry;
+    entry.hook((hooked, frustum) => this.#isDrawn(hooked, frustum));
+    this.#entries.set(object, entry);
+    if (!this.autoUpdate) {
+      this.#moved.push(object);
+    }
+  }
+
+  #forget(object: Object3D): void {
+    this.#entries.get(object)?.dispose();
+    this.#entries.delete(object);
+  }
+
+  /** What the renderer asks for each object that it may draw. */
+  #isDrawn(entry: Entry, frustum: Frustum): boolean | undefined {
+    if (!this.#isOn || entry.count === 0) {
+      return undefined;
+    }
+    // An array of frusta, of several cameras at once, has no planes.
+    const view = frustum.planes && this.#views.find((one) => one.isOf(frustum));
+    return view ? entry.isSeen(view) : undefined;
+  }
+
+  #viewOf(camera: Camera): CameraView {
+    let view = this.#views.find((one) => one.camera === camera);
+    if (view === undefined) {
+      view = new CameraView(camera, this.#options);
+      this.#views.push(view);
+    }
+    return view;
+  }
+
+  /** Hands in everything that is drawn, as it is now. */
+  #compareAll(camera: Camera): void {
+    const scene = this.#updateMatrices();
+    for (const [root, { options, watches }] of this.#roots) {
+      if (scene === undefined || topOf(root) === scene) {
+        if (isShown(root)) {
+          this.#visit(root, camera, watches ? options : undefined);
+        }
+      }
+    }
+    for (const [object, entry] of this.#entries) {
+      if (entry.frame !== this.#frame) {
+        entry.hide();
+        this.#forgetIfGone(object);
+      }
+    }
+  }
+
+  /** As the renderer goes through a scene: what is invisible is not drawn, nor what is below it. */
+  #visit(object: Object3D, camera: Camera, watching: AddOptions | undefined): void {
+    if (!object.visible) {
+      return;
+    }
+    if ('isLOD' in object && (object as LOD).autoUpdate) {
+      (object as LOD).update(camera);
+    }
+    if ('isMesh' in object) {
+      if (watching && !this.#entries.has(object)) {
+        this.#addEntry(object, watching);
+      }
+      const entry = this.#entries.get(object);
+      if (entry && entry.frame !== this.#frame) {
+        entry.frame = this.#frame;
+        entry.refresh();
+      }
+    }
+    for (const child of object.children) {
+      this.#visit(child, camera, watching);
+    }
+  }
+
+  /** Hands in the objects that were reported. */
+  #compareMoved(): void {
+    for (const object of this.#moved) {
+      object.updateWorldMatrix(true, true);
+      object.traverse((below) => {
+        const entry = this.#entries.get(below);
+        if (entry === undefined) {
+          return;
+        }
+        if (isShown(below)) {
+          entry.frame = this.#frame;
+          entry.refresh();
+        } else {
+          entry.hide();
+        }
+      });
+    }
+  }
+
+  /** Updates the matrices of everything that was added, and returns the scene that is drawn. */
+  #updateMatrices(): Object3D | undefined {
+    const tops = new Set<Object3D>();
+    for (const root of this.#roots.keys()) {
+      tops.add(topOf(root));
+    }
+    const scenes = [...tops].filter((top) => 'isScene' in top);
+    if (scenes.length > 1) {
+      this.#warn('scenes', 'objects of several scenes were added; only those of the first are culled. Use a culler for each scene.');
+    }
+    for (const top of tops) {
+      if (top.matrixWorldAutoUpdate) {
+        top.updateMatrixWorld();
+      }
+    }
+    return scenes[0] ?? [...tops][0];
+  }
+
+  /** Forgets an object that was taken out of what is watched. */
+  #forgetIfGone(object: Object3D): void {
+    for (let above: Object3D | null = object; above !== null; above = above.parent) {
+      if (this.#roots.has(above)) {
+        return;
+      }
+    }
+    this.#forget(object);
+  }
+
+  #warn(once: string, message: string): void {
+    if (!this.#warned.has(once)) {
+      this.#warned.add(once);
+      console.warn(`enfilade: ${message}`);
+    }
+  }
+}
+
+function updateCamera(camera: Camera): void {
+  camera.updateWorldMatrix(true, false);
+}
+
+function topOf(object: Object3D): Object3D {
+  let top = object;
+  while (top.parent !== null) {
+    top = top.parent;
+  }
+  return top;
+}
+
+/** Whether an object and everything above it is visible. */
+function isShown(object: Object3D): boolean {
+  for (let above: Object3D | null = object; above !== null; above = above.parent) {
+    if (!above.visible) {
+      return false;
+    }
+  }
+  return true;
+}
+

@@ -1,0 +1,146 @@
+// What the tests do inside the page.
+import * as THREE from 'three';
+import { EnfiladeCuller } from 'enfilade/three';
+
+export { THREE, EnfiladeCuller };
+
+/** Creates a renderer: 'webgl', or 'webgpu' with its WebGL2 backend. */
+export async function createRenderer(kind, { width = 400, height = 225, antialias = false, ...options } = {}) {
+  let renderer;
+  if (kind === 'webgl') {
+    renderer = new THREE.WebGLRenderer({ antialias, preserveDrawingBuffer: true, ...options });
+  } else {
+    const { WebGPURenderer } = await import('three/webgpu');
+    renderer = new WebGPURenderer({ antialias, forceWebGL: true, ...options });
+    await renderer.init();
+  }
+  renderer.setPixelRatio(1);
+  renderer.setSize(width, height);
+  renderer.info.autoReset = false;
+  document.body.append(renderer.domElement);
+  return renderer;
+}
+
+/** Renders, and returns the pixels and what was drawn. */
+export async function shoot(renderer, scene, camera) {
+  renderer.info.reset();
+  const { width, height } = renderer.domElement;
+  const start = performance.now();
+  const pixels = new Uint8Array(4 * width * height);
+  const gl = renderer.getContext?.() ?? renderer.backend.gl;
+  renderer.render(scene, camera);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  const { render } = renderer.info;
+  return { pixels, calls: render.drawCalls ?? render.calls, triangles: render.triangles, ms: performance.now() - start };
+}
+
+/** Counts the pixels in which two pictures differ. */
+export function differences(a, b) {
+  const [x, y] = [new Uint32Array(a.buffer), new Uint32Array(b.buffer)];
+  let count = 0;
+  for (let pixel = 0; pixel < x.length; pixel++) {
+    count += x[pixel] === y[pixel] ? 0 : 1;
+  }
+  return count;
+}
+
+/** Draws each frame of a path with and without the culler, and compares. `at` moves the camera, and what else moves. */
+export async function compare(renderer, scene, camera, culler, frames, at) {
+  const total = { frames, differing: 0, pixels: 0, calls: [0, 0], triangles: [0, 0], ms: [0, 0], lookMs: 0, syncMs: 0, firstLookMs: 0, worst: -1 };
+  let worst = 0;
+  for (let frame = 0; frame < frames; frame++) {
+    await at(frame);
+    culler.enabled = true;
+    culler.update(camera);
+    const culled = await shoot(renderer, scene, camera);
+    culler.enabled = false;
+    const whole = await shoot(renderer, scene, camera);
+    culler.enabled = true;
+    const pixels = differences(culled.pixels, whole.pixels);
+    total.differing += pixels > 0 ? 1 : 0;
+    total.pixels += pixels;
+    if (pixels > worst) {
+      worst = pixels;
+      total.worst = frame;
+    }
+    [whole, culled].forEach((shot, number) => {
+      total.calls[number] += shot.calls / frames;
+      total.triangles[number] += shot.triangles / frames;
+      total.ms[number] += shot.ms / frames;
+    });
+    if (frame === 0) {
+      total.firstLookMs = culler.stats.lookMs;
+    } else {
+      total.lookMs += culler.stats.lookMs / (frames - 1);
+      total.syncMs += culler.stats.syncMs / (frames - 1);
+    }
+  }
+  return { ...total, stats: { ...culler.stats } };
+}
+
+/** A random number generator: the same numbers every time. */
+export function random(seed) {
+  let state = seed >>> 0;
+  return () => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return state / 2 ** 32;
+  };
+}
+
+/** Rooms in a grid, with a door between neighbours and furniture in each. */
+export function rooms(count, things) {
+  const scene = new THREE.Scene();
+  scene.background = new THREE.Color(0x88aaff);
+  const sun = new THREE.DirectionalLight(0xffffff, 2);
+  sun.position.set(1, 3, 2);
+  scene.add(sun, new THREE.AmbientLight(0xffffff, 0.6));
+  const roll = random(1);
+  const unit = new THREE.BoxGeometry(1, 1, 1);
+  const ball = new THREE.SphereGeometry(0.5, 12, 8);
+  const materials = [0xcc4444, 0x44cc66, 0x4466cc, 0xccaa44, 0xaa66cc].map((color) => new THREE.MeshLambertMaterial({ color }));
+  const plaster = new THREE.MeshLambertMaterial({ color: 0xddd8d0 });
+  const box = (x, y, z, w, h, d, material) => {
+    const mesh = new THREE.Mesh(unit, material);
+    mesh.position.set(x, y, z);
+    mesh.scale.set(w, h, d);
+    scene.add(mesh);
+    return mesh;
+  };
+  const side = Math.ceil(Math.sqrt(count));
+  const size = 6;
+  for (let row = 0; row < side; row++) {
+    for (let column = 0; column < side; column++) {
+      const [x, z] = [column * size, row * size];
+      box(x, -0.1, z, size, 0.2, size, plaster);
+      box(x, 3.1, z, size, 0.2, size, plaster);
+      for (const [dx, dz, along] of [[size / 2, 0, 'z'], [0, size / 2, 'x'], ...(column ? [] : [[-size / 2, 0, 'z']]), ...(row ? [] : [[0, -size / 2, 'x']])]) {
+        for (const end of [-1.8, 1.8]) {
+          const wall = along === 'z' ? box(x + dx, 1.5, z + end, 0.2, 3, 2.4, plaster) : box(x + end, 1.5, z + dz, 2.4, 3, 0.2, plaster);
+          wall.name = 'wall';
+        }
+        if (along === 'z') {
+          box(x + dx, 2.6, z, 0.2, 0.8, 1.2, plaster);
+        } else {
+          box(x, 2.6, z + dz, 1.2, 0.8, 0.2, plaster);
+        }
+      }
+    }
+  }
+  for (let number = 0; number < things; number++) {
+    const [column, row] = [Math.floor(roll() * side), Math.floor(roll() * side)];
+    const mesh = new THREE.Mesh(roll() < 0.5 ? unit : ball, materials[Math.floor(roll() * materials.length)]);
+    mesh.position.set(column * size + (roll() - 0.5) * 5, 0.2 + roll() * 1.2, row * size + (roll() - 0.5) * 5);
+    mesh.scale.setScalar(0.1 + 0.3 * roll());
+    mesh.rotation.set(roll() * 3, roll() * 3, roll() * 3);
+    mesh.name = 'thing';
+    scene.add(mesh);
+  }
+  const camera = new THREE.PerspectiveCamera(70, 16 / 9, 0.05, 200);
+  /** Walks through the doors of a row of rooms, looking about. */
+  const at = (frame, frames = 60) => {
+    const t = frame / frames;
+    camera.position.set(t * (side - 1) * size, 1.6, size * Math.floor(side / 2));
+    camera.rotation.set(0, Math.sin(t * 9) * 2.5 - Math.PI / 2, 0, 'YXZ');
+  };
+  return { scene, camera, at };
+}

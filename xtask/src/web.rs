@@ -1,0 +1,123 @@
+//! Builds the npm package: the `.wasm` files with their JavaScript side, the TypeScript around them, the demo pages; and
+//! runs its tests in headless Chromium.
+#![allow(clippy::print_stdout, reason = "a command prints what it finds")]
+
+use crate::public_api::Workspace;
+use crate::targets::{install, succeed};
+use anyhow::{Context, Result, anyhow, ensure};
+use std::path::Path;
+use std::process::Command;
+use wasm_bindgen_cli_support::Bindgen;
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Only what CI has time for: the core module with SIMD, and the smoke test
+    #[arg(long)]
+    quick: bool,
+    /// Build, and run no test
+    #[arg(long)]
+    no_test: bool,
+}
+
+/// A module of the package, and whether it uses SIMD. Both builds of a module share their JavaScript side.
+#[derive(Clone, Copy)]
+struct Module {
+    name: &'static str,
+    /// Features of `enfilade_web`.
+    features: &'static str,
+}
+
+const CORE: Module = Module {
+    name: "core",
+    features: "",
+};
+
+const FILES: Module = Module {
+    name: "files",
+    features: "files",
+};
+
+impl Module {
+    /// Builds the module into `web/wasm/`. Without SIMD it takes minutes: LLVM is slow at kernels in scalar code.
+    fn build(self, workspace: &Workspace, simd: bool) -> Result<()> {
+        let flags = if simd { "-Ctarget-feature=+simd128" } else { "" };
+        succeed(
+            Command::new(env!("CARGO"))
+                // Not `crate-type` in its Cargo.toml: link-time optimization is left out if there is an rlib too.
+                .args(["rustc", "--lib", "--crate-type", "cdylib"])
+                .args(["--profile", "web", "--package", "enfilade_web"])
+                .args(["--target", TARGET, "--features", self.features])
+                .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", flags)
+                .current_dir(&workspace.root),
+        )?;
+        let built = workspace.target.join(TARGET).join("web/enfilade_web.wasm");
+        let wasm = workspace.root.join("web/wasm");
+        let folder = if simd {
+            wasm.clone()
+        } else {
+            workspace.target.join("web-plain")
+        };
+        Bindgen::new()
+            .input_path(built)
+            .out_name(self.name)
+            .web(true)
+            .and_then(|bindgen| {
+                bindgen
+                    .typescript(true)
+                    .omit_default_module_path(true)
+                    .generate(&folder)
+            })
+            .map_err(|why| anyhow!("wasm-bindgen, for {}: {why:#}", folder.display()))?;
+        if !simd {
+            let script = format!("{}.js", self.name);
+            let [here, there] = [&wasm, &folder].map(|folder| std::fs::read(folder.join(&script)));
+            ensure!(here? == there?, "{script} differs without SIMD");
+            let module = format!("{}_bg.wasm", self.name);
+            std::fs::copy(
+                folder.join(module),
+                wasm.join(format!("{}_plain_bg.wasm", self.name)),
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// Runs npm or one of its programs in `web/`.
+fn npm(web: &Path, arguments: &[&str]) -> Result<()> {
+    succeed(Command::new("npm").args(arguments).current_dir(web))
+        .context("the npm package needs Node.js 20 or newer, with npm")
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let workspace = Workspace::read()?;
+    let web = workspace.root.join("web");
+    install(TARGET)?;
+    let modules: &[(Module, bool)] = match args.quick {
+        true => &[(CORE, true)],
+        false => &[(CORE, true), (FILES, true), (CORE, false), (FILES, false)],
+    };
+    for (module, simd) in modules {
+        module.build(&workspace, *simd)?;
+    }
+    for license in ["LICENSE-APACHE", "LICENSE-MIT"] {
+        std::fs::copy(workspace.root.join(license), web.join(license)).context(license)?;
+    }
+    npm(&web, &["ci", "--no-audit", "--no-fund", "--prefer-offline"])?;
+    npm(&web, &["run", "build"])?;
+    npm(&web, &["run", "sizes"])?;
+    if args.no_test {
+        return Ok(());
+    }
+    let chromium = [
+        "/usr/bin/chromium",
+        "/usr/bin/chromium-browser",
+        "/usr/bin/google-chrome",
+    ];
+    ensure!(
+        chromium.iter().any(|path| Path::new(path).exists()),
+        "the tests need Chromium: install Debian's package chromium, or the like"
+    );
+    npm(&web, &["run", if args.quick { "test:quick" } else { "test" }])
+}

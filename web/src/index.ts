@@ -195,10 +195,15 @@ export interface ViewerOptions {
    */
   tightness?: 'boxes' | 'faces' | 'resolved';
   /**
-   * How far the renderer may move a vertex, in pixels, 0 to 0.5. Default 0: sets are true of the exact picture, one
-   * sample per pixel. With 0.5 they are true of any sample in a pixel; that costs many times as much.
+   * Samples of a pixel: 1 (default), or 4 if the picture is multisampled (`antialias` of WebGL and three.js). With 4, each
+   * of the usual sample positions is looked at, which takes four times as long.
    */
-  marginPx?: number;
+  samples?: 1 | 4;
+  /**
+   * How far tested boxes grow on the screen, in pixels on each side, 0 to 8. Default 1: GPUs move vertices a little, and
+   * what then shows beside an occluder must not be skipped. With 0, sets are true of the exact picture.
+   */
+  growthPx?: number;
 }
 
 const depths = { '-1..1': 0, '0..1': 1, '1..0': 2 };
@@ -208,10 +213,8 @@ const tightnesses = { boxes: 0, faces: 1, resolved: 2 };
 export class Viewer {
   #viewer: core.Viewer;
 
-  constructor({ tightness = 'boxes', marginPx = 0 }: ViewerOptions = {}) {
-    this.#viewer = new loader.glue.Viewer();
-    this.#viewer.tightness = tightnesses[tightness];
-    this.#viewer.marginPx = marginPx;
+  constructor({ tightness = 'boxes', samples = 1, growthPx = 1 }: ViewerOptions = {}) {
+    this.#viewer = new loader.glue.Viewer(tightnesses[tightness], growthPx, samples);
   }
 
   /**

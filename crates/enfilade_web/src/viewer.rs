@@ -2,27 +2,49 @@
 
 use crate::scene::Scene;
 use crate::{check_length, error};
-use enfilade::{ClipDepth, Tightness, View, VisibleKeys};
+use enfilade::{ClipDepth, Tightness, View, ViewerOptions, VisibleKeys};
 use wasm_bindgen::prelude::*;
 
 /// The camera of a page. Keep one for each camera: what it saw makes the next look cheaper.
 #[wasm_bindgen]
-#[derive(Default)]
 pub struct Viewer {
-    viewer: enfilade::Viewer,
+    /// One for each sample of a pixel.
+    viewers: Vec<enfilade::Viewer>,
     keys: VisibleKeys,
     /// One bit per key; little endian, so also in 32-bit words.
     bits: Vec<u64>,
     /// The lists of `keys`, one after the other, as 32-bit numbers.
     lists: Vec<u32>,
+    /// Keys that count as visible, besides those of the last sample.
+    others: Vec<u64>,
 }
 
 #[wasm_bindgen]
 impl Viewer {
-    /// Creates a viewer that has seen nothing.
+    /// Creates a viewer that has seen nothing. `tightness`: how closely found objects are tested at the end, 0 by boxes, 1 by
+    /// faces, 2 by faces at exact depths. `growth_px`: how far tested boxes grow. `samples` of a pixel: 1,
+    /// or 4 for those of 4x multisampling, each looked at.
     #[wasm_bindgen(constructor)]
-    pub fn new() -> Viewer {
-        Viewer::default()
+    pub fn new(tightness: u32, growth_px: f32, samples: u32) -> Viewer {
+        let options = ViewerOptions {
+            tightness: match tightness {
+                0 => Tightness::Boxes,
+                1 => Tightness::Faces,
+                _ => Tightness::Resolved,
+            },
+            growth_px,
+            ..ViewerOptions::default()
+        };
+        let viewers = (0..if samples > 1 { View::FOUR_SAMPLES.len() } else { 1 })
+            .map(|_| enfilade::Viewer::with_options(options))
+            .collect();
+        Viewer {
+            viewers,
+            keys: VisibleKeys::default(),
+            bits: Vec::new(),
+            lists: Vec::new(),
+            others: Vec::new(),
+        }
     }
 
     /// Determines what is visible. The matrices have 16 numbers each: their columns. `depth` is the depth range of clip
@@ -55,22 +77,6 @@ impl Viewer {
                 layers,
             },
         )
-    }
-
-    /// How closely found objects are tested at the end: 0 by boxes, 1 by faces, 2 by faces at exact depths.
-    #[wasm_bindgen(setter)]
-    pub fn set_tightness(&mut self, tightness: u32) {
-        self.viewer.options.tightness = match tightness {
-            0 => Tightness::Boxes,
-            1 => Tightness::Faces,
-            _ => Tightness::Resolved,
-        };
-    }
-
-    /// How far the renderer may move a vertex, in pixels, 0 to ½.
-    #[wasm_bindgen(setter, js_name = marginPx)]
-    pub fn set_margin_px(&mut self, margin: f32) {
-        self.viewer.options.margin_px = margin;
     }
 
     /// Address of the bits of visible keys.
@@ -139,9 +145,24 @@ impl Viewer {
             look.size,
         )
         .map_err(|why| error(why.code(), why))?;
-        self.viewer.options.layers = look.layers;
-        let set = self.viewer.look(scene, &view);
-        self.keys.update_with(set, others.into_iter().map(u64::from));
+        self.others.clear();
+        self.others.extend(others.into_iter().map(u64::from));
+        let samples = self.viewers.len();
+        for (number, viewer) in self.viewers.iter_mut().enumerate() {
+            viewer.options.layers = look.layers;
+            let set = if samples == 1 {
+                viewer.look(scene, &view)
+            } else {
+                let at = View::FOUR_SAMPLES[number];
+                let view = view.at_sample(at).map_err(|why| error(why.code(), why))?;
+                viewer.look(scene, &view)
+            };
+            if number + 1 < samples {
+                self.others.extend(set.items().iter().map(|item| item.key));
+            } else {
+                self.keys.update_with(set, self.others.iter().copied());
+            }
+        }
         self.bits.fill(0);
         let words = self.keys.all().last().map_or(0, |&key| key as usize / 64 + 1);
         self.bits.resize(words.max(self.bits.len()), 0);

@@ -12,11 +12,18 @@ import { CameraView } from './view.js';
 /** What a renderer of three.js tells a culler: `WebGLRenderer` and `WebGPURenderer` do. */
 export interface SizedRenderer {
   getDrawingBufferSize(target: Vector2): Vector2;
+  /** Of `WebGLRenderer`. */
+  getContextAttributes?(): { antialias?: boolean } | null;
+  /** Of `WebGPURenderer`. */
+  samples?: number;
 }
 
-/** Options of a culler. */
+/**
+ * Options of a culler. `samples` is by default what the renderer has: 4 if it was created with `antialias`, or is
+ * unknown. Set it to 4 if you draw to a multisampled render target.
+ */
 export interface CullerOptions extends LoadOptions, ViewerOptions {
-  /** Where `update` takes the size of the picture from, if it is not told. */
+  /** The renderer that draws the pictures: `update` asks it for their size. */
   renderer?: SizedRenderer;
 }
 
@@ -341,7 +348,7 @@ export class EnfiladeCuller {
   #viewOf(camera: Camera): CameraView {
     let view = this.#views.find((one) => one.camera === camera);
     if (view === undefined) {
-      view = new CameraView(camera, this.#options);
+      view = new CameraView(camera, { ...this.#options, samples: this.#options.samples ?? samplesOf(this.#options.renderer) });
       this.#views.push(view);
     }
     return view;
@@ -441,6 +448,11 @@ export class EnfiladeCuller {
       console.warn(`enfilade: ${message}`);
     }
   }
+}
+
+function samplesOf(renderer: SizedRenderer | undefined): 1 | 4 {
+  const antialias = renderer?.getContextAttributes?.()?.antialias ?? (renderer?.samples ?? 4) > 0;
+  return antialias ? 4 : 1;
 }
 
 function updateCamera(camera: Camera): void {

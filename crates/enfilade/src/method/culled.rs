@@ -234,7 +234,7 @@ impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
     }
 
     fn item_test(&mut self, passage: &Passage) -> Option<ItemTest<'_>> {
-        if passage.options.tightness == Tightness::Boxes {
+        if passage.options.tightness == Tightness::Boxes || passage.options.growth() > 0.0 {
             return None;
         }
         self.cover.item_test()

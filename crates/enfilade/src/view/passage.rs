@@ -131,9 +131,12 @@ impl Passage {
         rows: Option<Rows>,
     ) -> Option<Passage> {
         let view = OpeningView::new(self, outline)?;
-        let aperture = self
-            .aperture
-            .behind(view.corners(), rows, self.spread, self.options.margin())?;
+        let aperture = self.aperture.behind(
+            view.corners(),
+            rows,
+            self.spread,
+            self.options.margin().max(self.options.growth()),
+        )?;
         let here_from_there = there_from_here.inverse()?;
         let eye_from_sector = self.eye_from_sector * here_from_there.0;
         Some(Passage {
@@ -184,7 +187,7 @@ impl Passage {
             },
             spread: match own {
                 Contract::Strict if !painted => 0.5,
-                _ => self.options.margin(),
+                _ => self.options.margin().max(self.options.growth()),
             },
             ..self
         }

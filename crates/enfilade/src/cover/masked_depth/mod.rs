@@ -79,6 +79,8 @@ pub struct MaskedDepth {
     worker: Worker,
     grid: Grid,
     near: f64,
+    /// How far tested boxes grow, in pixels.
+    growth: f64,
     resolver: Resolver,
 }
 
@@ -97,6 +99,7 @@ impl MaskedDepth {
             worker: Worker::at(level),
             grid: Grid::default(),
             near: 0.0,
+            growth: 0.0,
             resolver: Resolver::at(level),
         }
     }
@@ -108,7 +111,7 @@ impl Cover for MaskedDepth {
     const NAME: &'static str = "MaskedDepth";
 
     fn test(&mut self, region: &Region) -> Visibility {
-        let seen = dispatch!(self.level, simd => self.grid.sees(simd, region, self.near));
+        let seen = dispatch!(self.level, simd => self.grid.sees(simd, region, self.near, self.growth));
         if seen {
             Visibility::Partial
         } else {
@@ -138,6 +141,7 @@ impl Hides for MaskedDepth {
     fn clear(&mut self, passage: &Passage) {
         self.grid.clear(passage);
         self.near = f64::from(passage.z_near);
+        self.growth = passage.options.growth();
         self.resolver.clear();
     }
 

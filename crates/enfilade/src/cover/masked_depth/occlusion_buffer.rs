@@ -187,7 +187,7 @@ impl OcclusionBuffer {
                 self.grid.shows(&rect, nearest)
                     && eight
                         .region(lane)
-                        .is_some_and(|region| self.grid.sees(simd, &region, near))
+                        .is_some_and(|region| self.grid.sees(simd, &region, near, 0.0))
             } else {
                 !bounds.is_empty()
             };

@@ -29,10 +29,10 @@ impl Grid {
             && (self.shows_middle_of(&rect, nearest) || self.view().first_seen(&rect, nearest).is_some())
     }
 
-    /// Returns `true` if any sample may show the box. Tests its rectangle first, then, if it is entirely behind the
+    /// Returns `true` if any sample may show the box, grown by `growth` pixels. Tests its rectangle first, then, if it is entirely behind the
     /// near plane, its outline.
     #[inline(always)]
-    pub(super) fn sees<S: Simd>(&self, simd: S, region: &Region, near: f64) -> bool {
+    pub(super) fn sees<S: Simd>(&self, simd: S, region: &Region, near: f64, growth: f64) -> bool {
         let rect = region.rect.intersection(&self.rect);
         if rect.is_empty() {
             return false;
@@ -44,7 +44,7 @@ impl Grid {
             return false;
         };
         // No closures here and below: the code of a closure is not compiled for the SIMD level.
-        match Outline::of(&region.volume, near, &rect) {
+        match Outline::of(&region.volume, near, growth, &rect) {
             Some(outline) if self.shows_middle(&rect, &outline, &region.volume) => true,
             Some(outline) => self.sees_outline(simd, &rect, first, region.nearest, &outline),
             None => true,
@@ -223,9 +223,9 @@ const SLACK: f64 = 1.0 / 1024.0;
 const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
 
 impl Outline {
-    /// Returns the outline of a box; `None` if the box crosses the near plane or may contain the eye.
+    /// Returns the outline of a box, up to `growth` pixels away along each axis; `None` if the box crosses the near plane or may contain the eye.
     #[inline(always)]
-    fn of(volume: &Volume, near: f64, limits: &Rect) -> Option<Outline> {
+    fn of(volume: &Volume, near: f64, growth: f64, limits: &Rect) -> Option<Outline> {
         let [mut xs, mut ys] = [[0.0; 8], [0.0; 8]];
         let mut nearest = f64::INFINITY;
         let mut reach = 0.0;
@@ -245,7 +245,7 @@ impl Outline {
             fronts: [DVec3::ZERO; 3],
             front_count: 0,
         };
-        let facing = outline.add_fronts(volume, limits);
+        let facing = outline.add_fronts(volume, growth, limits);
         if outline.front_count == 0 {
             return None;
         }
@@ -254,7 +254,7 @@ impl Outline {
             for ends in [[0, 0], [0, 1], [1, 0], [1, 1]] {
                 if (facing[i] == Some(ends[0])) != (facing[j] == Some(ends[1])) {
                     let from = ends[0] << i | ends[1] << j;
-                    outline.add_line(&xs, &ys, [from, from | 1 << axis], reach);
+                    outline.add_line(&xs, &ys, [from, from | 1 << axis], growth, reach);
                 }
             }
         }
@@ -264,7 +264,7 @@ impl Outline {
     /// Adds the planes of the faces towards the eye. Returns for each axis whether that is the face at the start (0) or
     /// at the end (1) of the box; `None` if neither.
     #[inline(always)]
-    fn add_fronts(&mut self, volume: &Volume, limits: &Rect) -> [Option<usize>; 3] {
+    fn add_fronts(&mut self, volume: &Volume, growth: f64, limits: &Rect) -> [Option<usize>; 3] {
         let Volume { origin, sides } = *volume;
         let most = DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0);
         let mut facing = [None; 3];
@@ -292,7 +292,8 @@ impl Outline {
                 continue;
             }
             facing[axis] = Some(usize::from((low > 0.0) == (across < 0.0)));
-            let lifted = DVec3::new(normal.x, normal.y, normal.z + size.dot(most) * ROUNDING);
+            let grown = (normal.x.abs() + normal.y.abs()) * growth;
+            let lifted = DVec3::new(normal.x, normal.y, normal.z + size.dot(most) * ROUNDING + grown);
             self.fronts[self.front_count] = lifted / (distance - error);
             self.front_count += 1;
         }
@@ -301,7 +302,7 @@ impl Outline {
 
     /// Adds a line in the direction between two corners, with all corners on its inner side.
     #[inline(always)]
-    fn add_line(&mut self, xs: &[f64; 8], ys: &[f64; 8], [from, to]: [usize; 2], reach: f64) {
+    fn add_line(&mut self, xs: &[f64; 8], ys: &[f64; 8], [from, to]: [usize; 2], growth: f64, reach: f64) {
         let [a, b] = [ys[from] - ys[to], xs[to] - xs[from]];
         if self.line_count == self.lines.len() || (a == 0.0 && b == 0.0) {
             return;
@@ -313,7 +314,7 @@ impl Outline {
             greatest = greater(value, greatest);
         }
         let own = a * xs[from] + b * ys[from];
-        let slack = (a.abs() + b.abs()) * (SLACK + reach * ROUNDING);
+        let slack = (a.abs() + b.abs()) * (SLACK + growth + reach * ROUNDING);
         let line = if greatest - own >= own - least {
             HalfPlane::new(DVec3::new(a, b, slack - least))
         } else {

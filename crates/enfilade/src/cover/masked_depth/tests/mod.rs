@@ -155,6 +155,51 @@ fn a_box_is_hidden_only_where_no_ray_meets_it_first() {
 }
 
 #[test]
+fn a_grown_box_is_hidden_only_if_it_is_wherever_it_may_move() {
+    const GROWTH: f64 = 1.25;
+    let [mut hidden, mut hidden_at_rest] = [0, 0];
+    for seed in 0..100 {
+        let mut dice = Dice::new(seed + 3000);
+        let passage = passages(seed, &mut dice);
+        let polygons = polygons(&mut dice, &passage, 30);
+        let (mut cover, oracle) = filled(&passage, &polygons);
+        for _ in 0..200 {
+            let Some(region) = region_of(&passage, &random_box(&mut dice)) else {
+                continue;
+            };
+            hidden_at_rest += u32::from(cover.test(&region) == Visibility::Hidden);
+            let grown = Region {
+                rect: oracle.all(),
+                ..region
+            };
+            cover.growth = GROWTH;
+            let is_hidden = cover.test(&grown) == Visibility::Hidden;
+            cover.growth = 0.0;
+            if !is_hidden {
+                continue;
+            }
+            hidden += 1;
+            for _ in 0..8 {
+                let [dx, dy] = [(); 2].map(|()| GROWTH * (2.0 * dice.roll() - 1.0));
+                let moved = |at: DVec3| DVec3::new(at.x + dx * at.z, at.y + dy * at.z, at.z);
+                let volume = Volume {
+                    origin: moved(region.volume.origin),
+                    sides: region.volume.sides.map(moved),
+                };
+                let seen = oracle.sees(oracle.all(), |x, y| {
+                    Some(rev_depth_of(&volume, x, y)?.min(1.0 / oracle.near))
+                });
+                assert!(!seen, "{region:?} of scene {seed}, moved by {dx}, {dy}");
+            }
+        }
+    }
+    assert!(
+        hidden > 2000 && hidden < hidden_at_rest,
+        "{hidden} of {hidden_at_rest}"
+    );
+}
+
+#[test]
 fn every_simd_level_says_the_same() {
     let mut hidden = 0;
     for seed in 0..60 {

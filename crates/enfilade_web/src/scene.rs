@@ -30,9 +30,16 @@ pub struct Scene {
     meshes: Vec<Option<Arc<Mesh>>>,
     free_meshes: Vec<u32>,
     /// By key.
-    items: Vec<Option<ItemId>>,
-    /// Keys of objects that the scene does not hold, or at an earlier position.
+    objects: Vec<Option<Object>>,
+    /// Keys of objects without an item.
     always_visible: BTreeSet<u32>,
+}
+
+struct Object {
+    /// `None` if the scene refused it, because of its transform.
+    item: Option<ItemId>,
+    mesh: Arc<Mesh>,
+    options: ItemOptions,
 }
 
 #[wasm_bindgen]
@@ -60,7 +67,7 @@ impl Scene {
             scene: enfilade::Scene::single(empty, Method::Masked).map_err(scene_error)?,
             meshes: Vec::new(),
             free_meshes: Vec::new(),
-            items: Vec::new(),
+            objects: Vec::new(),
             always_visible: BTreeSet::new(),
         })
     }
@@ -155,13 +162,18 @@ impl Scene {
         let mut edit = self.scene.edit();
         let mut added = Vec::with_capacity(keys.len());
         for (number, (&key, mesh)) in keys.iter().zip(meshes).enumerate() {
-            let options = options(flags[number], layers[number]);
-            added.push(place(&mut edit, key, mesh, &transforms[number], options).ok());
+            let mut object = Object {
+                item: None,
+                mesh,
+                options: options(flags[number], layers[number]),
+            };
+            object.item = place(&mut edit, key, &object, &transforms[number]).ok();
+            added.push((key, object));
         }
         edit.finish().map_err(scene_error)?;
-        for (&key, item) in keys.iter().zip(added) {
-            self.items[key as usize] = item;
-            self.mark(key, item.is_none());
+        for (key, object) in added {
+            self.mark(key, object.item.is_none());
+            self.objects[key as usize] = Some(object);
         }
         Ok(())
     }
@@ -173,11 +185,15 @@ impl Scene {
     #[wasm_bindgen(js_name = setTransforms)]
     pub fn set_transforms(&mut self, keys: &[u32], transforms: &[f32]) -> Result<(), JsValue> {
         let transforms = matrices(keys, transforms)?;
-        let found = |(number, &key): (usize, &u32)| {
-            let item = (*self.items.get(key as usize)?)?;
-            Some((key, item, transform(&transforms[number])))
-        };
-        let moves: Vec<(u32, ItemId, Transform)> = keys.iter().enumerate().filter_map(found).collect();
+        let mut moves = Vec::with_capacity(keys.len());
+        let mut absent = Vec::new();
+        for (&key, columns) in keys.iter().zip(transforms) {
+            match self.objects.get(key as usize) {
+                Some(Some(Object { item: Some(item), .. })) => moves.push((key, *item, transform(columns))),
+                Some(Some(object)) => absent.push((key, object, columns)),
+                _ => {}
+            }
+        }
         let mut refused = Vec::new();
         let mut edit = self.scene.edit();
         edit.set_transforms(
@@ -186,12 +202,23 @@ impl Scene {
             &mut refused,
         )
         .map_err(edit_error)?;
-        edit.finish().map_err(scene_error)?;
-        for &(key, ..) in &moves {
-            self.mark(key, false);
+        // It must not hide anything at its old position.
+        for (number, _) in &refused {
+            edit.remove(SECTOR, moves[*number].1).map_err(edit_error)?;
         }
-        for (number, _) in refused {
-            self.mark(moves[number].0, true);
+        let mut placed = Vec::new();
+        for (key, object, columns) in absent {
+            if let Ok(item) = place(&mut edit, key, object, columns) {
+                placed.push((key, Some(item)));
+            }
+        }
+        edit.finish().map_err(scene_error)?;
+        placed.extend(refused.iter().map(|(number, _)| (moves[*number].0, None)));
+        for (key, item) in placed {
+            if let Some(object) = &mut self.objects[key as usize] {
+                object.item = item;
+            }
+            self.mark(key, item.is_none());
         }
         Ok(())
     }
@@ -199,7 +226,7 @@ impl Scene {
     /// Replaces the meshes of objects.
     ///
     /// # Errors
-    /// Returns `web/length`, `web/no-mesh`, or the code of a [`SceneError`]; then nothing was changed.
+    /// Returns `web/length`, `web/no-mesh`, or the code of a [`SceneError`] or [`EditError`]; then nothing was changed.
     #[wasm_bindgen(js_name = setMeshes)]
     pub fn set_meshes(&mut self, keys: &[u32], meshes: &[u32]) -> Result<(), JsValue> {
         check_length("meshes", meshes.len(), keys.len())?;
@@ -208,15 +235,24 @@ impl Scene {
             .collect::<Result<_, _>>()?;
         let mut edit = self.scene.edit();
         let mut refused = Vec::new();
-        for (&key, mesh) in keys.iter().zip(meshes) {
-            if let Some(&Some(item)) = self.items.get(key as usize)
-                && edit.set_mesh(SECTOR, item, mesh).is_err()
+        for (&key, mesh) in keys.iter().zip(&meshes) {
+            if let Some(Some(Object { item: Some(item), .. })) = self.objects.get(key as usize)
+                && edit.set_mesh(SECTOR, *item, Arc::clone(mesh)).is_err()
             {
+                edit.remove(SECTOR, *item).map_err(edit_error)?;
                 refused.push(key);
             }
         }
         edit.finish().map_err(scene_error)?;
-        self.always_visible.extend(refused);
+        for (&key, mesh) in keys.iter().zip(meshes) {
+            if let Some(Some(object)) = self.objects.get_mut(key as usize) {
+                object.mesh = mesh;
+                if refused.contains(&key) {
+                    object.item = None;
+                    self.always_visible.insert(key);
+                }
+            }
+        }
         Ok(())
     }
 
@@ -230,12 +266,17 @@ impl Scene {
         check_length("layers", layers.len(), keys.len())?;
         let mut edit = self.scene.edit();
         for (number, &key) in keys.iter().enumerate() {
-            if let Some(&Some(item)) = self.items.get(key as usize) {
-                edit.set_options(SECTOR, item, options(flags[number], layers[number]))
+            if let Some(Some(Object { item: Some(item), .. })) = self.objects.get(key as usize) {
+                edit.set_options(SECTOR, *item, options(flags[number], layers[number]))
                     .map_err(edit_error)?;
             }
         }
         edit.finish().map_err(scene_error)?;
+        for (number, &key) in keys.iter().enumerate() {
+            if let Some(Some(object)) = self.objects.get_mut(key as usize) {
+                object.options = options(flags[number], layers[number]);
+            }
+        }
         Ok(())
     }
 
@@ -246,7 +287,8 @@ impl Scene {
     pub fn remove(&mut self, keys: &[u32]) -> Result<(), JsValue> {
         let mut edit = self.scene.edit();
         for &key in keys {
-            if let Some(item) = self.items.get_mut(key as usize).and_then(Option::take) {
+            let object = self.objects.get_mut(key as usize).and_then(Option::take);
+            if let Some(item) = object.and_then(|object| object.item) {
                 edit.remove(SECTOR, item).map_err(edit_error)?;
             }
         }
@@ -314,8 +356,8 @@ impl Scene {
                 format_args!("key {largest} is not less than {LIMIT}; number your objects from 0"),
             ));
         }
-        if self.items.len() <= largest as usize {
-            self.items.resize(largest as usize + 1, None);
+        if self.objects.len() <= largest as usize {
+            self.objects.resize_with(largest as usize + 1, || None);
         }
         Ok(())
     }
@@ -329,16 +371,10 @@ impl Scene {
     }
 }
 
-fn place(
-    edit: &mut Edit,
-    key: u32,
-    mesh: Arc<Mesh>,
-    columns: &[f32; 16],
-    options: ItemOptions,
-) -> Result<ItemId, EditError> {
-    let item = edit.add(SECTOR, "", mesh, transform(columns))?;
+fn place(edit: &mut Edit, key: u32, object: &Object, columns: &[f32; 16]) -> Result<ItemId, EditError> {
+    let item = edit.add(SECTOR, "", Arc::clone(&object.mesh), transform(columns))?;
     edit.set_key(SECTOR, item, u64::from(key))?;
-    edit.set_options(SECTOR, item, options)?;
+    edit.set_options(SECTOR, item, object.options)?;
     Ok(item)
 }
 

@@ -119,16 +119,11 @@ export class BatchedEntry extends Entry<BatchedMesh> {
     return mesh;
   }
 
-  isSeen(view: CameraView): boolean | undefined {
-    if (this.count === 0) {
-      return undefined;
-    }
-    let isKnown = true;
-    this.#internals._instanceInfo.forEach(({ active, visible }, number) => {
-      isKnown &&= !active || !visible || (number < this.count && view.hides(this.first + number));
-    });
-    // Drawn unless nothing of it is: which instances, is decided before the draw.
-    return isKnown ? false : undefined;
+  /** Whether nothing of it is visible. Which of its instances are drawn is decided before the draw. */
+  isSkipped(view: CameraView): boolean {
+    const { count, first } = this;
+    const infos = this.#internals._instanceInfo;
+    return count > 0 && infos.every(({ active, visible }, number) => !active || !visible || (number < count && view.hides(first + number)));
   }
 
   override dispose(): void {

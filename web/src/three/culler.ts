@@ -270,7 +270,7 @@ export class EnfiladeCuller {
   hiddenObjects(camera?: Camera): Object3D[] {
     const view = camera ? this.#views.find((one) => one.camera === camera) : this.#views[0];
     const entries = view ? [...this.#entries.values()] : [];
-    return entries.filter((entry) => entry.isSeen(view!) === false && !entry.anySeen(view!)).map((entry) => entry.object);
+    return entries.filter((entry) => entry.isSkipped(view!) && !entry.anySeen(view!)).map((entry) => entry.object);
   }
 
   /** Stops culling for a camera. */
@@ -323,7 +323,7 @@ export class EnfiladeCuller {
           ? new BatchedEntry(mesh as BatchedMesh, options, this.#world)
           : new MeshEntry(mesh, options, this.#world)
     ) as Entry;
-    entry.hook((hooked, frustum) => this.#isDrawn(hooked, frustum));
+    entry.hook((hooked, frustum) => this.#isSkipped(hooked, frustum));
     this.#entries.set(object, entry);
     if (!this.autoUpdate) {
       this.#moved.push(object);
@@ -335,14 +335,14 @@ export class EnfiladeCuller {
     this.#entries.delete(object);
   }
 
-  /** What the renderer asks for each object that it may draw. */
-  #isDrawn(entry: Entry, frustum: Frustum): boolean | undefined {
+  /** What the renderer asks of each object that it may draw. */
+  #isSkipped(entry: Entry, frustum: Frustum): boolean {
     if (!this.#isOn || entry.count === 0) {
-      return undefined;
+      return false;
     }
     // An array of frusta, of several cameras at once, has no planes.
     const view = frustum.planes && this.#views.find((one) => one.isOf(frustum));
-    return view ? entry.isSeen(view) : undefined;
+    return view !== undefined && entry.isSkipped(view);
   }
 
   #viewOf(camera: Camera): CameraView {

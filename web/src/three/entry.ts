@@ -57,9 +57,9 @@ export abstract class Entry<T extends Mesh = Mesh> {
     return this.options.key ?? this.object;
   }
 
-  /** Hooks the object: it is drawn if `isDrawn` says so, or else by the object's own test. */
-  hook(isDrawn: (entry: Entry, frustum: Frustum) => boolean | undefined): void {
-    this.object.intersectsFrustum = (frustum: Frustum) => isDrawn(this, frustum) ?? this.#intersects.call(this.object, frustum);
+  /** Hooks the object: it is not drawn if `isSkipped` says so, nor if its own test does. */
+  hook(isSkipped: (entry: Entry, frustum: Frustum) => boolean): void {
+    this.object.intersectsFrustum = (frustum: Frustum) => !isSkipped(this, frustum) && this.#intersects.call(this.object, frustum);
   }
 
   unhook(): void {
@@ -73,8 +73,8 @@ export abstract class Entry<T extends Mesh = Mesh> {
   /** Hands the object in as it is now. */
   abstract refresh(): void;
 
-  /** Whether any part of it is to be drawn in a view; `undefined` if that is not known. */
-  abstract isSeen(view: CameraView): boolean | undefined;
+  /** Whether it need not be drawn in a view. */
+  abstract isSkipped(view: CameraView): boolean;
 
   /** Whether any part of it was visible. */
   anySeen(view: CameraView): boolean {
@@ -288,20 +288,8 @@ export class MeshEntry extends Entry {
     world.slots.put(this.first, this.#mesh, object.matrixWorld.elements, isOccluder, layers);
   }
 
-  isSeen(view: CameraView): boolean | undefined {
-    if (this.count === 0) {
-      return undefined;
-    }
-    if (view.sees(this.first)) {
-      return true;
-    }
-    if (!view.hides(this.first)) {
-      return undefined;
-    }
-    if (this.world.compares && !this.#isAsLookedAt()) {
-      return undefined;
-    }
-    return false;
+  isSkipped(view: CameraView): boolean {
+    return this.count > 0 && view.hides(this.first) && (!this.world.compares || this.#isAsLookedAt());
   }
 
   /** Whether it is still as it was in the last update. */

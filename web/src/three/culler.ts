@@ -247,16 +247,24 @@ export class EnfiladeCuller {
     });
   }
 
-  /** Whether a camera may see an object or instance of it, at its last update; `true` if that is not known. */
-  isVisible(object: Object3D, camera?: Camera): boolean {
+  /**
+   * Whether a camera may see an object, at its last update; `true` if that is not known.
+   *
+   * @param camera default: the first that was given to `update`
+   * @param instance number of an instance of an `InstancedMesh` or `BatchedMesh`; default: any
+   */
+  isVisible(object: Object3D, camera?: Camera, instance?: number): boolean {
     const entry = this.#entries.get(object);
-    const view = camera ? this.#views.find((one) => one.camera === camera) : this.#views[0];
-    return entry === undefined || view === undefined || entry.count === 0 || entry.anySeen(view);
+    const view = this.#viewFor(camera);
+    if (entry === undefined || view === undefined || entry.count === 0) {
+      return true;
+    }
+    return instance === undefined ? entry.anySeen(view) : !view.hides(entry.first + instance);
   }
 
   /** Keys of the objects that a camera may see, at its last update. Objects that are left to three.js are not among them. */
   visibleKeys(camera?: Camera): Set<unknown> {
-    const view = camera ? this.#views.find((one) => one.camera === camera) : this.#views[0];
+    const view = this.#viewFor(camera);
     const keys = new Set<unknown>();
     for (const entry of this.#entries.values()) {
       if (view && entry.anySeen(view)) {
@@ -268,7 +276,7 @@ export class EnfiladeCuller {
 
   /** Objects that were looked for and not seen. */
   hiddenObjects(camera?: Camera): Object3D[] {
-    const view = camera ? this.#views.find((one) => one.camera === camera) : this.#views[0];
+    const view = this.#viewFor(camera);
     const entries = view ? [...this.#entries.values()] : [];
     return entries.filter((entry) => entry.isSkipped(view!) && !entry.anySeen(view!)).map((entry) => entry.object);
   }
@@ -343,6 +351,10 @@ export class EnfiladeCuller {
     // An array of frusta, of several cameras at once, has no planes.
     const view = frustum.planes && this.#views.find((one) => one.isOf(frustum));
     return view !== undefined && entry.isSkipped(view);
+  }
+
+  #viewFor(camera: Camera | undefined): CameraView | undefined {
+    return camera ? this.#views.find((one) => one.camera === camera) : this.#views[0];
   }
 
   #viewOf(camera: Camera): CameraView {

@@ -145,6 +145,11 @@ export class FileViewer {
     this.#file.look(this.#viewer, view, projection, depths[depth], width, height, layers >>> 0);
   }
 
+  /** Determines what is visible from a camera such as those of the file. */
+  lookFrom({ eye, toward, up, fovY }: FileCamera, { width, height, layers = 0xffffffff }: Omit<LookOptions, 'depth'>): void {
+    this.#file.lookFrom(this.#viewer, Float64Array.of(...eye, ...toward, ...up, fovY), width, height, layers >>> 0);
+  }
+
   /** Keys of the visible objects, ascending. A view of the module's memory: read it before the next call. */
   get visible(): Uint32Array {
     return loader.words(this.#viewer.listsAddress, this.#viewer.visibleCount);

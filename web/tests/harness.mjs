@@ -219,3 +219,45 @@ export async function world(path, stops) {
   };
   return { scene, camera, at };
 }
+
+/** A hall of shelves, with instances of a few meshes on them. */
+export function hall(count) {
+  const { scene, camera, at } = rooms(1, 0);
+  scene.children.filter(({ isMesh }) => isMesh).forEach((mesh) => mesh.removeFromParent());
+  const roll = random(5);
+  const wood = new THREE.MeshLambertMaterial({ color: 0x886644 });
+  const unit = new THREE.BoxGeometry(1, 1, 1);
+  const box = (x, y, z, w, h, d) => {
+    const mesh = new THREE.Mesh(unit, wood);
+    mesh.position.set(x, y, z);
+    mesh.scale.set(w, h, d);
+    scene.add(mesh);
+  };
+  const [rows, length] = [20, 60];
+  box(length / 2, -0.1, (3 * rows) / 2, length + 6, 0.2, 3 * rows + 6);
+  for (let row = 0; row < rows; row++) {
+    box(length / 2, 1.5, 3 * row, length, 3, 0.1);
+    for (let board = 0; board < 4; board++) {
+      box(length / 2, 0.2 + 0.8 * board, 3 * row, length, 0.06, 0.8);
+    }
+  }
+  const shapes = [new THREE.BoxGeometry(0.3, 0.4, 0.25), new THREE.SphereGeometry(0.2, 16, 12), new THREE.ConeGeometry(0.2, 0.45, 16), new THREE.TorusKnotGeometry(0.12, 0.05, 48, 8)];
+  const matrix = new THREE.Matrix4();
+  const color = new THREE.Color();
+  for (const shape of shapes) {
+    const many = new THREE.InstancedMesh(shape, new THREE.MeshLambertMaterial(), count / shapes.length);
+    for (let number = 0; number < many.count; number++) {
+      const side = roll() < 0.5 ? 0.22 : -0.22;
+      matrix.makeTranslation(length * roll(), 0.48 + 0.8 * Math.floor(4 * roll()), 3 * Math.floor(rows * roll()) + side);
+      many.setMatrixAt(number, matrix);
+      many.setColorAt(number, color.setHSL(roll(), 0.6, 0.5));
+    }
+    scene.add(many);
+  }
+  const walk = (frame, frames) => {
+    const t = frame / frames;
+    camera.position.set(length * t, 1.6, 31.5);
+    camera.rotation.set(0, -Math.PI / 2 + Math.sin(7 * t), 0, 'YXZ');
+  };
+  return { scene, camera, at: walk };
+}

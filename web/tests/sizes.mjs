@@ -5,7 +5,9 @@ import { brotliCompressSync, constants, gzipSync } from 'node:zlib';
 const root = new URL('../', import.meta.url);
 const brotli = { params: { [constants.BROTLI_PARAM_QUALITY]: 11, [constants.BROTLI_PARAM_LGWIN]: 24 } };
 const kilobytes = (bytes) => `${(bytes / 1024).toFixed(0)} KiB`.padStart(9);
-const files = ['wasm/', 'dist/'].flatMap((folder) => readdirSync(new URL(folder, root)).map((file) => folder + file));
+const files = ['wasm', 'dist'].flatMap((folder) =>
+  readdirSync(new URL(folder, root), { recursive: true }).map((file) => `${folder}/${file}`),
+);
 
 console.log(`${'file'.padEnd(28)}${'raw'.padStart(9)}${'gzip'.padStart(9)}${'brotli'.padStart(9)}`);
 for (const file of files.filter((name) => /\.(wasm|js)$/.test(name))) {

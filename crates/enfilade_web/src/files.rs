@@ -1,8 +1,9 @@
 //! Scenes from files, with their rooms, portals and mirrors.
 
-use crate::viewer::{Look, Viewer};
-use crate::{error, scene::scene_error};
-use enfilade::{Alpha, ItemId, ItemIndex, Method, SectorId};
+use crate::scene::scene_error;
+use crate::viewer::{Viewer, view};
+use crate::{check_length, error};
+use enfilade::{Alpha, Camera, ItemId, ItemIndex, Method, SectorId};
 use enfilade_import::{ReadOptions, read_bytes};
 use wasm_bindgen::prelude::*;
 
@@ -201,17 +202,34 @@ impl SceneFile {
         height: u32,
         layers: u32,
     ) -> Result<(), JsValue> {
-        viewer.see(
-            &self.scene,
-            [],
-            Look {
-                eye_from_world,
-                clip_from_eye,
-                depth,
-                size: [width, height],
-                layers,
-            },
-        )
+        let view = view(eye_from_world, clip_from_eye, depth, [width, height])?;
+        viewer.see(&self.scene, [], &view, layers)
+    }
+
+    /// As [`SceneFile::look`], from a camera like those of [`SceneFile::cameras`].
+    ///
+    /// # Errors
+    /// Returns `web/length`, or the code of a [`ViewError`](enfilade::ViewError).
+    #[wasm_bindgen(js_name = lookFrom)]
+    pub fn look_from(
+        &self,
+        viewer: &mut Viewer,
+        camera: &[f64],
+        width: u32,
+        height: u32,
+        layers: u32,
+    ) -> Result<(), JsValue> {
+        check_length("the camera", camera.len(), 10)?;
+        let vector = |first: usize| [camera[first], camera[first + 1], camera[first + 2]];
+        let camera = Camera {
+            up: vector(6),
+            fov_y: camera[9] as f32,
+            ..Camera::new(vector(0), vector(3))
+        };
+        let view = camera
+            .view([width, height])
+            .map_err(|why| error(why.code(), why))?;
+        viewer.see(&self.scene, [], &view, layers)
     }
 }
 

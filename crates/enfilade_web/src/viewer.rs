@@ -66,16 +66,12 @@ impl Viewer {
         height: u32,
         layers: u32,
     ) -> Result<(), JsValue> {
+        let view = view(eye_from_world, clip_from_eye, depth, [width, height])?;
         self.see(
             scene.scene(),
             scene.always_visible().iter().copied(),
-            Look {
-                eye_from_world,
-                clip_from_eye,
-                depth,
-                size: [width, height],
-                layers,
-            },
+            &view,
+            layers,
         )
     }
 
@@ -116,13 +112,23 @@ impl Viewer {
     }
 }
 
-/// The camera of a look, as JavaScript has it.
-pub(crate) struct Look<'a> {
-    pub(crate) eye_from_world: &'a [f64],
-    pub(crate) clip_from_eye: &'a [f64],
-    pub(crate) depth: u32,
-    pub(crate) size: [u32; 2],
-    pub(crate) layers: u32,
+/// Returns the view of matrices as JavaScript has them. `depth` as in [`Viewer::look`].
+pub(crate) fn view(
+    eye_from_world: &[f64],
+    clip_from_eye: &[f64],
+    depth: u32,
+    size: [u32; 2],
+) -> Result<View, JsValue> {
+    let depth = match depth {
+        0 => ClipDepth::MinusOneToOne,
+        1 => ClipDepth::ZeroToOne,
+        _ => ClipDepth::OneToZero,
+    };
+    let [eye_from_world, clip_from_eye] = [
+        columns("the view matrix", eye_from_world)?,
+        columns("the projection matrix", clip_from_eye)?,
+    ];
+    View::from_matrices(eye_from_world, clip_from_eye, depth, size).map_err(|why| error(why.code(), why))
 }
 
 impl Viewer {
@@ -131,27 +137,16 @@ impl Viewer {
         &mut self,
         scene: &enfilade::Scene,
         others: impl IntoIterator<Item = u32>,
-        look: Look,
+        view: &View,
+        layers: u32,
     ) -> Result<(), JsValue> {
-        let depth = match look.depth {
-            0 => ClipDepth::MinusOneToOne,
-            1 => ClipDepth::ZeroToOne,
-            _ => ClipDepth::OneToZero,
-        };
-        let view = View::from_matrices(
-            columns("the view matrix", look.eye_from_world)?,
-            columns("the projection matrix", look.clip_from_eye)?,
-            depth,
-            look.size,
-        )
-        .map_err(|why| error(why.code(), why))?;
         self.others.clear();
         self.others.extend(others.into_iter().map(u64::from));
         let samples = self.viewers.len();
         for (number, viewer) in self.viewers.iter_mut().enumerate() {
-            viewer.options.layers = look.layers;
+            viewer.options.layers = layers;
             let set = if samples == 1 {
-                viewer.look(scene, &view)
+                viewer.look(scene, view)
             } else {
                 let at = View::FOUR_SAMPLES[number];
                 let view = view.at_sample(at).map_err(|why| error(why.code(), why))?;

@@ -1,6 +1,7 @@
 // A building as BIM viewers show it: elements with a globalId, by storeys, of which only the visible ones are drawn.
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { daylight, stage } from './stage.js';
 
 const scene = new THREE.Scene();
@@ -162,7 +163,7 @@ addEventListener('drop', async (event) => {
 
 async function open(address) {
   try {
-    const { scene: loaded } = await new GLTFLoader().loadAsync(address);
+    const { scene: loaded } = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).loadAsync(address);
     loaded.traverse((object) => {
       if (object.isMesh && !object.geometry.attributes.normal) {
         object.material = Object.assign(object.material.clone(), { flatShading: true });

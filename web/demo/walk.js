@@ -1,6 +1,7 @@
 // A palace, a city, and a hall of shelves to walk in.
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { daylight, stage } from './stage.js';
 
 const name = new URLSearchParams(location.search).get('scene') ?? 'palace';
@@ -17,7 +18,7 @@ const roll = () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 
 
 const scenes = {
   async palace() {
-    const { scene: palace, cameras } = await new GLTFLoader().loadAsync('palace.glb');
+    const { scene: palace, cameras } = await new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).loadAsync('palace.glb');
     // Portals and the like describe the palace; they are not seen.
     palace.traverse((object) => {
       object.visible &&= object.userData.enfilade === undefined || object.userData.enfilade.kind === 'room';

@@ -121,5 +121,19 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         chromium.iter().any(|path| Path::new(path).exists()),
         "the tests need Chromium: install Debian's package chromium, or the like"
     );
-    npm(&web, &["run", if args.quick { "test:quick" } else { "test" }])
+    if args.quick {
+        return npm(&web, &["run", "test:quick"]);
+    }
+    // The tests compare visible sets with those of the program.
+    succeed(
+        Command::new(env!("CARGO"))
+            .args(["build", "--release", "--package", "enfilade-cli"])
+            .current_dir(&workspace.root),
+    )?;
+    succeed(
+        Command::new("npm")
+            .args(["run", "test"])
+            .env("ENFILADE_PROGRAM", workspace.target.join("release/enfilade"))
+            .current_dir(&web),
+    )
 }

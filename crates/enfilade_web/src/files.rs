@@ -145,12 +145,18 @@ impl SceneFile {
         let Some((mesh, sector)) = self.mesh(mesh) else {
             return Vec::new();
         };
-        let groups = mesh.clusters().iter().enumerate().map(|(number, cluster)| {
+        let mut groups: Vec<[u32; 3]> = Vec::new();
+        for (number, cluster) in mesh.clusters().iter().enumerate() {
             let indices = mesh.cluster_indices(number);
             let material = self.first_material[sector] + cluster.material.0;
-            [indices.start, indices.end - indices.start, material]
-        });
-        groups.flatten().collect()
+            match groups.last_mut() {
+                Some([start, count, last]) if *last == material && *start + *count == indices.start => {
+                    *count = indices.end - *start;
+                }
+                _ => groups.push([indices.start, indices.end - indices.start, material]),
+            }
+        }
+        groups.into_flattened()
     }
 
     /// Colour of each material: red, green, blue and opacity, linear; then 1 if it is double-sided.

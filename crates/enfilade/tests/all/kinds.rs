@@ -138,7 +138,7 @@ fn what_is_only_bounds_is_seen_where_they_may_be_and_hides_nothing() {
         assert!(Mesh::bounds_only(min, max).is_err(), "{min:?} {max:?}");
     }
     let sheet = Mesh::bounds_only([-0.5, 0.0, -3.0], [0.5, 0.0, -2.0]).expect("a flat box");
-    let Aabb { min, max } = sheet.bounds();
+    let enfilade::Aabb { min, max } = sheet.bounds();
     assert!(min[1] < 0.0 && max[1] > 0.0, "{min:?} {max:?}");
 }
 

@@ -70,7 +70,7 @@ function sample() {
   building.add(Object.assign(new THREE.Mesh(unit, materials.IfcSlab), { name: 'IfcRoof' }));
   building.children.at(-1).position.set((width * size) / 2, 12.8, (depth * size) / 2);
   building.children.at(-1).scale.set(width * size + 1, 0.3, depth * size + 1);
-  return { building, eye: [7.5, 1.7, 4.7], toward: [20, 1.5, 12] };
+  return { building, eye: [0.8, 1.7, 4.5], toward: [30, 1.4, 5.5] };
 }
 
 let building;

@@ -68,5 +68,5 @@ export function daylight(scene, sky = 0x9ec4e8) {
   scene.background = new THREE.Color(sky);
   const sun = new THREE.DirectionalLight(0xfff2dd, 2.2);
   sun.position.set(0.4, 1, 0.6);
-  scene.add(sun, new THREE.HemisphereLight(0xdfeaff, 0x7a6a58, 1.2));
+  scene.add(sun, new THREE.HemisphereLight(0xe8f0ff, 0xa89a88, 1.6));
 }

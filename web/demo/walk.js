@@ -10,7 +10,6 @@ select.value = name;
 select.addEventListener('change', () => location.assign(`?scene=${select.value}`));
 
 const scene = new THREE.Scene();
-daylight(scene);
 
 /** Random numbers, the same each time. */
 let state = 1;
@@ -85,4 +84,8 @@ const scenes = {
 };
 
 const view = await (scenes[name] ?? scenes.palace)();
+// Unless the file has its own.
+if (!scene.getObjectsByProperty('isLight', true).length) {
+  daylight(scene);
+}
 Object.assign(window, await stage(scene, view), { scene });

@@ -4,7 +4,7 @@
  * @see SceneFile
  */
 import * as files from '../wasm/files.js';
-import { depths, type LookOptions, type ViewerOptions, tightnesses } from './index.js';
+import { checkOptions, checkViewerOptions, depths, type LookOptions, type ViewerOptions, tightnesses } from './index.js';
 import { Loader, type LoadOptions } from './load.js';
 
 const loader = new Loader(files, {
@@ -117,6 +117,8 @@ export class SceneFile {
 
   /** Creates a camera of this scene. */
   createViewer(options: ViewerOptions = {}): FileViewer {
+    checkOptions('createViewer', options, ['tightness', 'samples', 'growthPx']);
+    checkViewerOptions(options);
     const { tightness = 'boxes', samples = 1, growthPx = 1 } = options;
     return new FileViewer(this.#file, new loader.glue.Viewer(tightnesses[tightness], growthPx, samples));
   }

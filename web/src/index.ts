@@ -215,7 +215,10 @@ export const tightnesses = { boxes: 0, faces: 1, resolved: 2 };
 export class Viewer {
   #viewer: core.Viewer;
 
-  constructor({ tightness = 'boxes', samples = 1, growthPx = 1 }: ViewerOptions = {}) {
+  constructor(options: ViewerOptions = {}) {
+    checkOptions('Viewer', options, ['tightness', 'samples', 'growthPx']);
+    checkViewerOptions(options);
+    const { tightness = 'boxes', samples = 1, growthPx = 1 } = options;
     this.#viewer = new loader.glue.Viewer(tightnesses[tightness], growthPx, samples);
   }
 
@@ -263,6 +266,28 @@ export class Viewer {
   /** Frees the memory. Do not use it afterwards. */
   dispose(): void {
     this.#viewer.free();
+  }
+}
+
+/** Throws if an option has a name that there is not. @internal */
+export function checkOptions(of: string, options: object, names: string[]): void {
+  for (const name of Object.keys(options)) {
+    if (!names.includes(name)) {
+      throw new TypeError(`enfilade: ${of} has no option '${name}'; it has ${names.join(', ')}`);
+    }
+  }
+}
+
+/** Throws if an option of a viewer has a value that it cannot have. @internal */
+export function checkViewerOptions({ tightness = 'boxes', samples = 1, growthPx = 1 }: ViewerOptions): void {
+  if (!(tightness in tightnesses)) {
+    throw new RangeError(`enfilade: tightness is '${tightness}'; it can be ${Object.keys(tightnesses).join(', ')}`);
+  }
+  if (samples !== 1 && samples !== 4) {
+    throw new RangeError(`enfilade: samples is ${samples}; it can be 1 or 4`);
+  }
+  if (typeof growthPx !== 'number' || !(growthPx >= 0 && growthPx <= 8)) {
+    throw new RangeError(`enfilade: growthPx is ${growthPx}; it can be 0 to 8`);
   }
 }
 

@@ -109,6 +109,7 @@ onBoth(
       wireframe: { wireframe: true },
       additive: { blending: THREE.AdditiveBlending },
       stencilled: { stencilWrite: true },
+      'without colour': { colorWrite: false },
       clipped: { clippingPlanes: [new THREE.Plane(new THREE.Vector3(0, 1, 0), 0)] },
       'pushed back': { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 },
       displaced: { displacementMap: new THREE.DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1), displacementScale: -3 },
@@ -183,7 +184,7 @@ onBoth(
     for (const [name, isHidden] of Object.entries(hidden)) {
       assert.equal(isHidden, expected[name] ?? false, name);
     }
-    assert.equal(Object.keys(hidden).length, 26);
+    assert.equal(Object.keys(hidden).length, 27);
   },
 );
 
@@ -290,6 +291,126 @@ onBoth(
     same(result);
     assert.equal(late, 0);
   },
+);
+
+onBoth(
+  'a wall that is edited hides nothing that shows through it',
+  async (renderer) => {
+    const edits = {
+      'other positions in place': (wall) => {
+        wall.geometry.attributes.position.array.fill(0, 3, 6);
+        wall.geometry.attributes.position.needsUpdate = true;
+      },
+      'another attribute': (wall) => {
+        const half = wall.geometry.attributes.position.clone();
+        half.array.fill(0, 3, 6);
+        wall.geometry.setAttribute('position', half);
+      },
+      'scaled in place': (wall) => wall.geometry.scale(0.2, 0.2, 1),
+      'another geometry': (wall) => (wall.geometry = new THREE.PlaneGeometry(0.5, 0.5)),
+      'another index': (wall) => wall.geometry.setIndex([0, 2, 1]),
+      'half drawn': (wall) => wall.geometry.setDrawRange(0, 3),
+      'another material': (wall) => (wall.material = new THREE.MeshBasicMaterial({ alphaTest: 0.5, opacity: 0.2 })),
+      'a changed material': (wall) => Object.assign(wall.material, { transparent: true, opacity: 0.2 }),
+      wireframe: (wall) => (wall.material.wireframe = true),
+      groups: (wall) => {
+        wall.geometry.clearGroups();
+        wall.geometry.addGroup(0, 3, 0);
+        wall.material = [wall.material];
+      },
+      hidden: (wall) => (wall.visible = false),
+      'in another layer': (wall) => wall.layers.set(3),
+      scaled: (wall) => wall.scale.setScalar(0.1),
+      removed: (wall) => wall.removeFromParent(),
+      'all of another material': (wall) => (wall.parent.overrideMaterial = new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.5 })),
+    };
+    const pixels = {};
+    for (const [name, edit] of Object.entries(edits)) {
+      const scene = new THREE.Scene();
+      const camera = new THREE.PerspectiveCamera(60, 16 / 9, 0.1, 100);
+      const wall = new THREE.Mesh(new THREE.PlaneGeometry(8, 8), new THREE.MeshBasicMaterial({ color: 0x00ff00 }));
+      const thing = new THREE.Mesh(new THREE.BoxGeometry(4, 4, 1), new THREE.MeshBasicMaterial({ color: 0xff0000 }));
+      wall.position.z = -5;
+      thing.position.z = -9;
+      scene.add(wall, thing);
+      const culler = await EnfiladeCuller.load({ renderer });
+      culler.addScene(scene);
+      culler.update(camera);
+      const before = culler.isVisible(thing);
+      edit(wall);
+      const { pixels: differing } = await compare(renderer, scene, camera, culler, 1, () => {});
+      pixels[name] = [before, culler.isVisible(thing), differing];
+      culler.dispose();
+    }
+    return pixels;
+  },
+  (pixels) => {
+    assert.equal(Object.keys(pixels).length, 15);
+    for (const [name, found] of Object.entries(pixels)) {
+      assert.deepEqual(found, [false, true, 0], name);
+    }
+  },
+);
+
+onBoth(
+  'two cullers on one scene, removed objects, and wrong calls',
+  async (renderer) => {
+    const { scene, camera, at } = rooms(16, 300);
+    at(1, 12);
+    const calls = async () => (await shoot(renderer, scene, camera)).calls;
+    const whole = await calls();
+    const [first, second] = [await EnfiladeCuller.load({ renderer }), await EnfiladeCuller.load({ renderer })];
+    first.addScene(scene);
+    second.addScene(scene);
+    first.update(camera);
+    second.update(camera);
+    const both = await calls();
+    first.dispose();
+    const one = await calls();
+    const things = scene.children.filter(({ name }) => name === 'thing');
+    const { objects } = second.stats;
+    second.remove(things[0]).update(camera);
+    const removed = second.stats.objects;
+    second.add(things[0]).update(camera);
+    const again = second.stats.objects;
+    const parallel = new THREE.OrthographicCamera();
+    second.update(parallel);
+    const unknown = [second.stats.active, second.isVisible(things[0], parallel), second.visibleKeys(parallel).size === again];
+    const errors = [];
+    const attempts = [
+      () => EnfiladeCuller.load({ render: renderer }),
+      () => EnfiladeCuller.load({ renderer: {} }),
+      () => EnfiladeCuller.load({ samples: 2 }),
+      () => EnfiladeCuller.load({ tightness: 'tight' }),
+      () => EnfiladeCuller.load({ growthPx: '2' }),
+      () => second.addScene(undefined),
+      () => second.add([things[0]]),
+      () => second.add(things[0], { ocluder: true }),
+      () => second.moved([undefined]),
+      () => second.update(),
+      () => second.update(scene),
+    ];
+    for (const attempt of attempts) {
+      try {
+        await attempt();
+        errors.push('none');
+      } catch (error) {
+        errors.push(error.message.startsWith('enfilade: ') ? 'clear' : error.message);
+      }
+    }
+    second.update(camera);
+    const after = await calls();
+    second.dispose();
+    return { whole, both, one, objects, removed, again, unknown, errors, after, last: await calls(), own: Object.hasOwn(things[0], 'intersectsFrustum') };
+  },
+  ({ whole, both, one, objects, removed, again, unknown, errors, after, last, own }) => {
+    assert.ok(both < 0.5 * whole, `${both} of ${whole}`);
+    assert.deepEqual([one, after, last, own], [both, both, whole, false]);
+    assert.deepEqual([removed, again], [objects - 1, objects]);
+    assert.deepEqual(unknown, [false, true, true]);
+    assert.deepEqual(errors, errors.map(() => 'clear'));
+  },
+  { warns: true },
 );
 
 onBoth(
@@ -421,6 +542,8 @@ onBoth(
     assert.ok(reported.syncMs < moving.syncMs, `${reported.syncMs} and ${moving.syncMs} ms`);
     assert.deepEqual([frozen, own], [true, 0]);
   },
+  // Updated once it was disposed.
+  { warns: true },
 );
 
 test('a lost context changes nothing', { timeout: 60_000 }, async () => {

@@ -1,16 +1,9 @@
-import { Matrix4, type BatchedMesh, type BufferGeometry, type Camera } from 'three';
+import { Matrix4, type BatchedMesh } from 'three';
 import { Draws, groupOptions } from './material.js';
 import { positionsOf, versionOf } from './geometry.js';
 import { Entry, type AddOptions, type World, displacement } from './entry.js';
+import { type BatchInternals, hookBatch } from './hooks.js';
 import type { CameraView } from './view.js';
-
-/** What three.js 0.187 keeps for each instance of a batch, and offers no other way to read at once. */
-interface Internals {
-  _instanceInfo: { visible: boolean; active: boolean; geometryIndex: number }[];
-  _matricesTexture: { version: number; image: { data: Float32Array } };
-  _visibilityChanged: boolean;
-  _updateDrawParameters(camera: Camera, geometry: BufferGeometry, ...others: unknown[]): void;
-}
 
 const matrix = new Matrix4();
 const sphere = { center: { x: 0, y: 0, z: 0 }, radius: 0 };
@@ -19,30 +12,16 @@ const sphere = { center: { x: 0, y: 0, z: 0 }, radius: 0 };
 export class BatchedEntry extends Entry<BatchedMesh> {
   #geometries = new Map<number, number | undefined>();
   #state: unknown[] = [];
-  readonly #internals: Internals;
+  readonly #internals: BatchInternals;
+  readonly #unhookBatch: () => void;
 
   constructor(object: BatchedMesh, options: AddOptions, world: World) {
     super(object, options, world);
-    this.#internals = object as unknown as Internals;
-    const internals = this.#internals;
-    const update = internals._updateDrawParameters;
-    // Called before each draw, of each camera and each light. The list of draws is made of those instances that are
-    // visible; the ones that this camera does not see are not, for as long.
-    internals._updateDrawParameters = (camera, ...others) => {
-      const hidden = world.hiddenFor(camera, this);
-      if (hidden === undefined) {
-        update.call(object, camera, ...others);
-        return;
-      }
-      const infos = internals._instanceInfo;
-      const off = infos.filter((info, number) => info.visible && hidden(this.first + number));
-      off.forEach((info) => (info.visible = false));
-      internals._visibilityChanged = true;
-      update.call(object, camera, ...others);
-      off.forEach((info) => (info.visible = true));
-      // Made anew for the next camera.
-      internals._visibilityChanged = true;
-    };
+    this.#internals = object as unknown as BatchInternals;
+    this.#unhookBatch = hookBatch(object, (camera) => {
+      const hidden = world.hiddenFor(camera);
+      return hidden && ((instance) => instance < this.count && hidden(this.first + instance));
+    });
   }
 
   refresh(): void {
@@ -60,18 +39,19 @@ export class BatchedEntry extends Entry<BatchedMesh> {
       return;
     }
     const kinds = this.kinds();
+    const isBox = (draws & Draws.Moves) !== 0;
     const state = [geometry, versionOf(geometry), kinds];
     if (!state.every((value, number) => value === this.#state[number])) {
-      this.giveBackMeshes();
       this.#geometries.clear();
       this.#state = state;
+      // Others are taken where they are needed; these stay until then.
+      this.retake(() => infos.forEach(({ active, geometryIndex }) => active && this.#meshOf(geometryIndex, kinds, isBox)));
     }
     this.reserve(infos.length);
-    const isBox = (draws & Draws.Moves) !== 0;
     const isOccluder = (options.occluder ?? object.frustumCulled) && !isBox;
     const layers = object.layers.mask >>> 0;
     const matrices = internals._matricesTexture.image.data;
-    const grown = displacement(object.material);
+    const grown = displacement(this.material!);
     infos.forEach((info, number) => {
       const slot = this.first + number;
       const mesh = info.active && info.visible ? this.#meshOf(info.geometryIndex, kinds, isBox) : undefined;
@@ -128,7 +108,6 @@ export class BatchedEntry extends Entry<BatchedMesh> {
 
   override dispose(): void {
     super.dispose();
-    delete (this.#internals as { _updateDrawParameters?: unknown })._updateDrawParameters;
-    this.#internals._visibilityChanged = true;
+    this.#unhookBatch();
   }
 }

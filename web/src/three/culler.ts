@@ -1,6 +1,6 @@
-import type { BatchedMesh, Camera, Frustum, InstancedMesh, LOD, Mesh, Object3D } from 'three';
+import type { BatchedMesh, Camera, Frustum, InstancedMesh, LOD, Mesh, Object3D, Scene } from 'three';
 import { REVISION, Vector2 } from 'three';
-import { load, type LoadOptions, type ViewerOptions } from '../index.js';
+import { checkOptions, checkViewerOptions, load, type LoadOptions, type ViewerOptions } from '../index.js';
 import { BatchedEntry } from './batched.js';
 import { type AddOptions, type Entry, MeshEntry, type World } from './entry.js';
 import { Meshes } from './geometry.js';
@@ -29,6 +29,8 @@ export interface CullerOptions extends LoadOptions, ViewerOptions {
 
 /** What the last `update` did. */
 export interface CullerStats {
+  /** Whether the last update found what is visible. */
+  active: boolean;
   /** Objects and instances that were looked for. */
   objects: number;
   /** Those of them that may be visible. */
@@ -80,6 +82,7 @@ export class EnfiladeCuller {
   autoUpdate = true;
 
   readonly stats: CullerStats = {
+    active: false,
     objects: 0,
     visible: 0,
     hidden: 0,
@@ -98,6 +101,8 @@ export class EnfiladeCuller {
   readonly #roots = new Map<Object3D, { options: AddOptions; watches: boolean }>();
   readonly #views: CameraView[] = [];
   readonly #warned = new Set<string>();
+  /** Objects that were removed, so that watching does not add them again. */
+  readonly #removed = new WeakSet<Object3D>();
   readonly #world: World;
   #moved: Object3D[] = [];
   #frame = 0;
@@ -111,13 +116,14 @@ export class EnfiladeCuller {
       slots: this.#slots,
       meshes: new Meshes(this.#slots.scene),
       materials: this.#materials,
+      overrideMaterial: null,
       get compares() {
         return culler.autoUpdate && !culler.frozen;
       },
       warn: (once, message) => this.#warn(once, message),
       isOn: (view, frustum) => this.#isOn && view.isOf(frustum),
-      hiddenFor: (camera, entry) => {
-        const view = this.#isOn && this.#entries.has(entry.object) && this.#views.find((one) => one.isOfCamera(camera));
+      hiddenFor: (camera) => {
+        const view = this.#isOn && this.#views.find((one) => one.isOfCamera(camera));
         return view ? (slot) => view.hides(slot) : undefined;
       },
     };
@@ -128,7 +134,12 @@ export class EnfiladeCuller {
     if (Number.parseInt(REVISION, 10) < 187) {
       throw new Error(`enfilade: three.js ${REVISION} has no hook for culling; use 0.187 or newer`);
     }
-    await load(options);
+    checkOptions('EnfiladeCuller.load', options, ['renderer', 'samples', 'growthPx', 'tightness', 'wasm', 'simd']);
+    checkViewerOptions(options);
+    if (options.renderer !== undefined && typeof options.renderer.getDrawingBufferSize !== 'function') {
+      throw new TypeError('enfilade: `renderer` is not a renderer of three.js');
+    }
+    await load({ wasm: options.wasm, simd: options.simd });
     return new EnfiladeCuller(options);
   }
 
@@ -147,19 +158,22 @@ export class EnfiladeCuller {
     return this;
   }
 
-  /** Removes an object, with all meshes below it. It is drawn as without culler. */
+  /** Removes an object, with all meshes below it, until it is added again. It is drawn as without culler. */
   remove(object: Object3D): this {
-    this.#roots.delete(object);
+    mustBeObject('remove', object);
     object.traverse((below) => {
       this.#roots.delete(below);
+      this.#removed.add(below);
       this.#forget(below);
     });
     return this;
   }
 
   /** Reports objects that moved or changed since the last `update`, with what is below them. Needed only if `autoUpdate` is `false`. */
-  moved(objects: Iterable<Object3D>): this {
-    this.#moved.push(...objects);
+  moved(objects: Object3D | Iterable<Object3D>): this {
+    const list = Symbol.iterator in objects ? [...objects] : [objects];
+    list.forEach((object) => mustBeObject('moved', object));
+    this.#moved.push(...list);
     return this;
   }
 
@@ -172,12 +186,22 @@ export class EnfiladeCuller {
    * @param height of the picture in device pixels
    */
   update(camera: Camera, width?: number, height?: number): void {
-    if (this.#isDisposed || this.#hasFailed) {
+    if (this.#isDisposed) {
+      this.#warn('disposed', 'update was called on a disposed culler');
       return;
+    }
+    if (this.#hasFailed) {
+      return;
+    }
+    if (!(camera as Partial<Camera> | undefined)?.isCamera) {
+      throw new TypeError('enfilade: update needs a camera');
+    }
+    if (this.#roots.size === 0) {
+      this.#warn('empty', 'nothing was added, so nothing is culled: call addScene(scene) or add(object)');
     }
     if (width === undefined || height === undefined) {
       if (this.#options.renderer === undefined) {
-        throw new Error('enfilade: update needs the size of the picture, or load the renderer');
+        throw new Error('enfilade: pass the renderer, EnfiladeCuller.load({ renderer }), or the size of the picture, update(camera, width, height)');
       }
       this.#options.renderer.getDrawingBufferSize(size);
       [width, height] = [size.x, size.y];
@@ -226,6 +250,7 @@ export class EnfiladeCuller {
         throw why;
       }
       view.forget();
+      Object.assign(this.stats, { active: false, objects: 0, visible: 0, hidden: 0 });
       this.#warn(code, `a camera is not culled for: ${(why as Error).message}`);
       return;
     }
@@ -239,6 +264,7 @@ export class EnfiladeCuller {
     }
     const { present, visible } = view.counts();
     Object.assign(this.stats, {
+      active: true,
       objects: present,
       visible,
       hidden: present - visible,
@@ -305,6 +331,7 @@ export class EnfiladeCuller {
     this.#views.forEach((view) => view.dispose());
     this.#views.length = 0;
     this.#slots.dispose();
+    Object.assign(this.stats, { active: false, objects: 0, visible: 0, hidden: 0, moved: 0 });
   }
 
   get #isOn(): boolean {
@@ -312,8 +339,13 @@ export class EnfiladeCuller {
   }
 
   #addRoot(object: Object3D, options: AddOptions, watches: boolean): void {
+    mustBeObject(watches ? 'addScene' : 'add', object);
+    checkOptions('add', options, ['occluder', 'key']);
     this.#roots.set(object, { options, watches });
-    object.traverse((below) => this.#addEntry(below, options));
+    object.traverse((below) => {
+      this.#removed.delete(below);
+      this.#addEntry(below, options);
+    });
   }
 
   #addEntry(object: Object3D, options: AddOptions): void {
@@ -360,7 +392,8 @@ export class EnfiladeCuller {
   #viewOf(camera: Camera): CameraView {
     let view = this.#views.find((one) => one.camera === camera);
     if (view === undefined) {
-      view = new CameraView(camera, { ...this.#options, samples: this.#options.samples ?? samplesOf(this.#options.renderer) });
+      const { tightness, growthPx, renderer, samples = samplesOf(renderer) } = this.#options;
+      view = new CameraView(camera, { tightness, growthPx, samples });
       this.#views.push(view);
     }
     return view;
@@ -369,6 +402,7 @@ export class EnfiladeCuller {
   /** Hands in everything that is drawn, as it is now. */
   #compareAll(camera: Camera): void {
     const scene = this.#updateMatrices();
+    this.#world.overrideMaterial = (scene as Partial<Scene> | undefined)?.overrideMaterial ?? null;
     for (const [root, { options, watches }] of this.#roots) {
       if (scene === undefined || topOf(root) === scene) {
         if (isShown(root)) {
@@ -393,7 +427,7 @@ export class EnfiladeCuller {
       (object as LOD).update(camera);
     }
     if ('isMesh' in object) {
-      if (watching && !this.#entries.has(object)) {
+      if (watching && !this.#entries.has(object) && !this.#removed.has(object)) {
         this.#addEntry(object, watching);
       }
       const entry = this.#entries.get(object);
@@ -465,6 +499,12 @@ export class EnfiladeCuller {
 function samplesOf(renderer: SizedRenderer | undefined): 1 | 4 {
   const antialias = renderer?.getContextAttributes?.()?.antialias ?? (renderer?.samples ?? 4) > 0;
   return antialias ? 4 : 1;
+}
+
+function mustBeObject(method: string, object: Object3D): void {
+  if (!(object as Partial<Object3D> | undefined)?.isObject3D) {
+    throw new TypeError(`enfilade: ${method} needs an Object3D`);
+  }
 }
 
 function updateCamera(camera: Camera): void {

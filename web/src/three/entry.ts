@@ -1,6 +1,7 @@
 import { Matrix4, type BufferGeometry, type Camera, type Frustum, type Material, type Mesh } from 'three';
 import { Draws, type Materials, materialsOf } from './material.js';
 import { Box, type Meshes, Poses, groupsOf, isMorphed, isSkinned, positionsOf, versionOf } from './geometry.js';
+import { hookMesh } from './hooks.js';
 import type { Slots } from './slots.js';
 import type { CameraView } from './view.js';
 
@@ -11,11 +12,13 @@ export interface World {
   materials: Materials;
   /** Whether objects are compared with what was handed in before they are culled. */
   readonly compares: boolean;
+  /** What all objects are drawn with, if the scene says so. */
+  overrideMaterial: Material | null;
   warn(once: string, message: string): void;
   /** Whether a frustum is culled for a view now. */
   isOn(view: CameraView, frustum: Frustum): boolean;
   /** Returns which slots a camera that is about to draw does not see; `undefined` if that is not known. */
-  hiddenFor(camera: Camera, entry: Entry): ((slot: number) => boolean) | undefined;
+  hiddenFor(camera: Camera): ((slot: number) => boolean) | undefined;
 }
 
 /** How `add` describes an object. */
@@ -41,17 +44,13 @@ export abstract class Entry<T extends Mesh = Mesh> {
   count = 0;
   /** The meshes that it has taken. */
   #meshNames: { geometry: BufferGeometry; name: string }[] = [];
-  readonly #intersects: T['intersectsFrustum'];
-  readonly #hadOwn: boolean;
+  #unhook = () => {};
 
   constructor(
     readonly object: T,
     readonly options: AddOptions,
     protected readonly world: World,
-  ) {
-    this.#hadOwn = Object.hasOwn(object, 'intersectsFrustum');
-    this.#intersects = object.intersectsFrustum;
-  }
+  ) {}
 
   get key(): unknown {
     return this.options.key ?? this.object;
@@ -59,15 +58,7 @@ export abstract class Entry<T extends Mesh = Mesh> {
 
   /** Hooks the object: it is not drawn if `isSkipped` says so, nor if its own test does. */
   hook(isSkipped: (entry: Entry, frustum: Frustum) => boolean): void {
-    this.object.intersectsFrustum = (frustum: Frustum) => !isSkipped(this, frustum) && this.#intersects.call(this.object, frustum);
-  }
-
-  unhook(): void {
-    if (this.#hadOwn) {
-      this.object.intersectsFrustum = this.#intersects;
-    } else {
-      delete (this.object as { intersectsFrustum?: unknown }).intersectsFrustum;
-    }
+    this.#unhook = hookMesh(this.object, (frustum) => isSkipped(this, frustum));
   }
 
   /** Hands the object in as it is now. */
@@ -76,14 +67,14 @@ export abstract class Entry<T extends Mesh = Mesh> {
   /** Whether it need not be drawn in a view. */
   abstract isSkipped(view: CameraView): boolean;
 
-  /** Whether any part of it was visible. */
+  /** Whether any part of it was visible, or may have been. */
   anySeen(view: CameraView): boolean {
     for (let slot = this.first; slot < this.first + this.count; slot++) {
       if (view.sees(slot)) {
         return true;
       }
     }
-    return false;
+    return !view.isKnown;
   }
 
   /** Called after a look. */
@@ -115,10 +106,15 @@ export abstract class Entry<T extends Mesh = Mesh> {
     }
   }
 
+  /** What it is drawn with. */
+  protected get material(): Material | Material[] | undefined {
+    return this.world.overrideMaterial ?? materialsOf(this.object);
+  }
+
   /** `Draws` of all its materials together. */
   protected draws(): number {
     const trusted = this.options.occluder === true;
-    const material = materialsOf(this.object);
+    const { material } = this;
     if (material === undefined) {
       return Draws.Nothing;
     }
@@ -138,7 +134,7 @@ export abstract class Entry<T extends Mesh = Mesh> {
   /** Returns the kinds of the object's materials: meshes differ by them. */
   protected kinds(): number | string {
     const trusted = this.options.occluder === true;
-    const material = materialsOf(this.object)!;
+    const material = this.material!;
     const kind = (one: Material) => (one ? this.world.materials.of(one, trusted) : Draws.Nothing);
     return Array.isArray(material) ? material.map(kind).join() : kind(material);
   }
@@ -167,23 +163,29 @@ export abstract class Entry<T extends Mesh = Mesh> {
       if (why instanceof WebAssembly.RuntimeError) {
         throw why;
       }
-      this.world.warn('mesh', `'${this.object.name || this.object.type}' is not culled: ${(why as Error).message}`);
+      const { name: label, type, id } = this.object;
+      this.world.warn('mesh', `'${label || type}' (id ${id}) is not culled: ${(why as Error).message}`);
       return undefined;
     }
   }
 
-  /** Gives back all meshes that were taken. */
-  protected giveBackMeshes(): void {
-    for (const { geometry, name } of this.#meshNames) {
+  /**
+   * Calls `take`, which takes other meshes, then gives back those that were taken before. Not in the other order: a number that
+   * is free would be given to another mesh, and nothing seem to have changed.
+   */
+  protected retake(take: () => void): void {
+    const before = this.#meshNames;
+    this.#meshNames = [];
+    take();
+    for (const { geometry, name } of before) {
       this.world.meshes.giveBack(geometry, name);
     }
-    this.#meshNames = [];
   }
 
   dispose(): void {
-    this.unhook();
+    this.#unhook();
     this.reserve(0);
-    this.giveBackMeshes();
+    this.retake(() => {});
   }
 }
 
@@ -265,7 +267,7 @@ export class MeshEntry extends Entry {
         this.#box.toMatrix(elements);
       }
       if (!isPosed || draws & Draws.Moves) {
-        sphereMatrix(object, object.matrixWorld, displacement(object.material), elements);
+        sphereMatrix(object, object.matrixWorld, displacement(this.material!), elements);
       }
       this.reserve(1);
       world.slots.put(this.first, world.meshes.unitBox, elements, false, layers);
@@ -275,8 +277,7 @@ export class MeshEntry extends Entry {
     const version = versionOf(geometry);
     const { start, count } = geometry.drawRange;
     if (geometry !== this.#geometry || kinds !== this.#kinds || version !== this.#version || start !== this.#start || count !== this.#end) {
-      this.giveBackMeshes();
-      this.#mesh = this.takeMesh(geometry, kinds);
+      this.retake(() => (this.#mesh = this.takeMesh(geometry, kinds)));
       [this.#geometry, this.#kinds, this.#version, this.#start, this.#end] = [geometry, kinds, version, start, count];
     }
     if (this.#mesh === undefined) {

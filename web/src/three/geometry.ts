@@ -23,11 +23,39 @@ export function positionsOf(geometry: BufferGeometry): Float32Array | undefined 
   return positions;
 }
 
-/** Number that changes when the page says that a geometry did. */
+/** What the triangles of a geometry are made from. */
+interface Sources {
+  parts: unknown[];
+  version: number;
+}
+
+const sources = new WeakMap<BufferGeometry, Sources>();
+let versions = 0;
+
+/** Number that changes whenever a geometry does: other attributes, other contents (by `needsUpdate`) or other groups. */
 export function versionOf(geometry: BufferGeometry): number {
-  const position = geometry.getAttribute('position') as Attribute | undefined;
-  const version = position === undefined ? 0 : 'data' in position ? position.data.version : position.version;
-  return version + (geometry.index?.version ?? 0);
+  const { index, groups } = geometry;
+  const position = geometry.attributes.position as Attribute | undefined;
+  const contents = position && ('data' in position ? position.data.version : position.version);
+  let known = sources.get(geometry);
+  if (known === undefined) {
+    known = { parts: [], version: 0 };
+    sources.set(geometry, known);
+  }
+  const { parts } = known;
+  let isSame = parts.length === 4 + 3 * groups.length;
+  isSame &&= parts[0] === position && parts[1] === contents && parts[2] === index && parts[3] === index?.version;
+  for (let number = 0; isSame && number < groups.length; number++) {
+    const { start, count, materialIndex } = groups[number];
+    const first = 4 + 3 * number;
+    isSame = parts[first] === start && parts[first + 1] === count && parts[first + 2] === materialIndex;
+  }
+  if (!isSame) {
+    const flat = groups.flatMap(({ start, count, materialIndex }) => [start, count, materialIndex]);
+    known.parts = [position, contents, index, index?.version, ...flat];
+    known.version = ++versions;
+  }
+  return known.version;
 }
 
 /** Returns the parts of a geometry that are drawn, with what `Materials.of` returned for its material or each of several. */

@@ -109,8 +109,7 @@ export class InstancedEntry extends Entry<InstancedMesh> {
     this.#state = state;
     const isBox = (draws & Draws.Moves) !== 0;
     if (!isSameMesh) {
-      this.giveBackMeshes();
-      this.#mesh = isBox ? world.meshes.unitBox : this.takeMesh(geometry, kinds);
+      this.retake(() => (this.#mesh = isBox ? world.meshes.unitBox : this.takeMesh(geometry, kinds)));
       this.#isWhole = Object.values(geometry.attributes).some((attribute) => 'isInstancedBufferAttribute' in attribute);
     }
     if (this.#mesh === undefined || object.count === 0) {
@@ -119,7 +118,7 @@ export class InstancedEntry extends Entry<InstancedMesh> {
     }
     // One more, without a mesh to see: it keeps the matrix of the object.
     this.reserve(object.count + 1);
-    const grown = isBox ? displacement(object.material) : 0;
+    const grown = isBox ? displacement(this.material!) : 0;
     for (let number = 0; number < object.count; number++) {
       instance.fromArray(object.instanceMatrix.array, 16 * number).premultiply(object.matrixWorld);
       if (isBox) {

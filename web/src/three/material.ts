@@ -66,6 +66,7 @@ export function drawsHow(material: Material, trusted: boolean): number {
     material.alphaHash ||
     material.alphaToCoverage ||
     !material.depthWrite ||
+    !material.colorWrite ||
     material.stencilWrite ||
     material.clippingPlanes?.length ||
     (material.blending as number) > NormalBlending ||

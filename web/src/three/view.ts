@@ -29,9 +29,16 @@ export class CameraView {
     });
   }
 
+  /** Whether there was a look that still holds. */
+  get isKnown(): boolean {
+    return !Number.isNaN(this.#planes[0]);
+  }
+
   /** Culls nothing until the next look. */
   forget(): void {
     this.#planes.fill(NaN);
+    this.#present.fill(0);
+    this.#visible.fill(0);
   }
 
   look(slots: Slots, width: number, height: number): void {

@@ -7,8 +7,11 @@ import { daylight, stage } from './stage.js';
 const scene = new THREE.Scene();
 daylight(scene, 0xcfd8e2);
 
+/** The name of an object in its file: three.js leaves characters out. */
+const nameOf = (object) => object.userData.name ?? object.name;
+
 /** An IFC globalId at the end of a name, as IfcConvert and others write: 22 characters of its alphabet. */
-const globalIdOf = (object) => object.userData.globalId ?? object.userData.GlobalId ?? object.name.match(/([0-3][0-9A-Za-z_$]{21})$/)?.[1];
+const globalIdOf = (object) => object.userData.globalId ?? object.userData.GlobalId ?? nameOf(object).match(/([0-3][0-9A-Za-z_$]{21})$/)?.[1];
 
 /** A building of a few storeys with rooms, furniture and pipes. */
 function sample() {
@@ -83,29 +86,37 @@ function show(next) {
   list();
 }
 
-/** Groups of a building that hold many elements: its storeys, if the file has them. */
-function storeysOf(object) {
+const meshesBelow = (objects) => {
+  const meshes = [];
+  objects.forEach((object) => object.traverse((below) => below.isMesh && meshes.push(below)));
+  return meshes;
+};
+
+/** Returns the storeys of a building by name, if its file has them; else its elements by their kind. */
+function partsOf(object) {
   let level = object.children;
   while (level.length === 1 && level[0].children.length > 0) {
     level = level[0].children;
   }
-  return level.filter(({ children }) => children.length > 0);
+  const storeys = level.filter((part) => meshesBelow([part]).length > 20);
+  const parts = new Map();
+  const add = (name, part) => parts.set(name, [...(parts.get(name) ?? []), part]);
+  level.forEach((part) => add(storeys.length > 1 ? nameOf(part) : nameOf(part).split(':')[0], part));
+  return [...parts].sort(([a], [b]) => a.localeCompare(b));
 }
 
 function list() {
-  const storeys = storeysOf(building);
-  shown = storeys.map((storey) => {
+  shown = partsOf(building).map(([label, objects]) => {
     const row = document.createElement('li');
     const [name, count] = [document.createElement('span'), document.createElement('span')];
-    name.textContent = storey.name || 'unnamed';
+    name.textContent = label || 'unnamed';
     row.append(name, count);
     row.addEventListener('click', () => {
-      storey.visible = !storey.visible;
-      row.style.opacity = storey.visible ? '' : '0.4';
+      const visible = !objects[0].visible;
+      objects.forEach((object) => (object.visible = visible));
+      row.style.opacity = visible ? '' : '0.4';
     });
-    const meshes = [];
-    storey.traverse((object) => object.isMesh && meshes.push(object));
-    return { row, count, meshes };
+    return { row, count, meshes: meshesBelow(objects) };
   });
   document.querySelector('#storeys').replaceChildren(...shown.map(({ row }) => row));
 }
@@ -149,7 +160,7 @@ renderer.domElement.addEventListener('pointerup', ({ clientX, clientY }) => {
   while (named.parent && !globalIdOf(named)) {
     named = named.parent;
   }
-  element.textContent = `${hit.object.name}\nglobalId ${globalIdOf(named) ?? 'none'}\n${hit.distance.toFixed(2)} m away`;
+  element.textContent = `${nameOf(named)}\nglobalId ${globalIdOf(named) ?? 'none'}\n${hit.distance.toFixed(2)} m away`;
 });
 
 addEventListener('dragover', (event) => event.preventDefault());

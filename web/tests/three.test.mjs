@@ -353,6 +353,48 @@ onBoth(
 );
 
 onBoth(
+  'clipping planes for all, and other layers of the same camera, show what was hidden',
+  async (renderer, kind) => {
+    const scene = new THREE.Scene();
+    const camera = new THREE.PerspectiveCamera(60, 16 / 9, 0.1, 100);
+    const wall = new THREE.Mesh(new THREE.PlaneGeometry(8, 8), new THREE.MeshBasicMaterial({ color: 0x00ff00 }));
+    const thing = new THREE.Mesh(new THREE.BoxGeometry(4, 4, 1), new THREE.MeshBasicMaterial({ color: 0xff0000 }));
+    const lamp = new THREE.Mesh(new THREE.BoxGeometry(1, 1, 1), new THREE.MeshBasicMaterial({ color: 0xffffff }));
+    wall.position.z = -5;
+    thing.position.z = -9;
+    lamp.position.set(1, 1, -12);
+    thing.layers.enable(2);
+    lamp.layers.set(2);
+    scene.add(wall, thing, lamp);
+    const culler = await EnfiladeCuller.load({ renderer });
+    culler.addScene(scene);
+    culler.update(camera);
+    const hidden = !culler.isVisible(thing);
+    // A second picture of other layers, without an update.
+    const layers = camera.layers.mask;
+    camera.layers.set(2);
+    const a = await shoot(renderer, scene, camera);
+    culler.enabled = false;
+    const b = await shoot(renderer, scene, camera);
+    camera.layers.mask = layers;
+    culler.enabled = true;
+    const plane = new THREE.Plane(new THREE.Vector3(0, 0, -1), -7);
+    if (kind === 'webgl') {
+      renderer.clippingPlanes = [plane];
+    } else {
+      const { ClippingGroup } = await import('three/webgpu');
+      const group = new ClippingGroup();
+      group.clippingPlanes = [plane];
+      scene.add(group);
+      group.add(wall, thing);
+    }
+    const { pixels } = await compare(renderer, scene, camera, culler, 1, () => {});
+    return { hidden, layers: differences(a.pixels, b.pixels).length, pixels, shown: culler.isVisible(thing) };
+  },
+  (found) => assert.deepEqual(found, { hidden: true, layers: 0, pixels: 0, shown: true }),
+);
+
+onBoth(
   'two cullers on one scene, removed objects, and wrong calls',
   async (renderer) => {
     const { scene, camera, at } = rooms(16, 300);

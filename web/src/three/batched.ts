@@ -25,7 +25,7 @@ export class BatchedEntry extends Entry<BatchedMesh> {
   }
 
   refresh(): void {
-    const { object, world, options } = this;
+    const { object, world } = this;
     const { geometry } = object;
     const draws = this.draws();
     const internals = this.#internals;
@@ -48,7 +48,7 @@ export class BatchedEntry extends Entry<BatchedMesh> {
       this.retake(() => infos.forEach(({ active, geometryIndex }) => active && this.#meshOf(geometryIndex, kinds, isBox)));
     }
     this.reserve(infos.length);
-    const isOccluder = (options.occluder ?? object.frustumCulled) && !isBox;
+    const isOccluder = this.isOccluder && !isBox;
     const layers = object.layers.mask >>> 0;
     const matrices = internals._matricesTexture.image.data;
     const grown = displacement(this.material!);

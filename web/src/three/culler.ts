@@ -16,6 +16,8 @@ export interface SizedRenderer {
   getContextAttributes?(): { antialias?: boolean } | null;
   /** Of `WebGPURenderer`. */
   samples?: number;
+  /** Of `WebGLRenderer`: planes that clip everything. */
+  clippingPlanes?: readonly unknown[];
 }
 
 /**
@@ -116,6 +118,7 @@ export class EnfiladeCuller {
       slots: this.#slots,
       meshes: new Meshes(this.#slots.scene),
       materials: this.#materials,
+      isClipped: false,
       overrideMaterial: null,
       get compares() {
         return culler.autoUpdate && !culler.frozen;
@@ -226,6 +229,7 @@ export class EnfiladeCuller {
       return;
     }
     this.#materials.begin();
+    this.#world.isClipped = (this.#options.renderer?.clippingPlanes?.length ?? 0) > 0;
     this.#frame++;
     if (this.autoUpdate || this.#frame === 1) {
       this.#compareAll(camera);
@@ -436,9 +440,13 @@ export class EnfiladeCuller {
         entry.refresh();
       }
     }
+    const wasClipped = this.#world.isClipped;
+    const { isClippingGroup, enabled } = object as { isClippingGroup?: boolean; enabled?: boolean };
+    this.#world.isClipped ||= isClippingGroup === true && enabled === true;
     for (const child of object.children) {
       this.#visit(child, camera, watching);
     }
+    this.#world.isClipped = wasClipped;
   }
 
   /** Hands in the objects that were reported. */

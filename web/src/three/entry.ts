@@ -12,6 +12,8 @@ export interface World {
   materials: Materials;
   /** Whether objects are compared with what was handed in before they are culled. */
   readonly compares: boolean;
+  /** Whether planes clip what is handed in now: then what it hides may be cut off. */
+  isClipped: boolean;
   /** What all objects are drawn with, if the scene says so. */
   overrideMaterial: Material | null;
   warn(once: string, message: string): void;
@@ -104,6 +106,11 @@ export abstract class Entry<T extends Mesh = Mesh> {
       this.first = count > 0 ? this.world.slots.take(count) : 0;
       this.count = count;
     }
+  }
+
+  /** Whether its opaque parts hide others. */
+  protected get isOccluder(): boolean {
+    return (this.options.occluder ?? this.object.frustumCulled) && !this.world.isClipped;
   }
 
   /** What it is drawn with. */
@@ -240,7 +247,7 @@ export class MeshEntry extends Entry {
   #usesBox = false;
 
   refresh(): void {
-    const { object, world, options } = this;
+    const { object, world } = this;
     const { geometry } = object;
     const draws = this.draws();
     const isPosed = isSkinned(object) || isMorphed(object);
@@ -284,9 +291,8 @@ export class MeshEntry extends Entry {
       this.leave();
       return;
     }
-    const isOccluder = options.occluder ?? object.frustumCulled;
     this.reserve(1);
-    world.slots.put(this.first, this.#mesh, object.matrixWorld.elements, isOccluder, layers);
+    world.slots.put(this.first, this.#mesh, object.matrixWorld.elements, this.isOccluder, layers);
   }
 
   isSkipped(view: CameraView): boolean {

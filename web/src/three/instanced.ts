@@ -83,7 +83,7 @@ export class InstancedEntry extends Entry<InstancedMesh> {
   #isIn = false;
 
   refresh(): void {
-    const { object, world, options } = this;
+    const { object, world, isOccluder } = this;
     const { geometry } = object;
     const draws = this.draws();
     if (draws & Draws.Through || isMorphed(object) || 'isSkinnedMesh' in object) {
@@ -96,7 +96,6 @@ export class InstancedEntry extends Entry<InstancedMesh> {
     }
     const kinds = this.kinds();
     const layers = object.layers.mask >>> 0;
-    const isOccluder = options.occluder ?? object.frustumCulled;
     const { version } = object.instanceMatrix;
     const { start, count } = geometry.drawRange;
     const meshState = [geometry, kinds, versionOf(geometry), start, count];

@@ -147,6 +147,16 @@ export class Slots {
     this.#layers[slot] = layers;
   }
 
+  /** Sets `bits` to one bit per slot: whether its object is in the scene, drawn, and in one of some layers. */
+  presentIn(layers: number, bits: Uint32Array): void {
+    bits.set(this.present);
+    for (let slot = 0; slot < this.#end; slot++) {
+      if ((this.#layers[slot] & layers) === 0) {
+        bits[slot >>> 5] &= ~(1 << (slot & 31));
+      }
+    }
+  }
+
   /** Whether an object is where, and in the layers, it was handed in. */
   isAt(slot: number, matrix: ArrayLike<number>, layers: number): boolean {
     const matrices = this.#matrices;

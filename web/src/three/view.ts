@@ -11,6 +11,7 @@ export class CameraView {
   #present = new Uint32Array(0);
   /** The six planes of the frustum: 24 numbers. */
   readonly #planes = new Float64Array(24).fill(NaN);
+  #layers = 0;
   readonly #frustum = new Frustum();
   readonly #matrix = new Matrix4();
 
@@ -55,7 +56,8 @@ export class CameraView {
       this.#present = new Uint32Array(slots.present.length);
       this.#visible = new Uint32Array(slots.present.length);
     }
-    this.#present.set(slots.present);
+    slots.presentIn(camera.layers.mask, this.#present);
+    this.#layers = camera.layers.mask;
     this.#visible.fill(0);
     this.#visible.set(bits.subarray(0, this.#visible.length));
     this.aim();
@@ -63,6 +65,9 @@ export class CameraView {
 
   /** Whether a frustum is that of the look, bit for bit: then what the look did not see cannot be seen with it. */
   isOf(frustum: Frustum): boolean {
+    if (this.camera.layers.mask !== this.#layers) {
+      return false;
+    }
     const planes = this.#planes;
     for (let number = 0; number < 6; number++) {
       const { normal, constant } = frustum.planes[number];

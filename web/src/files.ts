@@ -4,7 +4,7 @@
  * @see SceneFile
  */
 import * as files from '../wasm/files.js';
-import { checkOptions, checkViewerOptions, depths, type LookOptions, type ViewerOptions, tightnesses } from './index.js';
+import { checkLook, checkOptions, checkViewerOptions, depths, type LookOptions, type ViewerOptions, tightnesses } from './index.js';
 import { Loader, type LoadOptions } from './load.js';
 
 const loader = new Loader(files, {
@@ -76,8 +76,8 @@ export class SceneFile {
   readonly cameras: FileCamera[];
 
   /** @throws an `Error` that names the broken rule and its place in the file. */
-  constructor(bytes: Uint8Array, { flat = false, limitBytes = 1e9 }: SceneFileOptions = {}) {
-    const file = new loader.glue.SceneFile(bytes, flat, limitBytes);
+  constructor(bytes: Uint8Array | ArrayBuffer, { flat = false, limitBytes = 1e9 }: SceneFileOptions = {}) {
+    const file = new loader.glue.SceneFile(bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes), flat, limitBytes);
     this.#file = file;
     this.sectors = file.sectorNames;
     this.warnings = file.warnings;
@@ -142,7 +142,7 @@ export class FileViewer {
 
   /** Determines what is visible, through portals too: as `Viewer.look`. The camera is in the space of the sector that its position is in. */
   look(viewMatrix: ArrayLike<number>, projectionMatrix: ArrayLike<number>, options: LookOptions): void {
-    const { width, height, depth = '-1..1', layers = 0xffffffff } = options;
+    const { width, height, depth = '-1..1', layers = 0xffffffff } = checkLook(options);
     const [view, projection] = [viewMatrix, projectionMatrix].map((matrix) => Float64Array.from(matrix));
     this.#file.look(this.#viewer, view, projection, depths[depth], width, height, layers >>> 0);
   }

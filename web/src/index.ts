@@ -230,7 +230,7 @@ export class Viewer {
    * @throws an `Error` with a `code`: `view/parallel` for a parallel projection, `view/clip-depth` for a wrong `depth`
    */
   look(scene: Scene, viewMatrix: ArrayLike<number>, projectionMatrix: ArrayLike<number>, options: LookOptions): void {
-    const { width, height, depth = '-1..1', layers = 0xffffffff } = options;
+    const { width, height, depth = '-1..1', layers = 0xffffffff } = checkLook(options);
     this.#viewer.look(scene.raw, doubles(viewMatrix), doubles(projectionMatrix), depths[depth], width, height, layers >>> 0);
   }
 
@@ -269,6 +269,17 @@ export class Viewer {
   }
 }
 
+/** Throws if the options of a look are not there. @internal */
+export function checkLook(options: LookOptions): LookOptions {
+  if (typeof options?.width !== 'number' || typeof options.height !== 'number') {
+    throw new TypeError('enfilade: look needs { width, height } after the matrices');
+  }
+  if (options.depth !== undefined && !(options.depth in depths)) {
+    throw new RangeError(`enfilade: depth is '${options.depth}'; it can be ${Object.keys(depths).join(', ')}`);
+  }
+  return options;
+}
+
 /** Throws if an option has a name that there is not. @internal */
 export function checkOptions(of: string, options: object, names: string[]): void {
   for (const name of Object.keys(options)) {
@@ -292,7 +303,15 @@ export function checkViewerOptions({ tightness = 'boxes', samples = 1, growthPx 
 }
 
 function words(numbers: ArrayLike<number>): Uint32Array {
-  return numbers instanceof Uint32Array ? numbers : Uint32Array.from(numbers);
+  if (numbers instanceof Uint32Array) {
+    return numbers;
+  }
+  return Uint32Array.from(numbers, (number) => {
+    if (!Number.isInteger(number) || number < 0) {
+      throw new TypeError(`enfilade: ${String(number)} is neither a key nor a mesh; both are whole numbers from 0`);
+    }
+    return number;
+  });
 }
 
 function doubles(numbers: ArrayLike<number>): Float64Array {

@@ -25,6 +25,13 @@ export function hasSimd(): boolean {
   );
 }
 
+/** Reads a file, which `fetch` of Node.js does not. Bundlers must not look for its module. */
+async function readInNode(address: URL): Promise<WasmSource> {
+  const name = 'node:fs/promises';
+  const { readFile } = (await import(/* @vite-ignore */ /* webpackIgnore: true */ name)) as { readFile(path: URL): Promise<Uint8Array<ArrayBuffer>> };
+  return readFile(address);
+}
+
 /** Loads one of the two builds of a module, once. */
 export class Loader<G extends Glue> {
   #glue: G;
@@ -39,7 +46,7 @@ export class Loader<G extends Glue> {
 
   load({ wasm, simd = hasSimd() }: LoadOptions): Promise<void> {
     const source = wasm ?? (simd ? this.#addresses.simd : this.#addresses.plain);
-    this.#loading ??= this.#glue.default({ module_or_path: source }).then(
+    this.#loading ??= this.#glue.default({ module_or_path: source instanceof URL && source.protocol === 'file:' ? readInNode(source) : source }).then(
       ({ memory }) => {
         this.#memory = memory;
       },

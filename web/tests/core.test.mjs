@@ -1,10 +1,9 @@
 // The module without a renderer, in Node.js.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
 import test from 'node:test';
 import { load, Scene, Viewer } from '../dist/index.js';
 
-await load({ wasm: readFileSync(new URL('../wasm/core_bg.wasm', import.meta.url)) });
+await load();
 
 const quad = { positions: new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]), indices: new Uint16Array([0, 1, 2, 0, 2, 3]) };
 
@@ -98,6 +97,9 @@ test('errors have codes', () => {
     ],
     ['mesh/not-finite', 'mesh/index-out-of-range', 'web/no-mesh', 'web/length', 'web/key', 'view/parallel', 'view/not-finite', 'view/size'],
   );
+  for (const wrong of [() => scene.add(['a'], [mesh], at([0, 0, 0, 1])), () => scene.add([0], [undefined], at([0, 0, 0, 1])), () => scene.remove([1.5]), () => viewer.look(scene, identity, projection)]) {
+    assert.throws(wrong, { name: 'TypeError', message: /^enfilade: / });
+  }
   look(viewer, scene);
 });
 

@@ -114,6 +114,7 @@ onBoth(
       'pushed back': { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 },
       displaced: { displacementMap: new THREE.DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1), displacementScale: -3 },
     };
+    renderer.localClippingEnabled = true;
     const hidden = {};
     const add = async (name, wall, thing, options) => {
       const scene = new THREE.Scene();
@@ -389,9 +390,15 @@ onBoth(
       group.add(wall, thing);
     }
     const { pixels } = await compare(renderer, scene, camera, culler, 1, () => {});
-    return { hidden, layers: differences(a.pixels, b.pixels).length, pixels, shown: culler.isVisible(thing) };
+    const shown = culler.isVisible(thing);
+    // All of the wall is kept now.
+    plane.constant = 20;
+    plane.normal.set(0, 0, 1);
+    culler.update(camera);
+    const again = !culler.isVisible(thing);
+    return { hidden, layers: differences(a.pixels, b.pixels).length, pixels, shown, again };
   },
-  (found) => assert.deepEqual(found, { hidden: true, layers: 0, pixels: 0, shown: true }),
+  (found) => assert.deepEqual(found, { hidden: true, layers: 0, pixels: 0, shown: true, again: true }),
 );
 
 onBoth(
@@ -411,6 +418,17 @@ onBoth(
     const one = await calls();
     const things = scene.children.filter(({ name }) => name === 'thing');
     const { objects } = second.stats;
+    // Keys given before stay; groups are as visible as what is below them.
+    const [seen, unseen] = [true, false].map((is) => things.find((thing) => second.isVisible(thing) === is));
+    const groups = [seen, unseen].map((thing) => {
+      const group = new THREE.Group();
+      scene.add(group);
+      group.add(thing);
+      return group;
+    });
+    second.add(seen, { key: 'seen' }).addScene(scene, { key: ({ name }) => name }).update(camera);
+    const keys = second.visibleKeys(camera);
+    const named = [keys.has('seen'), [...keys].every((key) => typeof key === 'object' || key === 'seen'), ...groups.map((group) => second.isVisible(group))];
     second.remove(things[0]).update(camera);
     const removed = second.stats.objects;
     second.add(things[0]).update(camera);
@@ -443,12 +461,13 @@ onBoth(
     second.update(camera);
     const after = await calls();
     second.dispose();
-    return { whole, both, one, objects, removed, again, unknown, errors, after, last: await calls(), own: Object.hasOwn(things[0], 'intersectsFrustum') };
+    return { whole, both, one, named, objects, removed, again, unknown, errors, after, last: await calls(), own: Object.hasOwn(things[0], 'intersectsFrustum') };
   },
-  ({ whole, both, one, objects, removed, again, unknown, errors, after, last, own }) => {
+  ({ whole, both, one, named, objects, removed, again, unknown, errors, after, last, own }) => {
     assert.ok(both < 0.5 * whole, `${both} of ${whole}`);
     assert.deepEqual([one, after, last, own], [both, both, whole, false]);
     assert.deepEqual([removed, again], [objects - 1, objects]);
+    assert.deepEqual(named, [true, true, true, false]);
     assert.deepEqual(unknown, [false, true, true]);
     assert.deepEqual(errors, errors.map(() => 'clear'));
   },

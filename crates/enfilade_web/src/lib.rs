@@ -4,6 +4,7 @@
 //! read in place, at the addresses that the classes return. Keys are positions in bit sets, so use small ones.
 //!
 //! Every error is a JavaScript `Error` whose `code` names the broken rule.
+#![forbid(unsafe_code)]
 
 #[cfg(feature = "files")]
 mod files;

@@ -1,4 +1,4 @@
-import type { BatchedMesh, Camera, Frustum, InstancedMesh, LOD, Mesh, Object3D, Scene } from 'three';
+import type { BatchedMesh, Camera, Frustum, InstancedMesh, LOD, Mesh, Object3D, Plane, Scene } from 'three';
 import { REVISION, Vector2 } from 'three';
 import { checkOptions, checkViewerOptions, load, type LoadOptions, type ViewerOptions } from '../index.js';
 import { BatchedEntry } from './batched.js';
@@ -17,7 +17,9 @@ export interface SizedRenderer {
   /** Of `WebGPURenderer`. */
   samples?: number;
   /** Of `WebGLRenderer`: planes that clip everything. */
-  clippingPlanes?: readonly unknown[];
+  clippingPlanes?: readonly Plane[];
+  /** Of `WebGLRenderer`: whether planes of materials clip. */
+  localClippingEnabled?: boolean;
 }
 
 /**
@@ -118,7 +120,10 @@ export class EnfiladeCuller {
       slots: this.#slots,
       meshes: new Meshes(this.#slots.scene),
       materials: this.#materials,
-      isClipped: false,
+      planes: [],
+      get clipsByMaterial() {
+        return culler.#options.renderer?.localClippingEnabled !== false;
+      },
       overrideMaterial: null,
       get compares() {
         return culler.autoUpdate && !culler.frozen;
@@ -155,9 +160,16 @@ export class EnfiladeCuller {
     return this;
   }
 
-  /** Adds everything in a scene, or below another object, and from now on whatever is put there. */
-  addScene(scene: Object3D): this {
-    this.#addRoot(scene, {}, true);
+  /**
+   * Adds everything in a scene, or below another object, and from now on whatever is put there. What was added before keeps its
+   * options.
+   *
+   * ```js
+   * culler.addScene(scene, { key: (mesh) => mesh.userData.globalId });
+   * ```
+   */
+  addScene(scene: Object3D, options: AddOptions = {}): this {
+    this.#addRoot(scene, options, true);
     return this;
   }
 
@@ -229,7 +241,7 @@ export class EnfiladeCuller {
       return;
     }
     this.#materials.begin();
-    this.#world.isClipped = (this.#options.renderer?.clippingPlanes?.length ?? 0) > 0;
+    this.#world.planes = this.#options.renderer?.clippingPlanes ?? [];
     this.#frame++;
     if (this.autoUpdate || this.#frame === 1) {
       this.#compareAll(camera);
@@ -278,18 +290,30 @@ export class EnfiladeCuller {
   }
 
   /**
-   * Whether a camera may see an object, at its last update; `true` if that is not known.
+   * Whether a camera may see an object, or any mesh below it, at its last update; `true` if that is not known.
    *
    * @param camera default: the first that was given to `update`
    * @param instance number of an instance of an `InstancedMesh` or `BatchedMesh`; default: any
    */
   isVisible(object: Object3D, camera?: Camera, instance?: number): boolean {
-    const entry = this.#entries.get(object);
     const view = this.#viewFor(camera);
-    if (entry === undefined || view === undefined || entry.count === 0) {
+    if (view === undefined) {
       return true;
     }
-    return instance === undefined ? entry.anySeen(view) : !view.hides(entry.first + instance);
+    const entry = this.#entries.get(object);
+    if (instance !== undefined) {
+      return entry === undefined || entry.count === 0 || !view.hides(entry.first + instance);
+    }
+    let isKnown = false;
+    let isSeen = false;
+    object.traverse((below) => {
+      const part = this.#entries.get(below);
+      if (part !== undefined) {
+        isKnown = true;
+        isSeen ||= part.count === 0 || part.anySeen(view);
+      }
+    });
+    return isSeen || !isKnown;
   }
 
   /** Keys of the objects that a camera may see, at its last update. Objects that are left to three.js are not among them. */
@@ -348,7 +372,9 @@ export class EnfiladeCuller {
     this.#roots.set(object, { options, watches });
     object.traverse((below) => {
       this.#removed.delete(below);
-      this.#addEntry(below, options);
+      if (!watches || !this.#entries.has(below)) {
+        this.#addEntry(below, options);
+      }
     });
   }
 
@@ -440,13 +466,15 @@ export class EnfiladeCuller {
         entry.refresh();
       }
     }
-    const wasClipped = this.#world.isClipped;
-    const { isClippingGroup, enabled } = object as { isClippingGroup?: boolean; enabled?: boolean };
-    this.#world.isClipped ||= isClippingGroup === true && enabled === true;
+    const { planes } = this.#world;
+    const { isClippingGroup, enabled, clippingPlanes } = object as { isClippingGroup?: boolean; enabled?: boolean; clippingPlanes?: Plane[] };
+    if (isClippingGroup && enabled && clippingPlanes) {
+      this.#world.planes = [...planes, ...clippingPlanes];
+    }
     for (const child of object.children) {
       this.#visit(child, camera, watching);
     }
-    this.#world.isClipped = wasClipped;
+    this.#world.planes = planes;
   }
 
   /** Hands in the objects that were reported. */

@@ -1,4 +1,4 @@
-import { Matrix4, type BufferGeometry, type Camera, type Frustum, type Material, type Mesh } from 'three';
+import { Matrix4, Vector3, type BufferGeometry, type Camera, type Frustum, type Material, type Mesh, type Plane } from 'three';
 import { Draws, type Materials, materialsOf } from './material.js';
 import { Box, type Meshes, Poses, groupsOf, isMorphed, isSkinned, positionsOf, versionOf } from './geometry.js';
 import { hookMesh } from './hooks.js';
@@ -12,8 +12,10 @@ export interface World {
   materials: Materials;
   /** Whether objects are compared with what was handed in before they are culled. */
   readonly compares: boolean;
-  /** Whether planes clip what is handed in now: then what it hides may be cut off. */
-  isClipped: boolean;
+  /** Planes that clip what is handed in now: those of the renderer, and of the groups that it is in. */
+  planes: readonly Plane[];
+  /** Whether planes of materials clip. */
+  readonly clipsByMaterial: boolean;
   /** What all objects are drawn with, if the scene says so. */
   overrideMaterial: Material | null;
   warn(once: string, message: string): void;
@@ -30,11 +32,15 @@ export interface AddOptions {
    * `true` you vouch for it: what its triangles cover is opaque, where the geometry says.
    */
   occluder?: boolean;
-  /** What visible sets call it. Default: the object itself. Several objects may have the same key. */
+  /**
+   * What visible sets call it, or a function that returns that for each mesh. Default: the mesh itself. Several meshes may
+   * have the same key.
+   */
   key?: unknown;
 }
 
 const scratch = new Matrix4();
+const corner = new Vector3();
 const elements = new Array<number>(16).fill(0);
 
 /** An object that the culler knows. */
@@ -55,7 +61,8 @@ export abstract class Entry<T extends Mesh = Mesh> {
   ) {}
 
   get key(): unknown {
-    return this.options.key ?? this.object;
+    const { key } = this.options;
+    return (typeof key === 'function' ? (key as (object: Mesh) => unknown)(this.object) : key) ?? this.object;
   }
 
   /** Hooks the object: it is not drawn if `isSkipped` says so, nor if its own test does. */
@@ -110,7 +117,23 @@ export abstract class Entry<T extends Mesh = Mesh> {
 
   /** Whether its opaque parts hide others. */
   protected get isOccluder(): boolean {
-    return (this.options.occluder ?? this.object.frustumCulled) && !this.world.isClipped;
+    return (this.options.occluder ?? this.object.frustumCulled) && !this.isCut();
+  }
+
+  /** Whether planes may cut anything off: then that does not hide what is behind. */
+  protected isCut(): boolean {
+    return this.planes().length > 0;
+  }
+
+  /** Planes that clip it. */
+  protected planes(): readonly Plane[] {
+    const { planes, clipsByMaterial } = this.world;
+    const { material } = this;
+    if (!clipsByMaterial || material === undefined) {
+      return planes;
+    }
+    const own = (Array.isArray(material) ? material : [material]).flatMap((one) => one?.clippingPlanes ?? []);
+    return own.length > 0 ? [...planes, ...own] : planes;
   }
 
   /** What it is drawn with. */
@@ -245,6 +268,8 @@ export class MeshEntry extends Entry {
   #poses: Poses | undefined;
   #box = new Box();
   #usesBox = false;
+  /** Version of the geometry that its bounding box is of. */
+  #boxVersion = -1;
 
   refresh(): void {
     const { object, world } = this;
@@ -293,6 +318,29 @@ export class MeshEntry extends Entry {
     }
     this.reserve(1);
     world.slots.put(this.first, this.#mesh, object.matrixWorld.elements, this.isOccluder, layers);
+  }
+
+  /** A mesh is cut unless all of it is on the side that is kept. */
+  protected override isCut(): boolean {
+    const planes = this.planes();
+    if (planes.length === 0) {
+      return false;
+    }
+    const { geometry, matrixWorld } = this.object;
+    if (geometry.boundingBox === null || this.#boxVersion !== this.#version) {
+      geometry.computeBoundingBox();
+      this.#boxVersion = this.#version;
+    }
+    const { min, max } = geometry.boundingBox!;
+    return planes.some((plane) => {
+      for (let number = 0; number < 8; number++) {
+        corner.set(number & 1 ? max.x : min.x, number & 2 ? max.y : min.y, number & 4 ? max.z : min.z);
+        if (!(plane.distanceToPoint(corner.applyMatrix4(matrixWorld)) >= 0)) {
+          return true;
+        }
+      }
+      return false;
+    });
   }
 
   isSkipped(view: CameraView): boolean {

@@ -68,7 +68,6 @@ export function drawsHow(material: Material, trusted: boolean): number {
     !material.depthWrite ||
     !material.colorWrite ||
     material.stencilWrite ||
-    material.clippingPlanes?.length ||
     (material.blending as number) > NormalBlending ||
     any.wireframe ||
     (any.transmission as number) > 0 ||

@@ -43,9 +43,13 @@ const FILES: Module = Module {
 };
 
 impl Module {
-    /// Builds the module into `web/wasm/`. Without SIMD it takes minutes: LLVM is slow at kernels in scalar code.
+    /// Builds the module into `web/wasm/`. Without SIMD it takes minutes, even without link-time optimization, which does not
+    /// finish in ten for all methods: LLVM is slow at kernels in scalar code.
     fn build(self, workspace: &Workspace, simd: bool) -> Result<()> {
-        let flags = if simd { "-Ctarget-feature=+simd128" } else { "" };
+        let (flags, lto) = match simd {
+            true => ("-Ctarget-feature=+simd128", "fat"),
+            false => ("", "off"),
+        };
         succeed(
             Command::new(env!("CARGO"))
                 // Not `crate-type` in its Cargo.toml: link-time optimization is left out if there is an rlib too.
@@ -53,6 +57,7 @@ impl Module {
                 .args(["--profile", "web", "--package", "enfilade_web"])
                 .args(["--target", TARGET, "--features", self.features])
                 .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", flags)
+                .env("CARGO_PROFILE_WEB_LTO", lto)
                 .current_dir(&workspace.root),
         )?;
         let built = workspace.target.join(TARGET).join("web/enfilade_web.wasm");

@@ -109,6 +109,8 @@ export class EnfiladeCuller {
   readonly #removed = new WeakSet<Object3D>();
   readonly #world: World;
   #moved: Object3D[] = [];
+  /** The numbers of the renderer's clipping planes at the last comparison. */
+  #planes = '';
   #frame = 0;
   #hasFailed = false;
   #isDisposed = false;
@@ -241,9 +243,13 @@ export class EnfiladeCuller {
       return;
     }
     this.#materials.begin();
-    this.#world.planes = this.#options.renderer?.clippingPlanes ?? [];
+    const planes = this.#options.renderer?.clippingPlanes ?? [];
+    this.#world.planes = planes;
     this.#frame++;
-    if (this.autoUpdate || this.#frame === 1) {
+    // Planes of the renderer concern all objects.
+    const numbers = planes.flatMap(({ normal, constant }) => [normal.x, normal.y, normal.z, constant]).join();
+    if (this.autoUpdate || this.#frame === 1 || numbers !== this.#planes) {
+      this.#planes = numbers;
       this.#compareAll(camera);
     } else {
       this.#compareMoved();
@@ -467,10 +473,7 @@ export class EnfiladeCuller {
       }
     }
     const { planes } = this.#world;
-    const { isClippingGroup, enabled, clippingPlanes } = object as { isClippingGroup?: boolean; enabled?: boolean; clippingPlanes?: Plane[] };
-    if (isClippingGroup && enabled && clippingPlanes) {
-      this.#world.planes = [...planes, ...clippingPlanes];
-    }
+    this.#world.planes = withPlanesOf(object, planes);
     for (const child of object.children) {
       this.#visit(child, camera, watching);
     }
@@ -488,7 +491,12 @@ export class EnfiladeCuller {
         }
         if (isShown(below)) {
           entry.frame = this.#frame;
+          const { planes } = this.#world;
+          for (let above = below.parent; above !== null; above = above.parent) {
+            this.#world.planes = withPlanesOf(above, this.#world.planes);
+          }
           entry.refresh();
+          this.#world.planes = planes;
         } else {
           entry.hide();
         }
@@ -541,6 +549,12 @@ function mustBeObject(method: string, object: Object3D): void {
   if (!(object as Partial<Object3D> | undefined)?.isObject3D) {
     throw new TypeError(`enfilade: ${method} needs an Object3D`);
   }
+}
+
+/** Returns planes with those by which a group clips what is below it. */
+function withPlanesOf(object: Object3D, planes: readonly Plane[]): readonly Plane[] {
+  const { isClippingGroup, enabled, clippingPlanes } = object as { isClippingGroup?: boolean; enabled?: boolean; clippingPlanes?: Plane[] };
+  return isClippingGroup && enabled && clippingPlanes ? [...planes, ...clippingPlanes] : planes;
 }
 
 function updateCamera(camera: Camera): void {

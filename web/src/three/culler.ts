@@ -265,7 +265,7 @@ export class EnfiladeCuller {
 
   #look(view: CameraView, width: number, height: number): void {
     try {
-      view.look(this.#slots, width, height);
+      view.look(width, height);
     } catch (why) {
       const { code } = why as { code?: string };
       if (code === undefined) {
@@ -429,7 +429,7 @@ export class EnfiladeCuller {
     let view = this.#views.find((one) => one.camera === camera);
     if (view === undefined) {
       const { tightness, growthPx, renderer, samples = samplesOf(renderer) } = this.#options;
-      view = new CameraView(camera, { tightness, growthPx, samples });
+      view = new CameraView(camera, this.#slots, { tightness, growthPx, samples });
       this.#views.push(view);
     }
     return view;
@@ -448,7 +448,9 @@ export class EnfiladeCuller {
     }
     for (const [object, entry] of this.#entries) {
       if (entry.frame !== this.#frame) {
+        this.#slots.isQuiet = object.parent !== null && isLod(object.parent) && isShown(object.parent);
         entry.hide();
+        this.#slots.isQuiet = false;
         this.#forgetIfGone(object);
       }
     }
@@ -459,8 +461,10 @@ export class EnfiladeCuller {
     if (!object.visible) {
       return;
     }
-    if ('isLOD' in object && (object as LOD).autoUpdate) {
-      (object as LOD).update(camera);
+    const wasQuiet = this.#slots.isQuiet;
+    if (isLod(object)) {
+      object.update(camera);
+      this.#slots.isQuiet = true;
     }
     if ('isMesh' in object) {
       if (watching && !this.#entries.has(object) && !this.#removed.has(object)) {
@@ -478,6 +482,7 @@ export class EnfiladeCuller {
       this.#visit(child, camera, watching);
     }
     this.#world.planes = planes;
+    this.#slots.isQuiet = wasQuiet;
   }
 
   /** Hands in the objects that were reported. */
@@ -559,6 +564,11 @@ function withPlanesOf(object: Object3D, planes: readonly Plane[]): readonly Plan
 
 function updateCamera(camera: Camera): void {
   camera.updateWorldMatrix(true, false);
+}
+
+/** Whether an object is one whose level of detail each camera chooses when it draws. */
+function isLod(object: Object3D): object is LOD {
+  return 'isLOD' in object && (object as LOD).autoUpdate;
 }
 
 function topOf(object: Object3D): Object3D {

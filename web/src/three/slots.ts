@@ -28,6 +28,10 @@ class Words {
  */
 export class Slots {
   readonly scene = new Scene();
+  /** Changes with every change of the scene: a camera that looked before must look again. */
+  version = 0;
+  /** Whether changes do not count as such: those of levels of detail, which each camera chooses for itself. */
+  isQuiet = false;
   /** One bit per slot: set if its object is in the scene and drawn. */
   present = new Uint32Array(0);
   #meshes = new Int32Array(0);
@@ -96,18 +100,23 @@ export class Slots {
         hasMoved = true;
       }
     }
+    const hasMesh = this.#meshes[slot] === mesh;
+    const hasOptions = this.#flags[slot] === flags && this.#layers[slot] === layers;
     if (isNew) {
       this.#added.push(slot);
     } else {
       if (hasMoved) {
         this.#moved.push(slot);
       }
-      if (this.#meshes[slot] !== mesh) {
+      if (!hasMesh) {
         this.#meshed.push(slot);
       }
-      if (this.#flags[slot] !== flags || this.#layers[slot] !== layers) {
+      if (!hasOptions) {
         this.#changed.push(slot);
       }
+    }
+    if (isNew || hasMoved || !hasMesh || (!hasOptions && !this.isQuiet)) {
+      this.version++;
     }
     this.#meshes[slot] = mesh;
     this.#flags[slot] = flags;
@@ -120,6 +129,7 @@ export class Slots {
     if (this.#meshes[slot] !== none && this.#layers[slot] !== 0) {
       this.#layers[slot] = 0;
       this.#changed.push(slot);
+      this.version += this.isQuiet ? 0 : 1;
       this.#mark(slot, false);
     }
   }
@@ -129,6 +139,7 @@ export class Slots {
     if (this.#meshes[slot] !== none) {
       this.#meshes[slot] = none;
       this.#removed.push(slot);
+      this.version++;
       this.#mark(slot, false);
     }
   }

@@ -15,8 +15,13 @@ export class CameraView {
   readonly #frustum = new Frustum();
   readonly #matrix = new Matrix4();
 
-  constructor(camera: Camera, options: ViewerOptions) {
+  readonly #slots: Slots;
+  /** Version of the slots that it looked at. */
+  #version = -1;
+
+  constructor(camera: Camera, slots: Slots, options: ViewerOptions) {
     this.camera = camera;
+    this.#slots = slots;
     this.viewer = new Viewer(options);
   }
 
@@ -42,8 +47,9 @@ export class CameraView {
     this.#visible.fill(0);
   }
 
-  look(slots: Slots, width: number, height: number): void {
+  look(width: number, height: number): void {
     const { camera } = this;
+    const slots = this.#slots;
     const depth = camera.reversedDepth ? '1..0' : camera.coordinateSystem === 2001 ? '0..1' : '-1..1';
     this.viewer.look(slots.scene, camera.matrixWorldInverse.elements, camera.projectionMatrix.elements, {
       width,
@@ -58,14 +64,18 @@ export class CameraView {
     }
     slots.presentIn(camera.layers.mask, this.#present);
     this.#layers = camera.layers.mask;
+    this.#version = slots.version;
     this.#visible.fill(0);
     this.#visible.set(bits.subarray(0, this.#visible.length));
     this.aim();
   }
 
-  /** Whether a frustum is that of the look, bit for bit: then what the look did not see cannot be seen with it. */
+  /**
+   * Whether a frustum is that of the look, bit for bit, and nothing changed since: then what the look did not see cannot be
+   * seen with it.
+   */
   isOf(frustum: Frustum): boolean {
-    if (this.camera.layers.mask !== this.#layers) {
+    if (this.#version !== this.#slots.version || this.camera.layers.mask !== this.#layers) {
       return false;
     }
     const planes = this.#planes;

@@ -75,6 +75,7 @@
 //!
 //! * `rayon` (default): builds, and looks of viewers that may, run on the current rayon pool.
 //! * `simd` (default): kernels for all SIMD levels of the architecture, selected at run time. Results do not depend on it.
+//! * `exact`, `strict` (default): all methods with these contracts but those below; `masked` is always there.
 //! * `classic`: the painter's algorithm, BSP trees and convex cells.
 //! * `terrain`: height fields, also larger than memory, and the floating horizon.
 //! * `laws`: the reference and the conformance checks.

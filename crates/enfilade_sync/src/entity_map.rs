@@ -231,10 +231,7 @@ impl EntityMap {
             let added = add(edit, &spawn, Arc::clone(mesh));
             added.map_err(|why| refused.push((entity, why))).ok()
         });
-        let mut by_box = || {
-            let mesh = Mesh::bounds_only(spawn.bounds.min, spawn.bounds.max).ok()?;
-            add(edit, &spawn, Arc::new(mesh)).ok()
-        };
+        let mut by_box = || add(edit, &spawn, Arc::new(mesh_of_box(&spawn.bounds)?)).ok();
         let representation = match by_mesh {
             Some(item) => Representation::Mesh(item),
             None => by_box().map_or(Representation::AlwaysVisible, Representation::Box),
@@ -274,4 +271,24 @@ fn add(edit: &mut Edit, spawn: &Spawn, mesh: Arc<Mesh>) -> Result<ItemId, EditEr
     };
     edit.set_options(sector, item, options)?;
     Ok(item)
+}
+
+/// Returns a mesh for a box, grown where it is flat; `None` if it is empty, not finite, or out of range.
+fn mesh_of_box(bounds: &Aabb) -> Option<Mesh> {
+    let flat = |axis: usize| bounds.min[axis] == bounds.max[axis];
+    let min = [0, 1, 2].map(|axis| {
+        if flat(axis) {
+            bounds.min[axis].next_down()
+        } else {
+            bounds.min[axis]
+        }
+    });
+    let max = [0, 1, 2].map(|axis| {
+        if flat(axis) {
+            bounds.max[axis].next_up()
+        } else {
+            bounds.max[axis]
+        }
+    });
+    Mesh::bounds_only(min, max).ok()
 }

@@ -114,15 +114,23 @@ impl Scene {
         Ok(self.keep(mesh))
     }
 
-    /// Adds a box, `bounds` its minimum and maximum, in place of a mesh that is unknown or changes: it hides nothing.
-    /// Returns its number.
+    /// Adds a box, `bounds` its minimum and maximum, in place of a mesh that is unknown or changes: it hides nothing. A flat
+    /// one grows a little. Returns its number.
     ///
     /// # Errors
     /// Returns the code of a [`MeshError`], or `web/length`.
     #[wasm_bindgen(js_name = addBox)]
     pub fn add_box(&mut self, bounds: &[f32]) -> Result<u32, JsValue> {
         check_length("the box", bounds.len(), 6)?;
-        let [min, max] = [0, 3].map(|first| [bounds[first], bounds[first + 1], bounds[first + 2]]);
+        let [mut min, mut max] = [0, 3].map(|first| [bounds[first], bounds[first + 1], bounds[first + 2]]);
+        let longest = (0..3).map(|axis| max[axis] - min[axis]).fold(0.0, f32::max);
+        for (low, high) in min.iter_mut().zip(&mut max) {
+            if low == high {
+                let grown = 1e-4 * longest.max(low.abs()).max(f32::MIN_POSITIVE);
+                *low -= grown;
+                *high += grown;
+            }
+        }
         let mesh = Mesh::bounds_only(min, max).map_err(mesh_error)?;
         Ok(self.keep(mesh))
     }

@@ -142,9 +142,8 @@ impl Mesh {
     /// method though none of its content is at any sample.
     ///
     /// # Errors
-    /// [`MeshError::EmptyCuboid`] if `min` is greater than `max` on an axis; [`MeshError::NotFinite`] and
-    /// [`MeshError::TooFar`] as [`Mesh::new`]. Where both are equal, as for a flat object, the box grows by the smallest
-    /// step on each side.
+    /// [`MeshError::EmptyCuboid`] unless `min` is less than `max` on every axis; [`MeshError::NotFinite`] and
+    /// [`MeshError::TooFar`] as [`Mesh::new`].
     #[doc(alias = "bounding box")]
     #[doc(alias = "bounding sphere")]
     pub fn bounds_only(min: [f32; 3], max: [f32; 3]) -> Result<Mesh, MeshError> {
@@ -157,14 +156,10 @@ impl Mesh {
             attributes: Attributes::default(),
         };
         check(0, &corners, &mut Vec::new())?;
-        if (0..3).any(|axis| max[axis] < min[axis]) {
+        if (0..3).any(|axis| max[axis] <= min[axis]) {
             return Err(MeshError::EmptyCuboid(min, max));
         }
-        let mut bounds = Aabb { min, max };
-        for axis in (0..3).filter(|&axis| min[axis] == max[axis]) {
-            bounds.min[axis] = min[axis].next_down();
-            bounds.max[axis] = max[axis].next_up();
-        }
+        let bounds = Aabb { min, max };
         let mut mesh = Mesh::nothing();
         mesh.clusters.push(Cluster {
             faces: 0..0,

@@ -645,7 +645,7 @@ test('a lost context changes nothing', { timeout: 60_000 }, async () => {
   await page.close();
 });
 
-test('the module works in a worker, and without SIMD', { timeout: 60_000 }, async () => {
+test('the module works in a worker', { timeout: 60_000 }, async () => {
   const { page, errors } = await browser.open('tests/page.html');
   const visible = await page.evaluate(async () => {
     const source = `

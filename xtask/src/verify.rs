@@ -43,6 +43,9 @@ pub(crate) struct Args {
     /// What `masked` tests at the end: boxes, faces, or faces at exact depths (resolved)
     #[arg(long, value_enum, default_value = "boxes")]
     tightness: TightnessArg,
+    /// How far `masked` grows the boxes that it tests, in pixels on each side
+    #[arg(long, default_value_t = 0.0)]
+    growth: f32,
     /// Number of random edits after every eighth view: items are added, removed, moved and changed
     #[arg(long, default_value_t = 0)]
     edits: usize,
@@ -150,6 +153,7 @@ pub(crate) fn open(name: &str) -> Result<Scene> {
 fn viewer(args: &Args) -> Viewer {
     let mut viewer = Viewer::new();
     viewer.options.cover_size = args.cover_size.as_ref().map(|size| [size[0], size[1]]);
+    viewer.options.growth_px = args.growth;
     viewer.options.tightness = match args.tightness {
         TightnessArg::Boxes => Tightness::Boxes,
         TightnessArg::Faces => Tightness::Faces,
@@ -160,7 +164,7 @@ fn viewer(args: &Args) -> Viewer {
 
 /// Returns the contract of a method for the requested cover size.
 fn contract(method: Method, args: &Args) -> Contract {
-    if args.cover_size.is_some() {
+    if args.cover_size.is_some() || args.growth > 0.0 {
         Contract::Conservative
     } else {
         method.contract()

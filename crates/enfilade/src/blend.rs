@@ -57,7 +57,7 @@ impl VisibleSet {
 
 /// Sorts the items of one passage back to front.
 fn far_to_near(items: &mut [VisibleItem], passage: &Passage, geometry: &Geometry) {
-    let eye = passage.eye();
+    let eye = passage.viewpoint();
     let away = |bounds: &Aabb| -> f64 {
         let middle = bounds.center();
         (0..3)

@@ -150,6 +150,7 @@ error_codes! {
         FieldOfView => "view/field-of-view",
         Sample => "view/sample",
         Near => "view/near",
+        Height => "view/height",
         Origin => "view/origin",
         Orientation => "view/orientation",
         Tangents => "view/tangents",

@@ -6,7 +6,8 @@ use crate::ids::{ItemIndex, OpeningId};
 use crate::mesh::Cluster;
 use crate::view::opening_view::OpeningView;
 use crate::view::passage::Passage;
-use glam::{DAffine3, DVec3};
+use crate::view::screen_map::ScreenMap;
+use glam::DVec3;
 
 /// A batch of faces with one mesh, one transform and one material, as plain arrays.
 #[doc(alias = "triangles")]
@@ -31,7 +32,7 @@ pub struct Faces<'a> {
     /// if unknown.
     pub(crate) neighbours: &'a [u8],
     /// Transform from the space of the positions to (X, Y, W).
-    pub(crate) screen_from_local: &'a DAffine3,
+    pub(crate) screen_from_local: &'a ScreenMap,
     /// Whether the item's transform is mirrored (negative determinant), which flips the winding test but not the front.
     /// A singular transform is not mirrored.
     pub(crate) mirrored: bool,
@@ -69,7 +70,7 @@ impl<'a> Faces<'a> {
         geometry: &'a Geometry,
         item: ItemIndex,
         number: u32,
-        screen_from_local: &'a DAffine3,
+        screen_from_local: &'a ScreenMap,
     ) -> Faces<'a> {
         let mesh = geometry.mesh_of(item);
         let Cluster { faces, positions, .. } = &mesh.clusters()[number as usize];
@@ -97,7 +98,7 @@ impl<'a> Faces<'a> {
     pub(crate) fn of_triangles(
         positions: &'a [[f32; 3]],
         corners: &'a [u32],
-        screen_from_local: &'a DAffine3,
+        screen_from_local: &'a ScreenMap,
     ) -> Faces<'a> {
         Faces {
             source: FaceSource::Item(ItemIndex(0), 0),
@@ -139,7 +140,7 @@ impl<'a> Faces<'a> {
         geometry: &'a Geometry,
         item: ItemIndex,
         face: u32,
-        screen_from_local: &'a DAffine3,
+        screen_from_local: &'a ScreenMap,
         cuts: &'a [Cut],
     ) -> Faces<'a> {
         let mesh = geometry.mesh_of(item);
@@ -189,16 +190,18 @@ impl<'a> Faces<'a> {
         if passage.flat || geometry.openings().is_empty() {
             return;
         }
-        geometry.opening_tree().walk(passage.eye(), |step| match step {
-            Step::Node(bounds) => passage.region_around_openings(bounds).is_some(),
-            Step::Thing(opening) => {
-                let opening = OpeningId(opening as u16);
-                if let Some(view) = passage.view_of(geometry, opening) {
-                    each(&Faces::of_opening(geometry, opening, &view));
+        geometry
+            .opening_tree()
+            .walk(passage.viewpoint(), |step| match step {
+                Step::Node(bounds) => passage.region_around_openings(bounds).is_some(),
+                Step::Thing(opening) => {
+                    let opening = OpeningId(opening as u16);
+                    if let Some(view) = passage.view_of(geometry, opening) {
+                        each(&Faces::of_opening(geometry, opening, &view));
+                    }
+                    true
                 }
-                true
-            }
-        });
+            });
     }
 
     /// Returns the sign of the determinant of a front-facing face's first three corners as (X, Y, W); 0 for
@@ -208,7 +211,7 @@ impl<'a> Faces<'a> {
     /// rounding.
     #[inline(always)]
     pub(crate) fn front(&self, passage: &Passage) -> f64 {
-        let turned = self.mirrored != (passage.screen_from_sector.matrix3.determinant() < 0.0);
+        let turned = self.mirrored != passage.screen_from_sector.is_mirrored();
         match (self.double_sided, turned) {
             (true, _) => 0.0,
             (false, true) => 1.0,

@@ -162,8 +162,9 @@ impl Look<'_> {
     }
 
     /// Gathers the items visible through a passage, and draws its opaque faces. Its openings are followed next.
-    fn pass(&mut self, passage: Passage) {
+    fn pass(&mut self, mut passage: Passage) {
         let scene = self.scene;
+        passage.fit(&scene.sector(passage.sector).bounds());
         let own = scene.sector(passage.sector).contract(&self.options);
         let id = PassageId(self.set.passages.len() as u32);
         self.set

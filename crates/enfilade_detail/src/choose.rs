@@ -90,7 +90,12 @@ impl Details {
 /// portal.
 fn beginnings(scene: &Scene, passage: &Passage) -> [Option<Aabb>; 2] {
     let [width, height] = passage.size.map(f64::from);
-    let near = f64::from(passage.z_near);
+    // Rays of a parallel view begin in the near plane.
+    let near = if passage.is_parallel() {
+        0.0
+    } else {
+        f64::from(passage.z_near)
+    };
     let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]].map(|corner| {
         let [eye, toward] = passage.ray(corner);
         [0, 1, 2].map(|axis| (eye[axis] + near * toward[axis]) as f32)

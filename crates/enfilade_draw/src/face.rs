@@ -2,7 +2,8 @@
 //!
 //! The ray through sample (x, y) meets the face's plane at eye + d·o/(n·d), with a direction d that is linear in x and
 //! y. So an attribute that varies linearly over the face is, in screen space, a constant plus a quotient of two linear
-//! functions, with exact derivatives.
+//! functions, with exact derivatives. In a parallel view the origin of the ray is linear and the direction constant, and so
+//! the divisor is.
 //! Source: Heckbert, Fundamentals of texture mapping and image warping, 1989, section 2 (projective mappings).
 
 use crate::lamps::{CutBy, PassageLight};
@@ -12,13 +13,16 @@ use enfilade::{Alpha, Geometry, ItemIndex, Passage, Surface, Transform};
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
-/// Camera rays of the current passage: origin, direction at sample (0, 0), and the direction's step per column and row.
+/// Camera rays of the current passage: the eye, direction at sample (0, 0), and the direction's step per column and row; in
+/// a parallel view, those of the origin, relative to the eye.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Rays {
     pub(crate) eye: DVec3,
     corner: DVec3,
     right: DVec3,
     down: DVec3,
+    /// Direction of all rays, if the view is parallel.
+    ahead: Option<DVec3>,
     /// Opposite to the view direction, unit length.
     pub(crate) back: Vec3,
 }
@@ -74,19 +78,51 @@ pub(crate) struct Face<'s> {
 
 impl Rays {
     pub(crate) fn new(passage: &Passage) -> Rays {
-        let direction = |at| DVec3::from(passage.ray(at)[1]);
-        let corner = direction([0.5, 0.5]);
+        let eye = DVec3::from(passage.eye());
+        let is_parallel = passage.is_parallel();
+        let varying = |at| {
+            let [origin, direction] = passage.ray(at).map(DVec3::from);
+            if is_parallel { origin - eye } else { direction }
+        };
+        let corner = varying([0.5, 0.5]);
         let sector_from_eye = passage.eye_from_sector().inverse().unwrap_or(Transform::IDENTITY);
         Rays {
-            eye: passage.eye().into(),
+            eye,
             corner,
-            right: direction([1.5, 0.5]) - corner,
-            down: direction([0.5, 1.5]) - corner,
+            right: varying([1.5, 0.5]) - corner,
+            down: varying([0.5, 1.5]) - corner,
+            ahead: is_parallel.then(|| passage.ray([0.5, 0.5])[1].into()),
             back: Vec3::from(sector_from_eye.direction([0.0, 0.0, 1.0])).normalize_or_zero(),
         }
     }
 
-    /// Returns the dot product of a vector with each sample's ray direction.
+    /// Returns the dot product of a normal with each sample's ray direction.
+    fn facing(&self, normal: DVec3) -> Linear {
+        match self.ahead {
+            Some(ahead) => Linear {
+                corner: normal.dot(ahead),
+                ..Linear::default()
+            },
+            None => self.along(normal),
+        }
+    }
+
+    /// Returns the position where each sample's ray meets a face, times the face's `facing`: the dot product of a vector
+    /// with that. The face's plane is `normal` · p = `off`.
+    fn over(&self, vector: DVec3, normal: DVec3, off: f64) -> Linear {
+        let Some(ahead) = self.ahead else {
+            return self.along(vector).times(off);
+        };
+        // s + d (off − n · s) / (n · d), with the origin s and the direction d.
+        let [steepness, facing] = [vector.dot(ahead), normal.dot(ahead)];
+        let sum = self.along(vector * facing - normal * steepness);
+        Linear {
+            corner: sum.corner + steepness * off,
+            ..sum
+        }
+    }
+
+    /// Returns the dot product of a vector with what varies.
     fn along(&self, vector: DVec3) -> Linear {
         Linear {
             corner: vector.dot(self.corner),
@@ -95,20 +131,31 @@ impl Rays {
         }
     }
 
-    /// Returns the steps on a face from a sample to the next one right and down. `direction` is the sample's ray, which
-    /// meets the face at `direction` times `along`; `slopes` are the steps of the face's `facing` relative to it.
+    /// Returns the position where the ray of sample (x, y) meets a face, relative to the eye, and the steps on the face from
+    /// there to the next sample right and down. `facing` is the value of the face's [`Face::facing`] at the sample, `slopes`
+    /// its steps.
     #[inline]
-    pub(crate) fn steps(&self, direction: Vec3, along: f32, slopes: [f32; 2]) -> [Vec3; 2] {
-        [
-            (self.right.as_vec3() - direction * slopes[0]) * along,
-            (self.down.as_vec3() - direction * slopes[1]) * along,
-        ]
-    }
-
-    /// Returns the ray direction of sample (x, y).
-    #[inline]
-    pub(crate) fn direction(&self, [x, y]: [u16; 2]) -> Vec3 {
-        (self.corner + self.right * f64::from(x) + self.down * f64::from(y)).as_vec3()
+    pub(crate) fn point(
+        &self,
+        face: &Face,
+        [x, y]: [u16; 2],
+        per_facing: f32,
+        slopes: [f32; 2],
+    ) -> (Vec3, [Vec3; 2]) {
+        let varying = (self.corner + self.right * f64::from(x) + self.down * f64::from(y)).as_vec3();
+        let [right, down] = [self.right, self.down].map(|step| step.as_vec3());
+        match self.ahead {
+            None => {
+                let along = face.off * per_facing;
+                let step = |step: Vec3, slope: f32| (step - varying * (slope * per_facing)) * along;
+                (varying * along, [step(right, slopes[0]), step(down, slopes[1])])
+            }
+            Some(ahead) => {
+                let ahead = ahead.as_vec3() * per_facing;
+                let onto = |at: Vec3, off: f32| at + ahead * (off - face.normal.dot(at));
+                (onto(varying, face.off), [onto(right, 0.0), onto(down, 0.0)])
+            }
+        }
     }
 }
 
@@ -142,7 +189,8 @@ impl<'s> Face<'s> {
     pub(crate) fn plain(surface: &Surface, rays: &Rays) -> Face<'s> {
         let point = DVec3::from(surface.point.map(f64::from)) - rays.eye;
         let front = DVec3::from(surface.normal.map(f64::from));
-        let normal = if point.dot(front) > 0.0 { -front } else { front };
+        let away = rays.ahead.unwrap_or(point);
+        let normal = if away.dot(front) > 0.0 { -front } else { front };
         Face {
             color: surface.color,
             emission: Vec3::ZERO,
@@ -152,7 +200,7 @@ impl<'s> Face<'s> {
             texture: None,
             glow: None,
             normal: normal.as_vec3(),
-            facing: rays.along(normal),
+            facing: rays.facing(normal),
             off: normal.dot(point) as f32,
             uv: None,
             normals: None,
@@ -190,7 +238,8 @@ impl<'s> Face<'s> {
             linear(position) + columns[3] - rays.eye
         };
         let positions: SmallVec<[DVec3; 8]> = corners.iter().map(from_eye).collect();
-        let Some(slopes) = Slopes::of(&positions, rays, f64::from(made.off)) else {
+        let plane = (made.normal.as_dvec3(), f64::from(made.off));
+        let Some(slopes) = Slopes::of(&positions, rays, plane) else {
             return made;
         };
         let of =
@@ -234,12 +283,13 @@ struct Slopes<'r> {
     /// Gradients of the barycentric coordinates of the second and the third corner.
     along: [DVec3; 2],
     rays: &'r Rays,
-    off: f64,
+    /// The face's plane n · p = d.
+    plane: (DVec3, f64),
 }
 
 impl Slopes<'_> {
     /// Returns `None` for a face without area.
-    fn of<'r>(positions: &[DVec3], rays: &'r Rays, off: f64) -> Option<Slopes<'r>> {
+    fn of<'r>(positions: &[DVec3], rays: &'r Rays, plane: (DVec3, f64)) -> Option<Slopes<'r>> {
         let first = positions[0];
         // The largest triangle of the fan about the first corner.
         let pairs = (1..positions.len() - 1).map(|second| [second, second + 1]);
@@ -258,7 +308,7 @@ impl Slopes<'_> {
             first,
             along,
             rays,
-            off,
+            plane,
         })
     }
 
@@ -266,7 +316,7 @@ impl Slopes<'_> {
         let slope = self.along[0] * (second - first) + self.along[1] * (third - first);
         Varying {
             base: (first - slope.dot(self.first)) as f32,
-            over: self.rays.along(slope).times(self.off),
+            over: self.rays.over(slope, self.plane.0, self.plane.1),
         }
     }
 }

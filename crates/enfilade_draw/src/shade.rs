@@ -108,16 +108,10 @@ impl<'a, 's> Row<'a, 's> {
         let light = self.light;
         let mut sum = light.daylight.at(normal, light.rays.back);
         if !face.lights.is_empty() {
-            let direction = light.rays.direction([x, self.y]);
-            let along = face.off * per_facing;
-            let steps = if face.is_cut {
-                let slopes = [self.facing.right, self.facing.down].map(|slope| slope * per_facing);
-                light.rays.steps(direction, along, slopes)
-            } else {
-                [Vec3::ZERO; 2]
-            };
+            let slopes = [self.facing.right, self.facing.down];
+            let (point, steps) = light.rays.point(face, [x, self.y], per_facing, slopes);
             let at = |&(number, cut): &(u16, CutBy)| {
-                light.lights[usize::from(number)].at(direction * along, normal, cut, steps)
+                light.lights[usize::from(number)].at(point, normal, cut, steps)
             };
             let lamps: Vec3 = face.lights.iter().map(at).sum();
             sum += lamps * light.tone.exposure;

@@ -3,7 +3,7 @@
 //! Most scenes have positions on a coarse grid, so that faces, openings and eyes share planes, edges and corners. The
 //! whole scene is then scaled, rotated and translated: tiny, huge, or far from the origin, because coordinates are f32.
 
-use crate::engine_view::engine_view;
+use crate::engine_view::{engine_view, oblique_view, parallel_view};
 use crate::random::Random;
 use enfilade::{
     Alpha, Camera, ConvexPolygon, Geometry, GeometryBuilder, Material, MaterialId, Mesh, Method, OpeningId,
@@ -467,10 +467,11 @@ fn view(rooms: &[(SectorId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, rand
     if random.once_in(4) {
         camera.z_near = Some(random.pick(&[1e-6, 1e-4, 0.05, 0.5]) * world.scale);
     }
-    let view = if random.once_in(3) {
-        engine_view(&camera, size, random)
-    } else {
-        camera.view(size).expect("two points and a field of view")
+    let view = match random.below(6) {
+        0 | 1 => engine_view(&camera, size, random),
+        2 => parallel_view(&camera, size, random),
+        3 => oblique_view(&camera, size, random),
+        _ => camera.view(size).expect("two points and a field of view"),
     };
     if random.once_in(4) {
         let sample = View::FOUR_SAMPLES[random.below(4)];

@@ -131,7 +131,10 @@ impl Paints for Horizon {
 
 /// Returns `true` if the sector's up axis, projected at the centre of `rect`, is closer to horizontal than to vertical.
 fn is_up_horizontal(passage: &Passage, rect: &Rect) -> bool {
-    let DVec3 { x, y, z } = passage.screen_from_sector.transform_vector3(DVec3::Y);
+    let DVec3 { x, y, z } = passage.screen_from_sector.linear.transform_vector3(DVec3::Y);
+    if passage.is_parallel() {
+        return x.abs() > y.abs();
+    }
     let middle = [
         0.5 * (f64::from(rect.x0) + f64::from(rect.x1)),
         0.5 * (f64::from(rect.y0) + f64::from(rect.y1)),

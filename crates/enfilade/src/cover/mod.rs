@@ -48,7 +48,7 @@ use crate::view::canvas::{Canvas, CoverShape};
 use crate::view::collector::Collector;
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
-use glam::DAffine3;
+use crate::view::screen_map::ScreenMap;
 
 /// Keeps [`Cover`] and its parameters from being implemented elsewhere.
 mod sealed {
@@ -102,7 +102,7 @@ pub trait Cover: sealed::Sealed + Default + Send + 'static {
     fn test_local(
         &mut self,
         passage: &Passage,
-        screen_from_local: &DAffine3,
+        screen_from_local: &ScreenMap,
         bounds: &Aabb,
     ) -> Option<Visibility> {
         Region::of(passage, screen_from_local, bounds).map(|region| self.test(&region))
@@ -185,7 +185,7 @@ pub trait Hides: Cover + Sync {
     ///
     /// Called for many boxes before each occluder is inserted, so implementations should use a cheap test.
     /// `screen_from_local` maps the space of `bounds` to (X, Y, W).
-    fn hides(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
+    fn hides(&mut self, passage: &Passage, screen_from_local: &ScreenMap, bounds: &Aabb) -> bool {
         let visibility = self.test_local(passage, screen_from_local, bounds);
         visibility.is_none_or(|visibility| visibility == Visibility::Hidden)
     }

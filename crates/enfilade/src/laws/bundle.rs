@@ -1,14 +1,16 @@
-//! Bundles of rays with a common origin; intersection with AABBs and triangles.
+//! Bundles of rays with nearly the same origin and direction; intersection with AABBs and triangles.
 
 use crate::geom::Aabb;
 use glam::{DAffine3, DVec3};
 
-/// Rays with a common origin and nearly the same direction. A ray's parameter is the distance along the view direction
-/// and is the same in every space.
+/// Rays with a common origin and nearly the same direction, or, in a parallel view, with nearly the same origin and a
+/// common direction. A ray's parameter is the distance along the view direction and is the same in every space.
 #[derive(Clone, Copy)]
 pub(super) struct Bundle<const N: usize> {
     pub(super) origin: DVec3,
     pub(super) directions: [DVec3; N],
+    /// From `origin` to the origin of each ray; `None` if all are zero.
+    pub(super) offsets: Option<[DVec3; N]>,
 }
 
 /// Interval of 1 / direction on each axis; `None` if the directions differ in sign or one of them is 0.
@@ -22,7 +24,15 @@ impl<const N: usize> Bundle<N> {
             directions: self
                 .directions
                 .map(|direction| there_from_here.transform_vector3(direction)),
+            offsets: self
+                .offsets
+                .map(|all| all.map(|offset| there_from_here.transform_vector3(offset))),
         }
+    }
+
+    /// Returns the origin of ray `ray`.
+    pub(super) fn origin_of(&self, ray: usize) -> DVec3 {
+        self.origin + self.offsets.map_or(DVec3::ZERO, |all| all[ray])
     }
 
     pub(super) fn slopes(&self) -> Slopes {
@@ -45,10 +55,15 @@ impl<const N: usize> Bundle<N> {
     #[inline]
     pub(super) fn enters(&self, slopes: &Slopes, bounds: &Aabb, limit: f64) -> Option<f64> {
         let [mut enter, mut leave] = [0.0_f64, limit];
+        let reach = self.offsets.map_or(DVec3::ZERO, |all| {
+            all.iter()
+                .fold(DVec3::ZERO, |reach, offset| reach.max(offset.abs()))
+        });
         for axis in 0..3 {
             let Some([a, b]) = slopes.0[axis] else { continue };
             let [low, high] =
                 [bounds.min[axis], bounds.max[axis]].map(|side| f64::from(side) - self.origin[axis]);
+            let [low, high] = [low - reach[axis], high + reach[axis]];
             let [first, last] = if a > 0.0 { [low, high] } else { [high, low] };
             enter = enter.max((first * a).min(first * b));
             leave = leave.min((last * a).max(last * b));
@@ -63,7 +78,7 @@ impl<const N: usize> Bundle<N> {
         let [mut enter, mut leave] = [f64::NEG_INFINITY, f64::INFINITY];
         for axis in 0..3 {
             let sides = [bounds.min[axis], bounds.max[axis]];
-            let [low, high] = sides.map(|side| f64::from(side) - self.origin[axis]);
+            let [low, high] = sides.map(|side| f64::from(side) - self.origin_of(ray)[axis]);
             let direction = self.directions[ray][axis];
             if direction != 0.0 {
                 let [a, b] = [low / direction, high / direction];
@@ -81,7 +96,7 @@ impl<const N: usize> Bundle<N> {
     #[inline]
     pub(super) fn meets(&self, ray: usize, [a, b, c]: [DVec3; 3]) -> Option<(f64, bool)> {
         let direction = self.directions[ray];
-        let [ab, ac, from_a] = [b - a, c - a, self.origin - a];
+        let [ab, ac, from_a] = [b - a, c - a, self.origin_of(ray) - a];
         let p = direction.cross(ac);
         let determinant = ab.dot(p);
         if determinant == 0.0 {

@@ -49,7 +49,7 @@ impl Outline {
 
     /// Intersects a ray of the bundle with the front of the opening.
     pub(super) fn entered<const N: usize>(&self, bundle: &Bundle<N>, ray: usize) -> Option<Entered> {
-        let origin = bundle.origin;
+        let origin = bundle.origin_of(ray);
         let distance = self.normal.dot(origin - self.corners[0]);
         let magnitude = self.magnitude.max(origin.abs().max_element());
         let in_plane = self.bend + magnitude * 2.0_f64.powi(-40);
@@ -102,8 +102,9 @@ impl Outline {
         if self.bend == 0.0 || back <= 0.0 {
             return hit.map(|w| (w, true));
         }
-        let w = self.normal.dot(bundle.origin - self.corners[0]) / back;
-        let inside = self.inside(bundle.origin + direction * w);
+        let origin = bundle.origin_of(ray);
+        let w = self.normal.dot(origin - self.corners[0]) / back;
+        let inside = self.inside(origin + direction * w);
         let slide = self.bend * direction.length() / back;
         (hit.is_some() || inside >= -slide).then_some((hit.unwrap_or(w), inside > slide))
     }
@@ -127,6 +128,7 @@ mod tests {
         let bundle = Bundle {
             origin,
             directions: [DVec3::new(x, y, 0.0) - origin],
+            offsets: None,
         };
         outline.entered(&bundle, 0).map(|entered| entered.sure)
     }

@@ -15,7 +15,7 @@ use crate::ids::{ItemIndex, OpeningId, SectorId};
 use crate::scene::Scene;
 use crate::view::View;
 use crate::view::options::Limits;
-use glam::DAffine3;
+use glam::{DAffine3, DVec4};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
@@ -54,10 +54,11 @@ impl Reference {
     /// Traces five rays through each sample of a view, on all threads of the current rayon pool. `limits` must be those
     /// of the viewers under test.
     pub fn see(&self, scene: &Scene, view: &View, limits: &Limits) -> Truth {
-        let lens = Lens::new(view);
+        let lens = Lens::new(scene, view);
         let rows = self.rows(
             scene,
             view,
+            &lens,
             limits,
             |tracer, pixel, row: &mut RowTruth| {
                 row.sample(tracer.along(lens.about_centre(pixel), RAYS));
@@ -70,10 +71,11 @@ impl Reference {
     /// Traces one ray through each of `places` random positions per pixel, chosen by `seed`: every item hit must be in
     /// the visible set of a strict method. The result cannot check a picture.
     pub fn see_anywhere(&self, scene: &Scene, view: &View, limits: &Limits, places: u32, seed: u64) -> Truth {
-        let lens = Lens::new(view);
+        let lens = Lens::new(scene, view);
         let rows = self.rows(
             scene,
             view,
+            &lens,
             limits,
             |tracer, pixel, row: &mut RowTruth| {
                 let mut chance = of_pixel(seed, pixel);
@@ -94,10 +96,11 @@ impl Reference {
     /// Finds the alpha-blended and alpha-tested layers in front of the opaque surface at each sample of a view, in
     /// order.
     pub fn layers(&self, scene: &Scene, view: &View, limits: &Limits) -> Layers {
-        let lens = Lens::new(view);
+        let lens = Lens::new(scene, view);
         let rows = self.rows(
             scene,
             view,
+            &lens,
             limits,
             |tracer, pixel, layers: &mut Layers| {
                 layers.sample(tracer.along(lens.about_centre(pixel), RAYS));
@@ -113,6 +116,7 @@ impl Reference {
         &self,
         scene: &Scene,
         view: &View,
+        lens: &Lens,
         limits: &Limits,
         pixel: impl Fn(&mut RowTracer<'_, N>, [u32; 2], &mut T) + Sync,
         settle: impl Fn(&mut T) + Sync,
@@ -125,7 +129,9 @@ impl Reference {
                 reference: self,
                 scene,
                 limits,
-                near: f64::from(view.z_near()),
+                near: lens.near,
+                oblique: lens.oblique,
+                is_parallel: view.is_parallel(),
                 sector,
                 chains: Chains::default(),
                 rays: std::array::from_fn(|_| RayResult::default()),
@@ -156,6 +162,9 @@ struct RowTracer<'a, const N: usize> {
     scene: &'a Scene,
     limits: &'a Limits,
     near: f64,
+    /// Oblique near plane, in the space of the eye's sector.
+    oblique: Option<DVec4>,
+    is_parallel: bool,
     /// Sector of the eye.
     sector: SectorId,
     chains: Chains,
@@ -201,17 +210,34 @@ impl<const N: usize> RowTracer<'_, N> {
             ray.glass.clear();
             ray.bounds.clear();
         }
+        // Openings are not clipped at the near plane of a perspective view: one that contains the eye must stay open.
+        let start = if self.is_parallel { self.near } else { 0.0 };
+        let mut entry = [[start; 2]; N];
+        let mut active = std::array::from_fn(|ray| ray < used);
+        if let Some(plane) = self.oblique {
+            for ray in 0..N {
+                let [origin, direction] = [bundle.origin_of(ray), bundle.directions[ray]];
+                let [at, slope] = [plane.dot(origin.extend(1.0)), plane.truncate().dot(direction)];
+                entry[ray] = [-at / slope; 2];
+                // Rays along the plane see nothing behind it.
+                active[ray] &= slope > 0.0;
+            }
+        }
+        let chain = Chain {
+            id: ChainId::default(),
+            sector: self.sector,
+        };
         self.pending.push(TracedBundle {
-            chain: Chain {
-                id: ChainId::default(),
-                sector: self.sector,
-            },
+            chain,
             bundle,
-            active: std::array::from_fn(|ray| ray < used),
+            active,
             certain: [true; N],
-            entry: [[0.0; 2]; N],
+            entry,
             depth: 0,
         });
+        for ray in (0..used).filter(|&ray| !self.pending[0].active[ray]) {
+            self.rays[ray].possible.push(Possible { chain, owner: None });
+        }
         while let Some(way) = self.pending.pop() {
             self.follow(&way);
         }
@@ -338,7 +364,7 @@ fn meet_openings<const N: usize>(way: &TracedBundle<N>, trees: &Trees, hits: &mu
             // Not clipped at the near plane: an opening that contains the eye must stay open.
             let [first, last] = way.entry[ray];
             if w[1] >= first * (1.0 - EPSILON) {
-                let certain = sure && (way.depth == 0 || w[0] > last * (1.0 + EPSILON));
+                let certain = sure && (last == 0.0 || w[0] > last * (1.0 + EPSILON));
                 let meeting = Meeting {
                     ray,
                     w,

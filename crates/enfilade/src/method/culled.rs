@@ -22,7 +22,7 @@ use crate::view::memory::Memory;
 use crate::view::options::Tightness;
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
-use glam::DAffine3;
+use crate::view::screen_map::ScreenMap;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
 
@@ -208,7 +208,7 @@ impl<C: Hides> OcclusionTest for SampleCover<'_, C> {
     fn test_local(
         &mut self,
         passage: &Passage,
-        screen_from_local: &DAffine3,
+        screen_from_local: &ScreenMap,
         bounds: &Aabb,
     ) -> Option<Visibility> {
         self.cover.test_local(passage, screen_from_local, bounds)

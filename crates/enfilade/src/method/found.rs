@@ -12,7 +12,7 @@ use crate::view::collector::{Collector, FoundClusters, FoundPart};
 use crate::view::memory::{Marks, Memory};
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
-use glam::DAffine3;
+use crate::view::screen_map::ScreenMap;
 
 /// The occlusion test of a traversal: a cover at the resolution of samples or of cells.
 pub(super) trait OcclusionTest {
@@ -27,7 +27,7 @@ pub(super) trait OcclusionTest {
     fn test_local(
         &mut self,
         passage: &Passage,
-        screen_from_local: &DAffine3,
+        screen_from_local: &ScreenMap,
         bounds: &Aabb,
     ) -> Option<Visibility> {
         Region::of(passage, screen_from_local, bounds).map(|region| self.test(&region))
@@ -134,7 +134,7 @@ impl<A: OcclusionTest> Walk<'_, A> {
     }
 
     /// Tests a cluster, by its box and, if the occlusion test does, its faces, against the complete cover.
-    fn sees_cluster(&mut self, item: ItemIndex, cluster: u32, screen_from_item: &DAffine3) -> bool {
+    fn sees_cluster(&mut self, item: ItemIndex, cluster: u32, screen_from_item: &ScreenMap) -> bool {
         let bounds = &self.geometry.mesh_of(item).clusters()[cluster as usize].bounds;
         let Some(region) = Region::of(self.passage, screen_from_item, bounds) else {
             return false;
@@ -184,7 +184,7 @@ impl<A: OcclusionTest> Walk<'_, A> {
 
     fn retest_clusters(&mut self, clusters: &mut FoundClusters) {
         let mut last = None;
-        let mut screen_from_item = DAffine3::IDENTITY;
+        let mut screen_from_item = ScreenMap::IDENTITY;
         let mut seen = false;
         clusters.retain_by_item(|item, part| {
             if last != Some(item) {
@@ -263,7 +263,7 @@ impl<A: OcclusionTest> Walk<'_, A> {
     /// with fewer, sorted.
     fn retest_boxes(&mut self, clusters: &mut FoundClusters, few: &mut Vec<ItemIndex>) {
         let (mut last, mut faces) = (None, 0);
-        let mut screen_from_item = DAffine3::IDENTITY;
+        let mut screen_from_item = ScreenMap::IDENTITY;
         clusters.retain_by_item(|item, part| {
             if last != Some(item) {
                 (last, faces) = (Some(item), 0);
@@ -306,7 +306,7 @@ impl<A: OcclusionTest> Walk<'_, A> {
         item: ItemIndex,
         node: u32,
         clusters: &[u32],
-        screen_from_item: &DAffine3,
+        screen_from_item: &ScreenMap,
     ) -> bool {
         let bounds = self.geometry.mesh_of(item).tree().bounds(node);
         let region = Region::of(self.passage, screen_from_item, bounds);
@@ -360,7 +360,7 @@ impl<A: OcclusionTest> Walk<'_, A> {
 /// The item whose faces are tested.
 struct TestedItem {
     item: ItemIndex,
-    screen_from_item: DAffine3,
+    screen_from_item: ScreenMap,
     /// `Partial` if it is doubtful so far.
     visibility: Visibility,
 }
@@ -371,7 +371,7 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
         self.count(visibility)
     }
 
-    fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Visibility {
+    fn enter_box(&mut self, passage: &Passage, screen_from_local: &ScreenMap, bounds: &Aabb) -> Visibility {
         match self.occlusion.test_local(passage, screen_from_local, bounds) {
             Some(visibility) => self.count(visibility),
             None => Visibility::Hidden,
@@ -437,7 +437,7 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
         }
     }
 
-    fn cluster(&mut self, geometry: &Geometry, item: ItemIndex, cluster: u32, screen_from_item: &DAffine3) {
+    fn cluster(&mut self, geometry: &Geometry, item: ItemIndex, cluster: u32, screen_from_item: &ScreenMap) {
         if A::TAKES_FACES {
             self.faces(&Faces::of_cluster(geometry, item, cluster, screen_from_item));
         } else {
@@ -445,7 +445,7 @@ impl<A: OcclusionTest> Visit for Walk<'_, A> {
         }
     }
 
-    fn whole(&mut self, geometry: &Geometry, item: ItemIndex, screen_from_item: &DAffine3) {
+    fn whole(&mut self, geometry: &Geometry, item: ItemIndex, screen_from_item: &ScreenMap) {
         if A::TAKES_FACES {
             for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
                 self.cluster(geometry, item, cluster, screen_from_item);

@@ -19,7 +19,8 @@ use crate::geometry::Geometry;
 use crate::ids::ItemIndex;
 use crate::ranked::Ranked;
 use crate::view::passage::Passage;
-use glam::{DAffine3, DVec3};
+use crate::view::screen_map::ScreenMap;
+use glam::DVec3;
 use std::collections::BinaryHeap;
 
 /// An occluder selected for a view.
@@ -160,7 +161,7 @@ impl OccluderSet {
             for index in first..end {
                 let polygon = &self.polygons[index as usize];
                 let value = self
-                    .eye_height(polygon, placed.eye)
+                    .eye_height(polygon, placed.eye, placed.back)
                     .filter(|_| item.transform().inverse().is_some())
                     .and_then(|_| chooser.value(&placed, polygon, &mut corners));
                 all.extend(value.map(|value| SelectedOccluder {
@@ -198,7 +199,7 @@ impl SelectionRun<'_> {
     /// hide.
     pub(crate) fn next(
         &mut self,
-        mut may_be_seen: impl FnMut(&DAffine3, &Aabb) -> bool,
+        mut may_be_seen: impl FnMut(&ScreenMap, &Aabb) -> bool,
     ) -> Option<SelectedOccluder> {
         let SelectionRun { chooser, choice } = self;
         let Chooser {
@@ -325,7 +326,7 @@ impl Chooser<'_> {
         for &polygon in mesh.tree.things(node) {
             let index = mesh.polygons[0] + polygon;
             let polygon = &self.set.polygons[index as usize];
-            if self.set.eye_height(polygon, placed.eye).is_some() {
+            if self.set.eye_height(polygon, placed.eye, placed.back).is_some() {
                 let bound = bound(&polygon.bounds, polygon.area);
                 choice.push(bound, QueueTarget::Polygon { entered, index });
             }

@@ -10,8 +10,9 @@ use super::{OccluderSet, Polygon, cofactor, greatest_stretch};
 use crate::geom::Aabb;
 use crate::geometry::Geometry;
 use crate::ids::ItemIndex;
-use crate::view::passage::{Passage, eye_in};
+use crate::view::passage::Passage;
 use crate::view::region::{Region, Volume};
+use crate::view::screen_map::ScreenMap;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 /// Measure by which occluders are ranked for selection; larger is better.
@@ -34,7 +35,7 @@ const LEAST_PIXELS: f64 = 16.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EnteredItem {
     pub(super) item: ItemIndex,
-    pub(super) screen_from_item: DAffine3,
+    pub(super) screen_from_item: ScreenMap,
     sector_from_item: DAffine3,
     /// Maps area vectors (area times normal) to sector space.
     areas: DMat3,
@@ -44,6 +45,8 @@ pub(super) struct EnteredItem {
     pub(super) eye: DVec3,
     /// Upper bound of the factor by which the map from sector to object space lengthens a vector.
     pub(super) shrink: f64,
+    /// Direction towards the viewer of a parallel view, in the item's space.
+    pub(super) back: Option<DVec3>,
 }
 
 impl EnteredItem {
@@ -57,7 +60,8 @@ impl EnteredItem {
             screen_from_item,
             areas,
             stretch: greatest_stretch(areas) * ROUND_UP,
-            eye: eye_in(&screen_from_item),
+            eye: screen_from_item.eye(),
+            back: screen_from_item.parallel_back(),
             shrink: greatest_stretch(sector_from_item.0.matrix3.inverse()) * ROUND_UP,
             sector_from_item: sector_from_item.0,
         }
@@ -78,7 +82,8 @@ pub(super) struct Chooser<'a> {
     measure: OccluderMeasure,
     /// Eye position in sector space.
     pub(super) eye: DVec3,
-    /// Upper bound of the projected area, in pixels, of an area of 1 at distance 1 along the view direction.
+    /// Upper bound of the projected area, in pixels, of an area of 1 at distance 1 along the view direction; in a parallel
+    /// view, at any distance.
     pixels: f64,
 }
 
@@ -90,7 +95,8 @@ impl<'a> Chooser<'a> {
         passage: &'a Passage,
         measure: OccluderMeasure,
     ) -> Chooser<'a> {
-        let screen_from_eye = passage.screen_from_eye();
+        let lens = passage.lens();
+        let screen_from_eye = lens.screen_from_eye.matrix3;
         let eye_from_screen = screen_from_eye.inverse();
         let rect = passage.aperture.rect();
         // Areas project largest in the corner of the aperture that is farthest from the view direction.
@@ -106,13 +112,18 @@ impl<'a> Chooser<'a> {
             .fold(1.0, f64::max);
         // Portals may scale.
         let scale = greatest_stretch(passage.eye_from_sector().0.matrix3);
+        let pixels = if lens.is_parallel {
+            screen_from_eye.row(0).cross(screen_from_eye.row(1)).length()
+        } else {
+            screen_from_eye.determinant().abs() * secant
+        };
         Chooser {
             set,
             geometry,
             passage,
             measure,
-            eye: eye_in(&passage.screen_from_sector),
-            pixels: screen_from_eye.determinant().abs() * secant * scale * scale * ROUND_UP,
+            eye: passage.screen_from_sector.eye(),
+            pixels: pixels * scale * scale * ROUND_UP,
         }
     }
 
@@ -122,7 +133,7 @@ impl<'a> Chooser<'a> {
     /// `eye` is in the space of the box; one unit of that space is at least `shrink`⁻¹ units of the sector.
     pub(super) fn bound(
         &self,
-        screen_from_local: &DAffine3,
+        screen_from_local: &ScreenMap,
         bounds: &Aabb,
         area: f64,
         eye: DVec3,
@@ -141,10 +152,13 @@ impl<'a> Chooser<'a> {
     }
 
     /// Computes [`Chooser::bound`] for [`OccluderMeasure::ProjectedArea`].
-    fn bound_pixels(&self, screen_from_local: &DAffine3, bounds: &Aabb, area: f64) -> Option<f64> {
+    fn bound_pixels(&self, screen_from_local: &ScreenMap, bounds: &Aabb, area: f64) -> Option<f64> {
         let clip = self.passage.into();
         let region = Region::within(&clip, screen_from_local, bounds)?;
-        let nearest = f64::from(region.nearest).min(1.0 / clip.near);
+        let nearest = match screen_from_local.is_parallel {
+            true => 1.0,
+            false => f64::from(region.nearest).min(1.0 / clip.near),
+        };
         // The rectangle counts samples; half a pixel beyond the outermost ones on each side belongs to the area.
         let side = |from: u16, to: u16| f64::from(to.saturating_sub(from)) + 2.0;
         let rect = side(region.rect.x0, region.rect.x1) * side(region.rect.y0, region.rect.y1);
@@ -157,23 +171,33 @@ impl<'a> Chooser<'a> {
     /// Only considers the distance of the box: most queued boxes are never examined further.
     fn bound_angle(
         &self,
-        screen_from_local: &DAffine3,
+        screen_from_local: &ScreenMap,
         bounds: &Aabb,
         area: f64,
         eye: DVec3,
         shrink: f64,
     ) -> Option<f64> {
         let near = f64::from(self.passage.z_near);
-        let Volume { origin, sides } = Volume::new(screen_from_local, bounds);
+        let Volume {
+            origin,
+            sides,
+            is_parallel,
+        } = Volume::new(screen_from_local, bounds);
         let [mut least, mut greatest] = [origin.z; 2];
         for side in sides {
             least += side.z.min(0.0);
             greatest += side.z.max(0.0);
         }
-        if bounds.is_empty() || greatest < near {
+        // Reversed depth is 1 in the near plane of a parallel view, and more in front of it.
+        let is_before_near = if is_parallel { least > 1.0 } else { greatest < near };
+        if bounds.is_empty() || is_before_near {
             return None;
         }
-        let nearest = NEARER / least.max(near);
+        let nearest = if is_parallel {
+            1.0
+        } else {
+            NEARER / least.max(near)
+        };
         if area * self.pixels * nearest * nearest < LEAST_PIXELS {
             return None;
         }
@@ -191,7 +215,7 @@ impl<'a> Chooser<'a> {
     ) -> Option<f64> {
         corners.clear();
         let all = self.set.corners_of(polygon).iter();
-        corners.extend(all.map(|&corner| placed.screen_from_item.transform_point3(corner)));
+        corners.extend(all.map(|&corner| placed.screen_from_item.point(corner)));
         let pixels = pixels(corners, self.passage);
         if pixels < LEAST_PIXELS {
             return None;

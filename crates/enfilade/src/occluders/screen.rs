@@ -9,9 +9,11 @@
 
 use super::outline::EXACT;
 use super::{OccluderSet, Polygon, SelectedOccluder};
+use crate::geom::Aabb;
 use crate::geometry::Geometry;
-use crate::view::passage::{BEYOND, Passage, eye_in};
-use glam::{DAffine3, DVec3};
+use crate::view::passage::{BEYOND, Passage};
+use crate::view::screen_map::ScreenMap;
+use glam::DVec3;
 
 /// A selected occluder projected to the screen: a convex polygon in (X, Y, W), with the eye at the origin.
 ///
@@ -66,13 +68,13 @@ impl OccluderSet {
         let polygon = self.polygon(chosen);
         let item = geometry.item(chosen.item).transform();
         let screen_from_item = passage.screen_from(&item);
-        let seen = self.eye_height(polygon, eye_in(&screen_from_item))?;
+        let seen = self.eye_height(polygon, screen_from_item.eye(), screen_from_item.parallel_back())?;
         let plane = seen.plane(polygon, &screen_from_item)?;
         corners.clear();
         corners.extend(
             self.corners_of(polygon)
                 .iter()
-                .map(|&corner| screen_from_item.transform_point3(corner)),
+                .map(|&corner| screen_from_item.point(corner)),
         );
         // Viewed from the eye, their area vector is clockwise if it points away from the eye.
         let first = corners[0];
@@ -94,8 +96,11 @@ impl OccluderSet {
     }
 
     /// Returns the height of an eye, in the object space of the mesh, over a polygon; `None` if the polygon hides
-    /// nothing from there.
-    pub(super) fn eye_height(&self, polygon: &Polygon, eye: DVec3) -> Option<EyeHeight> {
+    /// nothing from there. `back`: direction towards the viewer of a parallel view.
+    pub(super) fn eye_height(&self, polygon: &Polygon, eye: DVec3, back: Option<DVec3>) -> Option<EyeHeight> {
+        if let Some(back) = back {
+            return EyeHeight::parallel(polygon, back);
+        }
         let height = polygon.normal.dot(eye) - polygon.distance;
         // Plus the rounding of the eye position, which comes from an inverted transform.
         let slack = polygon.slack + 16.0 * EXACT * eye.abs().max_element().max(polygon.distance.abs());
@@ -127,13 +132,35 @@ pub(super) struct EyeHeight {
 }
 
 impl EyeHeight {
+    /// Returns the height in a parallel view, in a unit in which the slack is the part by which 1 / W falls, at least, when the
+    /// plane is pushed back: reversed depth is at least 0.5 where anything is visible.
+    fn parallel(polygon: &Polygon, back: DVec3) -> Option<EyeHeight> {
+        let height = 0.5 * polygon.normal.dot(back);
+        let Aabb { min, max } = polygon.bounds;
+        let reach = min
+            .iter()
+            .chain(&max)
+            .fold(0.0_f32, |reach, at| reach.max(at.abs()));
+        let slack = polygon.slack + 16.0 * EXACT * f64::from(reach);
+        let shift = slack * back.length();
+        let is_facing = height > 0.0 || polygon.double_sided;
+        // An outline seen at a slant moves by the slack, times the tangent.
+        let is_kept = polygon.inset == 0.0 || shift < polygon.inset * (2.0 * height.abs());
+        (is_facing && is_kept && height.abs() > 4.0 * slack).then_some(EyeHeight { height, slack })
+    }
+
     /// Returns the plane, pushed back, in the space of (X, Y, W).
-    fn plane(&self, polygon: &Polygon, screen_from_item: &DAffine3) -> Option<(DVec3, f64)> {
+    fn plane(&self, polygon: &Polygon, screen_from_item: &ScreenMap) -> Option<(DVec3, f64)> {
         // Normals are transformed by the inverse transpose; the eye is at the origin.
         let away = -polygon.normal * self.height.signum();
-        let normal = screen_from_item.matrix3.inverse().transpose() * away;
+        let (normal, distance) = if screen_from_item.is_parallel {
+            screen_from_item.half_space(away, self.slack - polygon.distance * self.height.signum())
+        } else {
+            let normal = screen_from_item.linear.matrix3.inverse().transpose() * away;
+            (normal, self.height.abs() + self.slack)
+        };
         let length = normal.length();
-        let distance = (self.height.abs() + self.slack) / length;
+        let distance = distance / length;
         ((normal / length).is_finite() && distance.is_finite() && distance > 0.0)
             .then_some((normal / length, distance))
     }

@@ -43,7 +43,7 @@ pub(super) fn emit_openings_at_eye(geometry: &Geometry, passage: &Passage, visit
     if passage.flat {
         return;
     }
-    let eye = passage.eye();
+    let eye = passage.viewpoint();
     geometry.opening_tree().walk(eye, |step| match step {
         Step::Node(bounds) => may_touch_eye(bounds, eye.into()),
         Step::Thing(opening) => {

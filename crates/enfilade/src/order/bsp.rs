@@ -20,7 +20,8 @@ use crate::sector::BuildStats;
 use crate::unsuited::Unsuited;
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
-use glam::{DAffine3, DMat3, DVec3};
+use crate::view::screen_map::ScreenMap;
+use glam::DVec3;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -58,7 +59,7 @@ impl Direction for NearToFar {
 #[derive(Default)]
 pub struct BspScratch {
     stack: Vec<BspLink>,
-    screen_from_items: Vec<DAffine3>,
+    screen_from_items: Vec<ScreenMap>,
     cuts: Vec<Cut>,
 }
 
@@ -170,19 +171,18 @@ fn add(polygons: &mut Polygons, corners: impl Iterator<Item = [f64; 3]>) {
 struct Walk<'a> {
     geometry: &'a Geometry,
     passage: &'a Passage,
-    screen_from_items: &'a [DAffine3],
-    /// Transforms plane normals from sector space to the (X, Y, W) space of the screen.
-    normals: DMat3,
+    screen_from_items: &'a [ScreenMap],
 }
 
 impl Walk<'_> {
     /// Transforms a plane n · p ≥ d from sector space to (X, Y, W) space.
     fn on_screen(&self, [x, y, z, distance]: [f64; 4]) -> Cut {
-        let normal = self.normals * DVec3::new(x, y, z);
-        Cut {
-            normal,
-            distance: distance + normal.dot(self.passage.screen_from_sector.translation),
-        }
+        let half_space = self
+            .passage
+            .screen_from_sector
+            .half_space(DVec3::new(x, y, z), distance);
+        let (normal, distance) = half_space;
+        Cut { normal, distance }
     }
 }
 
@@ -251,7 +251,6 @@ impl<D: Direction> Order for Bsp<D> {
             geometry,
             passage,
             screen_from_items,
-            normals: passage.screen_from_sector.matrix3.inverse().transpose(),
         };
         if D::NEAR_FIRST {
             emit_openings_at_eye(geometry, passage, visit);
@@ -266,9 +265,11 @@ impl<D: Direction> Order for Bsp<D> {
             }
         };
         let mut last = None;
-        self.shared
-            .tree
-            .walk(passage.eye(), D::NEAR_FIRST, stack, &mut |step| match step {
+        self.shared.tree.walk(
+            passage.viewpoint(),
+            D::NEAR_FIRST,
+            stack,
+            &mut |step| match step {
                 BspStep::Node(bounds) => {
                     region(bounds).is_some_and(|region| visit.enter(&region) != Visibility::Hidden)
                 }
@@ -287,7 +288,8 @@ impl<D: Direction> Order for Bsp<D> {
                     }
                     true
                 }
-            });
+            },
+        );
         if !D::NEAR_FIRST {
             emit_openings_at_eye(geometry, passage, visit);
         }

@@ -16,7 +16,7 @@ use crate::ids::{ItemIndex, OpeningId};
 use crate::traversal::may_be_visible;
 use crate::unsuited::Unsuited;
 use crate::view::passage::Passage;
-use glam::DAffine3;
+use crate::view::screen_map::ScreenMap;
 use std::marker::PhantomData;
 
 /// Faces sorted back to front by the key `K`: [`Min`] or [`Mean`]. Needs no build; a traversal takes O(faces in view).
@@ -51,7 +51,7 @@ impl SortKey for Mean {
 /// Scratch memory: the faces of a traversal and the buffers that sort them.
 #[derive(Default)]
 pub struct SortBuffers {
-    items: Vec<(ItemIndex, DAffine3)>,
+    items: Vec<(ItemIndex, ScreenMap)>,
     faces: Vec<FaceKey>,
     spare: Vec<FaceKey>,
     distances: Vec<f32>,
@@ -205,15 +205,12 @@ impl SortBuffers {
 }
 
 /// Returns the row of the transform that gives the distance along the viewing direction.
-fn view_depth_row(screen_from_local: &DAffine3) -> [f32; 4] {
-    let DAffine3 { matrix3, translation } = screen_from_local;
-    [
-        matrix3.x_axis.z,
-        matrix3.y_axis.z,
-        matrix3.z_axis.z,
-        translation.z,
-    ]
-    .map(|value| value as f32)
+fn view_depth_row(screen_from_local: &ScreenMap) -> [f32; 4] {
+    let ScreenMap { linear, is_parallel } = screen_from_local;
+    // Reversed depth falls with distance.
+    let sign = if *is_parallel { -1.0 } else { 1.0 };
+    let row = linear.matrix3.row(2).extend(linear.translation.z);
+    (sign * row).to_array().map(|value| value as f32)
 }
 
 /// Returns an integer key that decreases with distance.

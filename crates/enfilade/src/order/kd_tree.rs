@@ -85,7 +85,7 @@ impl Order for KdTreeOrder {
         emit_openings(geometry, passage, visit);
         pending.clear();
         pending.extend(self.root());
-        let eye = passage.eye();
+        let eye = passage.viewpoint();
         // Level by level, so that the parts become about equally large. The node to be visited first is the last one.
         let mut splits = true;
         while splits && pending.len() < least {
@@ -120,7 +120,7 @@ impl Order for KdTreeOrder {
         pending: &mut Vec<PendingNode>,
         visit: &mut impl Visit,
     ) {
-        let eye = passage.eye();
+        let eye = passage.viewpoint();
         while let Some(next) = pending.pop() {
             let Some(fully) = self.enter(next, passage, visit) else {
                 continue;

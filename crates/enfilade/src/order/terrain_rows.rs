@@ -20,9 +20,9 @@ use crate::sector::Requirement;
 use crate::traversal::{Queue, begin, go_on};
 use crate::traversal::{emit_item, emit_openings};
 use crate::unsuited::Unsuited;
-use crate::view::passage::{Passage, eye_in};
+use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
-use glam::DAffine3;
+use crate::view::screen_map::ScreenMap;
 
 /// Front-to-back traversal of terrain blocks by a quadtree, interleaved with the geometry's octree over the other
 /// items.
@@ -104,7 +104,7 @@ impl Order for TerrainRows {
             let traversal = Traversal {
                 others: &others,
                 screen_from_field,
-                eye: eye_in(&screen_from_field).into(),
+                eye: screen_from_field.eye().into(),
             };
             let top = ground.levels.len() - 1;
             ground.walk(&traversal, top, [0, 0], queue, visit);
@@ -151,7 +151,7 @@ impl OtherItems<'_> {
 /// State of the traversal of one height field.
 struct Traversal<'a> {
     others: &'a OtherItems<'a>,
-    screen_from_field: DAffine3,
+    screen_from_field: ScreenMap,
     eye: [f64; 3],
 }
 

@@ -73,7 +73,9 @@ impl Geometry {
     /// [`View::sector`].
     #[doc(alias = "frustum culling")]
     pub fn items_in_frustum(&self, view: &View, visit: impl FnMut(ItemIndex)) {
-        self.items_in_passage(&Passage::at_the_eye(view, SectorId(0), false), visit);
+        let mut passage = Passage::at_the_eye(view, SectorId(0), false);
+        passage.fit(&self.bounds());
+        self.items_in_passage(&passage, visit);
     }
 
     /// Visits the items that are potentially in the frustum of a passage's view and beyond its last portal.
@@ -124,10 +126,13 @@ fn farthest_squared(bounds: &Aabb, point: DVec3) -> f64 {
 /// Returns the planes of the frustum in the space of the sector: points inside have n · x + d ≥ 0 for all.
 fn planes_of(passage: &Passage) -> [DVec4; 5] {
     let map = &passage.screen_from_sector;
-    let row = |axis: usize| map.matrix3.row(axis).extend(map.translation[axis]);
+    let row = |axis: usize| map.linear.matrix3.row(axis).extend(map.linear.translation[axis]);
     let [x, y, w] = [0, 1, 2].map(row);
     let [width, height] = passage.size.map(f64::from);
     let near = DVec4::new(0.0, 0.0, 0.0, f64::from(passage.z_near));
+    if map.is_parallel {
+        return [x, DVec4::W * width - x, y, DVec4::W * height - y, DVec4::W - w];
+    }
     [x, w * width - x, y, w * height - y, w - near]
 }
 

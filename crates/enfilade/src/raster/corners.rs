@@ -6,9 +6,12 @@
 //! Cost: O(vertices); no allocation once the lists have grown.
 //! The same bits at every SIMD level: no sum is fused or reordered. [`Corner::of`] is the specification.
 
+#[cfg(test)]
+use crate::view::screen_map::homogeneous;
+use crate::view::screen_map::{ScreenMap, eight_homogeneous};
 use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 
 /// Vertices that are transformed together.
 const LANES: usize = 8;
@@ -37,13 +40,14 @@ impl Corner {
 
     /// Transforms a single vertex.
     #[cfg(test)]
-    fn of(position: [f32; 3], matrix: &DAffine3) -> Corner {
+    fn of(position: [f32; 3], matrix: &ScreenMap) -> Corner {
         let [x, y, z] = position.map(f64::from);
-        let at = matrix.matrix3.x_axis * x
-            + matrix.matrix3.y_axis * y
-            + matrix.matrix3.z_axis * z
-            + matrix.translation;
-        Corner::at(at)
+        let linear = matrix.linear;
+        let at = linear.matrix3.x_axis * x
+            + linear.matrix3.y_axis * y
+            + linear.matrix3.z_axis * z
+            + linear.translation;
+        Corner::at(homogeneous(at, matrix.is_parallel))
     }
 }
 
@@ -80,16 +84,16 @@ impl Corners {
         simd: S,
         count: usize,
         position: impl Fn(usize) -> [f32; 3],
-        matrix: &DAffine3,
+        matrix: &ScreenMap,
         near: f64,
     ) -> Option<Extent> {
         self.eights.clear();
         self.rounded.clear();
         // Arrays of SIMD vectors are unpacked by hand: `map` over one is not inlined, and the closure it calls is
         // compiled without SIMD features.
-        let rows = matrix.matrix3.transpose();
+        let rows = matrix.linear.matrix3.transpose();
         let [x_row, y_row, z_row] = [rows.x_axis, rows.y_axis, rows.z_axis];
-        let origin = matrix.translation;
+        let origin = matrix.linear.translation;
         let (mut least, mut greatest) = (f64x8::splat(simd, f64::INFINITY), f64x8::splat(simd, 0.0));
         let mut pixel = greatest;
         let mut tame = true;
@@ -108,6 +112,7 @@ impl Corners {
                 x * y_row.x + y * y_row.y + z * y_row.z + origin.y,
                 x * z_row.x + y * z_row.y + z * z_row.z + origin.z,
             );
+            let [x, y, w] = eight_homogeneous(simd, [x, y, w], matrix.is_parallel);
             let rev_depth = f64x8::splat(simd, 1.0) / w;
             let (px, py) = (x * rev_depth, y * rev_depth);
             let (ax, ay) = (px.abs(), py.abs());
@@ -167,12 +172,16 @@ mod tests {
     use super::*;
     use crate::chance::{Dice, levels};
     use crate::simd::dispatch;
+    use glam::DAffine3;
 
     #[test]
     fn eight_corners_are_the_bits_of_one_at_every_level() {
         let mut dice = Dice::new(7);
         for round in 0..200 {
-            let matrix = DAffine3::from_cols_array(&std::array::from_fn(|_| dice.within(50.0)));
+            let matrix = ScreenMap {
+                linear: DAffine3::from_cols_array(&std::array::from_fn(|_| dice.within(50.0))),
+                is_parallel: round % 2 == 1,
+            };
             let positions: Vec<[f32; 3]> = (0..1 + round % 21)
                 .map(|_| std::array::from_fn(|_| dice.odd(9.0) as f32))
                 .collect();

@@ -241,7 +241,7 @@ impl<'a> Batch<'a> {
             rect: passage.aperture.rect(),
             // Openings are not clipped by the near plane: an opening that contains the eye must stay visible.
             near: if is_opening {
-                0.0
+                passage.near_of_openings()
             } else {
                 f64::from(passage.z_near)
             },
@@ -254,7 +254,7 @@ impl<'a> Batch<'a> {
             rounding: if is_opening {
                 0.0
             } else {
-                passage.corner_rounding() + ROUNDING * faces.screen_from_local.translation.length()
+                passage.corner_rounding() + ROUNDING * faces.screen_from_local.linear.translation.length()
             },
         }
     }

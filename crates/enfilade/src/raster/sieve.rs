@@ -178,8 +178,9 @@ mod tests {
     use crate::raster::HalfPlane;
     use crate::raster::corners::Corners;
     use crate::simd::dispatch;
+    use crate::view::screen_map::ScreenMap;
     use fearless_simd::Level;
-    use glam::{DAffine3, DVec3};
+    use glam::DVec3;
 
     impl Sieve {
         /// Returns whether a triangle is rejected, and whether the reason is that it falls between samples. Evaluates
@@ -296,7 +297,7 @@ mod tests {
                 .collect();
             let mut corners = Corners::default();
             let extent = dispatch!(Level::new(), simd => {
-                corners.fill(simd, positions.len(), |i| positions[i], &DAffine3::IDENTITY, 0.01)
+                corners.fill(simd, positions.len(), |i| positions[i], &ScreenMap::IDENTITY, 0.01)
             });
             let Some(extent) = extent else { continue };
             let sieve = Sieve::new(&extent, &rect, front);

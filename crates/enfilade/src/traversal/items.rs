@@ -5,8 +5,9 @@ use crate::faces::Faces;
 use crate::geom::{Aabb, Enter, Step};
 use crate::geometry::Geometry;
 use crate::ids::ItemIndex;
-use crate::view::passage::{Passage, eye_in};
+use crate::view::passage::Passage;
 use crate::view::region::Visibility;
+use crate::view::screen_map::ScreenMap;
 
 /// Emits the clusters of one item that may be visible, unless the item was emitted before.
 pub(crate) fn emit_item(geometry: &Geometry, passage: &Passage, item: ItemIndex, visit: &mut impl Visit) {
@@ -26,7 +27,7 @@ pub(crate) fn emit_item(geometry: &Geometry, passage: &Passage, item: ItemIndex,
     // Last box found partially visible. The only cluster of a leaf has the leaf's box, which need not be tested again.
     let mut partly = mesh.bounds();
     mesh.tree()
-        .walk_by(eye_in(&screen_from_item).into(), |step, all| match step {
+        .walk_by(screen_from_item.eye().into(), |step, all| match step {
             // The root has the box of the whole mesh, which was just tested.
             Step::Node(_) if std::mem::take(&mut is_root) => Enter::Ask,
             Step::Node(bounds) => match box_visibility(passage, &screen_from_item, bounds, visit) {
@@ -63,7 +64,7 @@ pub(crate) fn emit_openings(geometry: &Geometry, passage: &Passage, visit: &mut 
 
 pub(crate) fn may_be_visible(
     passage: &Passage,
-    screen_from_local: &glam::DAffine3,
+    screen_from_local: &ScreenMap,
     bounds: &Aabb,
     visit: &mut impl Visit,
 ) -> bool {
@@ -73,7 +74,7 @@ pub(crate) fn may_be_visible(
 /// Returns the visibility of a box; hidden if it is out of view.
 pub(crate) fn box_visibility(
     passage: &Passage,
-    screen_from_local: &glam::DAffine3,
+    screen_from_local: &ScreenMap,
     bounds: &Aabb,
     visit: &mut impl Visit,
 ) -> Visibility {

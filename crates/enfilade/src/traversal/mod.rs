@@ -17,7 +17,7 @@ use crate::geometry::Geometry;
 use crate::ids::ItemIndex;
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
-use glam::DAffine3;
+use crate::view::screen_map::ScreenMap;
 
 /// Receiver of a traversal: culls nodes and takes faces.
 pub trait Visit {
@@ -25,7 +25,7 @@ pub trait Visit {
     fn enter(&mut self, region: &Region) -> Visibility;
 
     /// Like [`Visit::enter`], for a box in another space; hidden if it is out of view.
-    fn enter_box(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> Visibility {
+    fn enter_box(&mut self, passage: &Passage, screen_from_local: &ScreenMap, bounds: &Aabb) -> Visibility {
         Region::of(passage, screen_from_local, bounds)
             .map_or(Visibility::Hidden, |region| self.enter(&region))
     }
@@ -53,12 +53,12 @@ pub trait Visit {
     }
 
     /// Takes one cluster of an item as the next batch. A receiver that does not need the faces saves looking them up.
-    fn cluster(&mut self, geometry: &Geometry, item: ItemIndex, cluster: u32, screen_from_item: &DAffine3) {
+    fn cluster(&mut self, geometry: &Geometry, item: ItemIndex, cluster: u32, screen_from_item: &ScreenMap) {
         self.faces(&Faces::of_cluster(geometry, item, cluster, screen_from_item));
     }
 
     /// Takes all clusters of an item as the next batches.
-    fn whole(&mut self, geometry: &Geometry, item: ItemIndex, screen_from_item: &DAffine3) {
+    fn whole(&mut self, geometry: &Geometry, item: ItemIndex, screen_from_item: &ScreenMap) {
         for cluster in 0..geometry.mesh_of(item).clusters().len() as u32 {
             self.cluster(geometry, item, cluster, screen_from_item);
         }

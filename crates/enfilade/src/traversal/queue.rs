@@ -17,7 +17,7 @@ use crate::ids::ItemIndex;
 use crate::ranked::Ranked;
 use crate::view::passage::Passage;
 use crate::view::region::{BOXES, EightBoxes, Region, Visibility};
-use glam::DAffine3;
+use crate::view::screen_map::ScreenMap;
 use std::collections::BinaryHeap;
 use std::ops::Range;
 
@@ -46,7 +46,7 @@ pub struct Queue {
     regions: Vec<Region>,
     /// Free slots of `regions`.
     free: Vec<u32>,
-    entered: Vec<(ItemIndex, DAffine3)>,
+    entered: Vec<(ItemIndex, ScreenMap)>,
 }
 
 /// Object of a pending box. Boxes of equal depth come in this order, so that every traversal is deterministic.
@@ -211,7 +211,7 @@ impl Queue {
         );
     }
 
-    fn push(&mut self, passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb, target: Target) {
+    fn push(&mut self, passage: &Passage, screen_from_local: &ScreenMap, bounds: &Aabb, target: Target) {
         if let Some(region) = Region::of(passage, screen_from_local, bounds) {
             self.push_region(region, target);
         }
@@ -221,7 +221,7 @@ impl Queue {
     fn push_all(
         &mut self,
         passage: &Passage,
-        screen_from_local: &DAffine3,
+        screen_from_local: &ScreenMap,
         mut all: impl Iterator<Item = (Aabb, Target)>,
     ) {
         let mut boxes = [Aabb::EMPTY; BOXES];

@@ -85,11 +85,14 @@ impl Camera {
             sample: [0.0; 2],
             eye_from_sector: self.eye_from_sector(),
             clip_from_eye,
-            viewport_from_eye: DMat3::from_cols(
+            viewport_from_eye: DAffine3::from_mat3(DMat3::from_cols(
                 DVec3::new(focal, 0.0, 0.0),
                 DVec3::new(0.0, -focal, 0.0),
                 DVec3::new(-0.5 * width, -0.5 * height, -1.0),
-            ),
+            )),
+            is_parallel: false,
+            far: f64::INFINITY,
+            oblique: None,
         })
     }
 

@@ -46,13 +46,14 @@ pub enum ViewError {
     /// A matrix has no inverse: it maps space to a plane, a line or a point.
     #[error("the matrices have no inverse")]
     Singular,
-    /// A parallel (orthographic) projection.
-    #[error("parallel (orthographic) projections are not supported yet; use a perspective one")]
+    /// The height of what a parallel view shows is not above 0 and finite.
+    #[error("a parallel view that shows a height of {0}; it must be above 0 and finite")]
+    Height(f64),
+    /// A parallel projection without depth: its near plane contains the view direction.
+    #[error("the near plane of the parallel projection contains the view direction; the row of z is wrong")]
     Parallel,
-    /// An oblique near plane: one that is not perpendicular to the view direction.
-    #[error(
-        "oblique near planes are not supported yet; hand in the projection from before the near plane was slanted"
-    )]
+    /// An oblique near plane with the eye on the side that is drawn.
+    #[error("the eye is not behind the oblique near plane; its normal must point away from the eye")]
     Oblique,
     /// With the given clip depth, the near plane of the projection is not in front of the eye, or not nearer than the far
     /// plane. `is_reversed` tells whether it would be with [`ClipDepth::OneToZero`].

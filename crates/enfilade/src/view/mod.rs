@@ -14,6 +14,7 @@ pub(crate) mod opening_view;
 pub(crate) mod options;
 pub(crate) mod passage;
 pub(crate) mod region;
+pub(crate) mod screen_map;
 #[cfg(test)]
 mod tests;
 pub(crate) mod viewer;
@@ -28,14 +29,19 @@ use crate::geom::{MAX_COORDINATE, Transform};
 use crate::ids::SectorId;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
 
-/// A perspective camera with its viewport: what a look takes.
+/// A camera with its viewport, perspective or parallel (orthographic): what a look takes.
 ///
-/// Four constructors: [`View::new`] from a position and a target, [`Camera::view`] with
+/// Five constructors: [`View::new`] from a position and a target, [`Camera::view`] with
 /// more parameters, [`View::from_pose`] from a position, an orientation and the four tangents of an off-centre frustum,
-/// [`View::from_matrices`] from the matrices of an engine. Each refuses an invalid view with the rule that it breaks, so
-/// every `View` is valid.
+/// [`View::parallel`] for suns, maps and plans, [`View::from_matrices`] from the matrices of an engine. Each refuses an
+/// invalid view with the rule that it breaks, so every `View` is valid.
 ///
 /// There is no far plane: nothing is too far away to be visible.
+///
+/// # Parallel views
+/// All rays have the view direction and start in the near plane; the eye is the point of that plane in the middle of the
+/// viewport, so [`View::z_near`] is 0. Rays start in the eye's sector, wherever it is. Reversed depth is 1 in the near
+/// plane and falls linearly with distance, to 0 at a distance beyond all geometry of the sector that is looked at.
 #[doc(alias = "camera")]
 #[doc(alias = "frustum")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,8 +59,13 @@ pub struct View {
     eye_from_sector: DAffine3,
     clip_from_eye: DMat4,
     /// From eye space to (X, Y, W): the position in the viewport is (X / W, Y / W), in pixels, y down, and W is the
-    /// distance along the view direction.
-    viewport_from_eye: DMat3,
+    /// distance along the view direction. If parallel, to (x, y, distance from the near plane).
+    viewport_from_eye: DAffine3,
+    is_parallel: bool,
+    /// Distance from the near plane to the far one, if parallel.
+    far: f64,
+    /// The near plane, if it is oblique: points (x, y, z) of eye space with ax + by + cz + d ≥ 0 are behind it.
+    oblique: Option<[f64; 4]>,
 }
 
 /// A rectangle of pixels in a render target.
@@ -168,11 +179,12 @@ impl View {
     ) -> Result<View, ViewError> {
         check_viewport(viewport, z_near)?;
         let viewport_from_eye = matrices::viewport_from_eye(&clip_from_eye, viewport.size);
-        let sector_from_viewport = (viewport_from_eye * eye_from_sector.matrix3).inverse();
+        let viewport_from_sector = viewport_from_eye * eye_from_sector.matrix3;
+        let sector_from_viewport = viewport_from_sector.inverse();
         if !sector_from_viewport.is_finite() {
             return Err(ViewError::Singular);
         }
-        let ahead = (viewport_from_eye * eye_from_sector.matrix3).row(2);
+        let ahead = viewport_from_sector.row(2);
         let [width, height] = viewport.size.map(f64::from);
         let [top, bottom] = [0.0, height].map(|y| sector_from_viewport * DVec3::new(0.5 * width, y, 1.0));
         Ok(View {
@@ -186,7 +198,108 @@ impl View {
             sample: [0.0; 2],
             eye_from_sector,
             clip_from_eye,
-            viewport_from_eye,
+            viewport_from_eye: DAffine3::from_mat3(viewport_from_eye),
+            is_parallel: false,
+            far: f64::INFINITY,
+            oblique: None,
+        })
+    }
+
+    /// Creates a parallel (orthographic) view, as of a sun, a map or a plan.
+    ///
+    /// * `eye`: the point of the near plane in the middle of the viewport, in the space of its sector. Nothing in front of
+    ///   that plane is visible, nor hides anything: for a sun, put it before everything that casts a shadow.
+    /// * `toward`: the target point; the view direction leads to it.
+    /// * `up`: up vector, as in [`Camera::up`].
+    /// * `height` of what the viewport shows, in scene units, above 0.
+    ///
+    /// For renderers, the far plane of [`View::clip_from_eye`] is 1024 times as far away as the target point; looks have
+    /// none.
+    ///
+    /// ```
+    /// use enfilade::View;
+    /// // 40 units of ground, seen straight from above, with -z up on the screen.
+    /// let map = View::parallel([0.0, 50.0, 0.0], [0.0; 3], [0.0, 0.0, -1.0], 40.0, [400, 400])?;
+    /// assert_eq!(map.ray([200.0, 100.0]), [[0.0, 50.0, -10.0], [0.0, -1.0, 0.0]]);
+    /// # Ok::<(), enfilade::ViewError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns the [`ViewError`] of the first rule that is broken.
+    #[doc(alias = "orthographic")]
+    #[doc(alias = "shadow map")]
+    pub fn parallel<T: Into<f64>>(
+        eye: [T; 3],
+        toward: [T; 3],
+        up: [f64; 3],
+        height: f64,
+        viewport: impl Into<Viewport>,
+    ) -> Result<View, ViewError> {
+        let (viewport, mut camera) = (viewport.into(), Camera::new(eye, toward));
+        camera.up = up;
+        // Checks the rest.
+        let view = camera.view(viewport)?;
+        if !(height > 0.0 && height.is_finite()) {
+            return Err(ViewError::Height(height));
+        }
+        let [across, down] = viewport.size.map(f64::from);
+        let far = 1024.0 * view.toward.distance(view.eye);
+        let [x, y] = [2.0 * down / (height * across), 2.0 / height];
+        let clip_from_eye = DMat4::from_cols(
+            DVec4::new(x, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, y, 0.0, 0.0),
+            DVec4::new(0.0, 0.0, 1.0 / far, 0.0),
+            DVec4::new(0.0, 0.0, 1.0, 1.0),
+        );
+        let parallel = View::of_parallel(
+            view.eye_from_sector,
+            clip_from_eye,
+            ClipDepth::OneToZero,
+            viewport,
+        )?;
+        Ok(View {
+            eye: view.eye,
+            toward: view.toward,
+            up: view.up,
+            ..parallel
+        })
+    }
+
+    /// Creates a parallel view from a view matrix and a projection matrix, after all checks but those of the size.
+    fn of_parallel(
+        eye_from_sector: DAffine3,
+        clip_from_eye: DMat4,
+        depth: ClipDepth,
+        viewport: Viewport,
+    ) -> Result<View, ViewError> {
+        check_viewport(viewport, 1.0)?;
+        let parallel = matrices::Parallel::of(&clip_from_eye, depth, viewport.size)?;
+        let sector_from_eye = eye_from_sector.inverse();
+        let eye = sector_from_eye.transform_point3(parallel.eye);
+        let ahead = sector_from_eye
+            .transform_vector3(parallel.ahead)
+            .normalize_or_zero();
+        let up = sector_from_eye.transform_vector3(parallel.up).normalize_or_zero();
+        if !(eye.is_finite() && ahead.is_normalized() && up.is_normalized()) {
+            return Err(ViewError::Singular);
+        }
+        check_position("the eye", eye.into())?;
+        // From here on the origin of eye space is the eye.
+        Ok(View {
+            sector: None,
+            eye,
+            toward: eye + ahead,
+            up,
+            fov_y: 0.0,
+            z_near: 0.0,
+            viewport,
+            sample: [0.0; 2],
+            eye_from_sector: DAffine3::from_translation(-parallel.eye) * eye_from_sector,
+            clip_from_eye: clip_from_eye * DMat4::from_translation(parallel.eye),
+            viewport_from_eye: parallel.viewport_from_eye,
+            is_parallel: true,
+            far: parallel.far,
+            oblique: None,
         })
     }
 
@@ -230,19 +343,42 @@ impl View {
         self.up.into()
     }
 
-    /// Returns the angle between the top and the bottom edge of the viewport, in radians, at its middle column.
+    /// Returns the angle between the top and the bottom edge of the viewport, in radians, at its middle column; 0 in a
+    /// parallel view.
     pub fn fov_y(&self) -> f32 {
         self.fov_y
     }
 
-    /// Returns the distance of the near plane along the view direction, in units of eye space, above 0. Geometry in front
-    /// of it is neither visible nor an occluder.
+    /// Whether the projection is parallel (orthographic).
+    #[doc(alias = "orthographic")]
+    pub fn is_parallel(&self) -> bool {
+        self.is_parallel
+    }
+
+    /// Returns the distance of the near plane along the view direction, in units of eye space: above 0, or 0 in a parallel
+    /// view. Geometry in front of it is neither visible nor an occluder. If the near plane is oblique, its smallest distance
+    /// within the frustum ([`View::near_plane`]).
     ///
     /// Set it to your renderer's near plane: with a smaller value, geometry that your renderer clips away can still hide
     /// other geometry.
     #[doc(alias = "near plane")]
     pub fn z_near(&self) -> f32 {
         self.z_near
+    }
+
+    /// Returns the distance from the near plane to the far one of a parallel view. Looks need none.
+    pub(crate) fn far(&self) -> f64 {
+        self.far
+    }
+
+    /// Returns the near plane if it is oblique, in the space of the eye's sector: only points (x, y, z) with
+    /// ax + by + cz + d ≥ 0 are visible or hide anything. (a, b, c) has length 1. `None` if it is perpendicular to the view
+    /// direction, or the view is parallel.
+    #[doc(alias = "oblique near plane")]
+    #[doc(alias = "clip plane")]
+    pub fn near_plane(&self) -> Option<[f64; 4]> {
+        let plane = DMat4::from(self.eye_from_sector).transpose() * DVec4::from(self.oblique?);
+        Some((plane / plane.truncate().length()).into())
     }
 
     /// Returns the rectangle of the render target that the view fills.
@@ -274,10 +410,16 @@ impl View {
         self.clip_from_eye.to_cols_array_2d()
     }
 
-    /// Returns the ray through a position in the viewport, in pixels, y down: origin (the eye) and direction, in the space
-    /// of the sector. The direction has length 1 along the view direction, measured in eye space.
+    /// Returns the ray through a position in the viewport, in pixels, y down: origin (the eye, or a point of the near plane
+    /// of a parallel view) and direction, in the space of the sector. The direction has length 1 along the view direction,
+    /// measured in eye space.
     pub fn ray(&self, [x, y]: [f64; 2]) -> [[f64; 3]; 2] {
-        let sector_from_viewport = (self.viewport_from_eye * self.eye_from_sector.matrix3).inverse();
+        if self.is_parallel {
+            let sector_from_viewport = (self.viewport_from_eye * self.eye_from_sector).inverse();
+            let origin = sector_from_viewport.transform_point3(DVec3::new(x, y, 0.0));
+            return [origin.into(), (sector_from_viewport.matrix3 * DVec3::Z).into()];
+        }
+        let sector_from_viewport = (self.viewport_from_eye.matrix3 * self.eye_from_sector.matrix3).inverse();
         [
             self.eye.into(),
             (sector_from_viewport * DVec3::new(x, y, 1.0)).into(),
@@ -294,28 +436,30 @@ impl View {
             ..*self
         };
         wide.clip_from_eye = DMat4::from_scale(DVec3::new(1.0 / 3.0, 1.0, 1.0)) * wide.clip_from_eye;
-        let DMat3 {
-            x_axis,
-            y_axis,
-            z_axis,
-        } = &mut wide.viewport_from_eye;
-        for column in [x_axis, y_axis, z_axis] {
-            column.x += f64::from(width) * column.z;
-        }
+        wide.shift([f64::from(width), 0.0]);
         (wide.viewport.size[0] <= View::MAX_PIXELS).then_some(wide)
+    }
+
+    /// Moves the picture on the screen, in pixels.
+    fn shift(&mut self, by: [f64; 2]) {
+        let by = DVec2::from(by).extend(0.0);
+        let DAffine3 { matrix3, translation } = &mut self.viewport_from_eye;
+        if self.is_parallel {
+            *translation += by;
+        } else {
+            for column in [&mut matrix3.x_axis, &mut matrix3.y_axis, &mut matrix3.z_axis] {
+                *column += by * column.z;
+            }
+        }
     }
 
     /// Returns the projection from eye space to (X, Y, W), shifted so that samples are at pixel centres, wherever the view
     /// puts them.
-    pub(crate) fn screen_from_eye(&self) -> DMat3 {
+    pub(crate) fn screen_from_eye(&self) -> DAffine3 {
         let offset = DVec2::from(self.sample.map(f64::from)) + DVec2::from(View::GENERIC_OFFSET);
-        let shifted = |column: DVec3| column - offset.extend(0.0) * column.z;
-        let DMat3 {
-            x_axis,
-            y_axis,
-            z_axis,
-        } = self.viewport_from_eye;
-        DMat3::from_cols(shifted(x_axis), shifted(y_axis), shifted(z_axis))
+        let mut shifted = *self;
+        shifted.shift((-offset).into());
+        shifted.viewport_from_eye
     }
 }
 

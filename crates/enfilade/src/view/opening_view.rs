@@ -9,6 +9,7 @@
 
 use crate::geom::{Aabb, ConvexPolygon};
 use crate::view::passage::Passage;
+use crate::view::screen_map::ScreenMap;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// An opening that faces the eye.
@@ -16,7 +17,7 @@ pub(crate) struct OpeningView<'a> {
     /// The corners to rasterize, counter-clockwise when seen from the front.
     pub(crate) positions: &'a [[f32; 3]],
     /// Transform from the space of `positions` to (X, Y, W).
-    pub(crate) screen_from_local: DAffine3,
+    pub(crate) screen_from_local: ScreenMap,
     /// Whether the eye is in the opening; `positions` then cover all directions that lead to the back.
     pub(crate) holds_eye: bool,
     /// Whether the eye is in the opening, or so little in front of it that orders may compute that it is behind. No
@@ -50,7 +51,7 @@ impl<'a> OpeningView<'a> {
 
     /// Returns `None` if the opening faces away from the eye of `passage` or is edge-on.
     pub(crate) fn new(passage: &Passage, outline: &'a ConvexPolygon) -> Option<OpeningView<'a>> {
-        let eye = DVec3::from(passage.eye());
+        let eye = DVec3::from(passage.viewpoint());
         let place = EyePosition::of(outline, eye);
         match place.side {
             EyeSide::Front => Some(OpeningView {
@@ -71,10 +72,9 @@ impl<'a> OpeningView<'a> {
 
     /// Returns the corners as (X, Y, W).
     pub(crate) fn corners(&self) -> impl Iterator<Item = DVec3> + '_ {
-        self.positions.iter().map(|&corner| {
-            self.screen_from_local
-                .transform_point3(DVec3::from(corner.map(f64::from)))
-        })
+        self.positions
+            .iter()
+            .map(|&corner| self.screen_from_local.point(DVec3::from(corner.map(f64::from))))
     }
 
     /// Returns the plane n · (X, Y, W) = d of the opening; n has length 1 and points away from the eye, and d ≥ 0.
@@ -173,17 +173,20 @@ pub(crate) fn may_touch_eye(bounds: &Aabb, eye: DVec3) -> bool {
 
 /// Maps [`SQUARE`] to just in front of the eye. Uses only the linear part of the transform, because the eye is the
 /// origin of (X, Y, W) space: nothing cancels, however far the eye is from the sector's origin.
-fn screen_from_square(passage: &Passage, outline: &ConvexPolygon) -> DAffine3 {
+fn screen_from_square(passage: &Passage, outline: &ConvexPolygon) -> ScreenMap {
     let normal = outline.normal_f64();
     let [u, v] = {
         let u = normal.any_orthonormal_vector();
         [u, normal.cross(u)]
     };
-    let screen_from_sector = passage.screen_from_sector.matrix3;
+    let screen_from_sector = passage.screen_from_sector.linear.matrix3;
     let near = f64::from(passage.z_near) / passage.eye_scale();
-    DAffine3 {
-        matrix3: screen_from_sector * DMat3::from_cols(u, v, DVec3::ZERO) * (near * SQUARE_SIZE),
-        translation: screen_from_sector * (-normal * (near * SQUARE_DISTANCE)),
+    ScreenMap {
+        linear: DAffine3 {
+            matrix3: screen_from_sector * DMat3::from_cols(u, v, DVec3::ZERO) * (near * SQUARE_SIZE),
+            translation: screen_from_sector * (-normal * (near * SQUARE_DISTANCE)),
+        },
+        is_parallel: false,
     }
 }
 

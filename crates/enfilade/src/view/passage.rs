@@ -2,7 +2,7 @@
 
 use super::View;
 use crate::contract::Contract;
-use crate::geom::{Aabb, ConvexPolygon, Transform};
+use crate::geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
 use crate::geometry::{Geometry, Item};
 use crate::ids::{OpeningId, PassageId, PortalId, SectorId};
 use crate::threads;
@@ -11,8 +11,9 @@ use crate::view::entrance::Entrance;
 use crate::view::opening_view::{OpeningView, may_touch_eye};
 use crate::view::options::ViewerOptions;
 use crate::view::region::{Clip, Region, Volume};
+use crate::view::screen_map::ScreenMap;
 use fearless_simd::Level;
-use glam::{DAffine3, DMat3, DMat4, DVec3};
+use glam::{DAffine3, DMat4, DVec3};
 
 /// A chain of zero or more portals from the eye into a sector, with its clip region and view matrix.
 ///
@@ -35,7 +36,7 @@ pub struct Passage {
     /// The clip region: the screen area visible through all portals of the chain.
     pub aperture: Aperture,
     /// Near-plane distance along the view direction ([`View::z_near`]), in eye space; geometry in front of it is neither
-    /// visible nor an occluder.
+    /// visible nor an occluder. In a parallel view 1, the reciprocal of the reversed depth of its near plane.
     ///
     /// Eye space is the same in all passages of a look, so `z_near` and reversed depths mean the same, whatever the portals
     /// scale by. One unit of the passage's sector is as many units of eye space as [`Passage::eye_from_sector`] scales by.
@@ -54,15 +55,49 @@ pub struct Passage {
     /// SIMD level of box tests; looked up once per look.
     pub(crate) level: Level,
     eye_from_sector: DAffine3,
-    screen_from_eye: DMat3,
+    lens: Lens,
     clip_from_eye: DMat4,
     /// Position of the viewport in the render target, in pixels.
     origin: [u32; 2],
-    pub(crate) screen_from_sector: DAffine3,
+    pub(crate) screen_from_sector: ScreenMap,
     /// Entry plane (oblique near plane): the sector's side is n · (X, Y, W) ≥ d, with d ≥ 0.
     pub(crate) entry: Option<(DVec3, f64)>,
     /// Outline of the last opening, in the space of the sector; `None` for the eye's own sector.
     pub(crate) entrance: Option<Entrance>,
+}
+
+/// The projection of a view, and the depth range of a passage.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lens {
+    /// To (X, Y, W), or, if parallel, to (column, row, distance from the near plane).
+    pub(crate) screen_from_eye: DAffine3,
+    pub(crate) is_parallel: bool,
+    /// Distance from the near plane at which reversed depth is 0: twice as far as the farthest geometry, or as the far plane
+    /// of the view, if what will be looked at is not known. Infinite in perspective.
+    far: f64,
+}
+
+impl Lens {
+    /// Returns the map from a space to the screen.
+    fn after(&self, eye_from_here: &DAffine3) -> ScreenMap {
+        let mut linear = self.screen_from_eye * *eye_from_here;
+        if self.is_parallel {
+            let per_unit = -1.0 / self.far;
+            for column in [
+                &mut linear.matrix3.x_axis,
+                &mut linear.matrix3.y_axis,
+                &mut linear.matrix3.z_axis,
+                &mut linear.translation,
+            ] {
+                column.z *= per_unit;
+            }
+            linear.translation.z += 1.0;
+        }
+        ScreenMap {
+            linear,
+            is_parallel: self.is_parallel,
+        }
+    }
 }
 
 /// Minimum distance of a face from the eye to be behind the entry plane, relative to the plane: faces in the plane are
@@ -70,9 +105,15 @@ pub struct Passage {
 pub(crate) const BEYOND: f64 = 1.0 + 1.0 / (1_u64 << 18) as f64;
 
 impl Passage {
-    /// Returns the passage of the eye's own sector.
+    /// Returns the passage of the eye's own sector. [`Passage::fit`] it to the sector.
     pub(crate) fn at_the_eye(view: &View, sector: SectorId, flat: bool) -> Passage {
-        let (eye_from_sector, screen_from_eye) = (view.eye_from_sector().0, view.screen_from_eye());
+        let eye_from_sector = view.eye_from_sector().0;
+        let lens = Lens {
+            screen_from_eye: view.screen_from_eye(),
+            is_parallel: view.is_parallel(),
+            far: 2.0 * view.far(),
+        };
+        let screen_from_sector = lens.after(&eye_from_sector);
         Passage {
             parent: None,
             portal: None,
@@ -80,7 +121,7 @@ impl Passage {
             crossings: 0,
             contract: Contract::Approximate,
             aperture: Aperture::screen(view.size()),
-            z_near: view.z_near(),
+            z_near: if lens.is_parallel { 1.0 } else { view.z_near() },
             size: view.size(),
             options: ViewerOptions::default(),
             flat,
@@ -88,12 +129,46 @@ impl Passage {
             chain: u64::from(sector.0),
             level: crate::simd::level(),
             eye_from_sector,
-            screen_from_eye,
+            lens,
             clip_from_eye: DMat4::from_cols_array_2d(&view.clip_from_eye()),
             origin: view.viewport().origin,
-            screen_from_sector: compose(&screen_from_eye, &eye_from_sector),
-            entry: None,
+            screen_from_sector,
+            entry: view.near_plane().map(|[x, y, z, d]| {
+                let (normal, distance) = screen_from_sector.half_space(DVec3::new(x, y, z), -d);
+                let length = normal.length();
+                (normal / length, distance / length)
+            }),
             entrance: None,
+        }
+    }
+
+    /// Sets the depth range of a parallel view, so that reversed depth is above 0 everywhere in the bounds of the sector.
+    /// Does nothing in perspective.
+    pub(crate) fn fit(&mut self, bounds: &Aabb) {
+        if !self.lens.is_parallel {
+            return;
+        }
+        let depth = (self.lens.screen_from_eye * self.eye_from_sector).matrix3.row(2);
+        let offset = (self.lens.screen_from_eye * self.eye_from_sector).translation.z;
+        let [min, max] = [bounds.min, bounds.max].map(|corner| {
+            DVec3::from(corner.map(|at| f64::from(at).clamp(-FARTHEST_COORDINATE, FARTHEST_COORDINATE)))
+        });
+        let [low, high] = [depth * min, depth * max];
+        let farthest = offset + low.max(high).element_sum();
+        let size = (depth * (max - min)).abs().element_sum();
+        // Bounds that are empty, or entirely in front of the near plane, show nothing at any depth.
+        let far = (2.0 * farthest)
+            .max(size / 1024.0)
+            .max(f64::from(f32::MIN_POSITIVE));
+        let old = std::mem::replace(&mut self.lens.far, far);
+        self.screen_from_sector = self.lens.after(&self.eye_from_sector);
+        if let Some((normal, distance)) = &mut self.entry {
+            // Reversed depth was `scale` * the new one + 1 - `scale`.
+            let scale = far / old;
+            normal.z -= *distance * (1.0 - scale);
+            *distance *= scale;
+            let length = normal.length();
+            (*normal, *distance) = (*normal / length, *distance / length);
         }
     }
 
@@ -114,8 +189,11 @@ impl Passage {
         let eye = DVec3::from(self.eye());
         let [min, max] = [item.bounds.min, item.bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
         let away = (min - eye).max(eye - max).max(DVec3::ZERO).length();
-        let pixels = (max - min).length() * self.screen_from_eye.y_axis.y.abs();
-        let distance = (0.5 * (min + max) - eye).length();
+        let pixels = (max - min).length() * self.lens.screen_from_eye.matrix3.y_axis.y.abs();
+        let distance = match self.lens.is_parallel {
+            true => 1.0,
+            false => (0.5 * (min + max) - eye).length(),
+        };
         away > f64::from(item.options.max_distance) || pixels < f64::from(item.options.min_size_px) * distance
     }
 
@@ -154,10 +232,10 @@ impl Passage {
             chain: self.chain_through(portal),
             level: self.level,
             eye_from_sector,
-            screen_from_eye: self.screen_from_eye,
+            lens: self.lens,
             clip_from_eye: self.clip_from_eye,
             origin: self.origin,
-            screen_from_sector: compose(&self.screen_from_eye, &eye_from_sector),
+            screen_from_sector: self.lens.after(&eye_from_sector),
             entry: Some(view.plane()),
             entrance: Some(Entrance::new(outline, there_from_here)),
         })
@@ -197,8 +275,11 @@ impl Passage {
     /// cell and, if the cells are pixels, within the margin of the options around each sample.
     pub(crate) fn in_cells(&self, cells: [u32; 2], room: &mut CellRoom) -> Passage {
         let scale = [0, 1].map(|axis| f64::from(cells[axis]) / f64::from(self.size[axis]));
-        let scaling = DMat3::from_diagonal(DVec3::new(scale[0], scale[1], 1.0));
-        let screen_from_eye = scaling * self.screen_from_eye;
+        let lens = Lens {
+            screen_from_eye: DAffine3::from_scale(DVec3::new(scale[0], scale[1], 1.0))
+                * self.lens.screen_from_eye,
+            ..self.lens
+        };
         let aperture = if self.parent.is_none() {
             Aperture::screen(cells)
         } else {
@@ -211,8 +292,8 @@ impl Passage {
             } else {
                 0.5 + self.options.margin() * scale[0].max(scale[1])
             },
-            screen_from_eye,
-            screen_from_sector: compose(&screen_from_eye, &self.eye_from_sector),
+            lens,
+            screen_from_sector: lens.after(&self.eye_from_sector),
             entry: self
                 .entry
                 .map(|(normal, distance)| (normal / DVec3::new(scale[0], scale[1], 1.0), distance)),
@@ -237,7 +318,7 @@ impl Passage {
             chain: self.chain,
             level: self.level,
             eye_from_sector: self.eye_from_sector,
-            screen_from_eye: self.screen_from_eye,
+            lens: self.lens,
             clip_from_eye: self.clip_from_eye,
             origin: self.origin,
             screen_from_sector: self.screen_from_sector,
@@ -278,9 +359,14 @@ impl Passage {
     #[doc(alias = "oblique near plane")]
     pub fn entry_plane(&self) -> Option<[f64; 4]> {
         let (normal, distance) = self.entry?;
-        let map = &self.screen_from_sector;
-        let here = map.matrix3.transpose() * normal;
-        let offset = normal.dot(map.translation) - distance;
+        let ScreenMap { linear, is_parallel } = &self.screen_from_sector;
+        // n · (x, y, 1) ≥ d r in a parallel view.
+        let (normal, distance) = match is_parallel {
+            true => (DVec3::new(normal.x, normal.y, -distance), -normal.z),
+            false => (normal, distance),
+        };
+        let here = linear.matrix3.transpose() * normal;
+        let offset = normal.dot(linear.translation) - distance;
         Some((here.extend(offset) / here.length()).into())
     }
 
@@ -298,23 +384,35 @@ impl Passage {
     /// sector's origin, because coordinates cancel there.
     pub(crate) fn corner_rounding(&self) -> f64 {
         const ROUNDING: f64 = 1.0 / (1_u64 << 50) as f64;
-        ROUNDING * self.screen_from_sector.translation.length()
+        // In a parallel view the corner is divided by its reversed depth, 0.5 to 1 where anything is visible.
+        let division = if self.lens.is_parallel { 8.0 } else { 1.0 };
+        division * ROUNDING * self.screen_from_sector.linear.translation.length()
     }
 
     /// Returns the eye position in the space of the sector, transformed through the portals of the chain.
     pub fn eye(&self) -> [f64; 3] {
-        eye_in(&self.screen_from_sector).into()
+        if self.lens.is_parallel {
+            let eye = self.eye_from_sector.inverse().translation;
+            return if eye.is_finite() { eye.into() } else { [0.0; 3] };
+        }
+        self.viewpoint()
+    }
+
+    /// Returns the position that everything is seen from, in the space of the sector: the eye, or, in a parallel view, a
+    /// position very far behind it.
+    pub(crate) fn viewpoint(&self) -> [f64; 3] {
+        self.screen_from_sector.eye().into()
     }
 
     /// Returns the eye position and the unit vector against the view direction, both in the space of the sector.
     pub(crate) fn stance(&self) -> (DVec3, DVec3) {
-        let back = -self.screen_from_sector.matrix3.row(2);
-        (eye_in(&self.screen_from_sector), back.normalize_or_zero())
+        let back = self.screen_from_sector.back();
+        (self.eye().into(), back.normalize_or_zero())
     }
 
     /// Returns `true` if any part of an AABB, given in another space, may be in the view frustum and behind the entry
     /// plane.
-    pub(crate) fn frustum_meets(&self, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
+    pub(crate) fn frustum_meets(&self, screen_from_local: &ScreenMap, bounds: &Aabb) -> bool {
         let clip = Clip {
             rect: Rect {
                 x0: 0,
@@ -342,7 +440,10 @@ impl Passage {
         let Some(Region { rect, nearest, .. }) = Region::of(self, &screen_from_item, bounds) else {
             return 0.0;
         };
-        let rows = screen_from_item.matrix3.transpose();
+        let rows = screen_from_item.linear.matrix3.transpose();
+        if self.lens.is_parallel {
+            return greatest_stretch(rows.x_axis, rows.y_axis);
+        }
         // The screen position (X, Y) / W moves by (dX − x dW, dY − y dW) / W: most at a corner, because this is convex
         // in x and y.
         let stretch = [
@@ -353,20 +454,29 @@ impl Passage {
         ]
         .map(|corner| {
             let [x, y] = corner.map(f64::from);
-            let [a, b] = [rows.x_axis - x * rows.z_axis, rows.y_axis - y * rows.z_axis];
-            let [aa, bb, ab] = [a.dot(a), b.dot(b), a.dot(b)];
-            (0.5 * (aa + bb) + (0.25 * (aa - bb).powi(2) + ab * ab).sqrt()).sqrt()
+            greatest_stretch(rows.x_axis - x * rows.z_axis, rows.y_axis - y * rows.z_axis)
         })
         .into_iter()
         .fold(0.0, f64::max);
         stretch * f64::from(nearest).min(1.0 / f64::from(self.z_near))
     }
 
-    /// Returns the ray through screen position (x, y), in pixels: origin (the eye) and direction, both in the space of
-    /// the sector. The direction has length 1 along the view direction, measured in eye space.
+    /// Returns the ray through screen position (x, y), in pixels: origin (the eye, or a point of the near plane of a
+    /// parallel view) and direction, both in the space of the sector. The direction has length 1 along the view direction,
+    /// measured in eye space.
     pub fn ray(&self, [x, y]: [f64; 2]) -> [[f64; 3]; 2] {
-        let back = self.screen_from_sector.matrix3.inverse();
+        if self.lens.is_parallel {
+            let back = (self.lens.screen_from_eye * self.eye_from_sector).inverse();
+            let origin = back.transform_point3(DVec3::new(x, y, 0.0));
+            return [origin.into(), (back.matrix3 * DVec3::Z).into()];
+        }
+        let back = self.screen_from_sector.linear.matrix3.inverse();
         [self.eye(), (back * DVec3::new(x, y, 1.0)).into()]
+    }
+
+    /// Whether the view has a parallel (orthographic) projection.
+    pub fn is_parallel(&self) -> bool {
+        self.lens.is_parallel
     }
 
     /// Returns the view of an opening of a geometry; `None` if it faces away or is edge-on.
@@ -390,7 +500,7 @@ impl Passage {
     pub(crate) fn region_around_openings(&self, bounds: &Aabb) -> Option<Region> {
         const AT_THE_EYE: f64 = 1e-30;
         let (rect, from_here) = (self.aperture.rect(), &self.screen_from_sector);
-        if may_touch_eye(bounds, DVec3::from(self.eye())) {
+        if may_touch_eye(bounds, DVec3::from(self.viewpoint())) {
             return Some(Region {
                 rect,
                 nearest: f32::INFINITY,
@@ -398,7 +508,10 @@ impl Passage {
             });
         }
         let clip = Clip {
-            near: AT_THE_EYE,
+            near: match self.lens.is_parallel {
+                true => self.near_of_openings(),
+                false => AT_THE_EYE,
+            },
             ..self.into()
         };
         Region::of(clip, from_here, bounds)
@@ -410,14 +523,20 @@ impl Passage {
         f64::from(region.nearest) * f64::from(self.z_near) >= 1.0
     }
 
-    /// Returns the projection from eye space to (X, Y, W).
-    pub(crate) fn screen_from_eye(&self) -> &DMat3 {
-        &self.screen_from_eye
+    /// Returns W of the plane that openings are clipped at. In perspective none: an opening that contains the eye must stay
+    /// visible. In a parallel view just before the near plane: one behind it leads to where nothing can be seen from here.
+    pub(crate) fn near_of_openings(&self) -> f64 {
+        if self.lens.is_parallel { 1.0 - 1e-9 } else { 0.0 }
     }
 
-    /// Returns the transform from an item's space to (X, Y, W).
-    pub(crate) fn screen_from(&self, sector_from_item: &Transform) -> DAffine3 {
-        self.screen_from_sector * sector_from_item.0
+    /// Returns the projection from eye space.
+    pub(crate) fn lens(&self) -> &Lens {
+        &self.lens
+    }
+
+    /// Returns the map from an item's space to (X, Y, W).
+    pub(crate) fn screen_from(&self, sector_from_item: &Transform) -> ScreenMap {
+        self.screen_from_sector.from(sector_from_item)
     }
 }
 
@@ -441,17 +560,13 @@ pub(crate) fn next_chain(chain: u64, portal: PortalId) -> u64 {
     mix(mix(chain) ^ !u64::from(portal.0))
 }
 
-/// Returns the eye position in the space that `screen_from_local` maps from; the origin if the map is singular.
-pub(crate) fn eye_in(screen_from_local: &DAffine3) -> DVec3 {
-    let back = screen_from_local.matrix3.inverse() * -screen_from_local.translation;
-    if back.is_finite() { back } else { DVec3::ZERO }
-}
+/// Limit of coordinates of bounds, so that depths stay finite where a sector is unbounded.
+const FARTHEST_COORDINATE: f64 = 2.0 * MAX_COORDINATE as f64;
 
-fn compose(screen_from_eye: &DMat3, eye_from_sector: &DAffine3) -> DAffine3 {
-    DAffine3 {
-        matrix3: *screen_from_eye * eye_from_sector.matrix3,
-        translation: *screen_from_eye * eye_from_sector.translation,
-    }
+/// Returns the length of the longest half-axis of the ellipse that two rows map the unit sphere to.
+fn greatest_stretch(a: DVec3, b: DVec3) -> f64 {
+    let [aa, bb, ab] = [a.dot(a), b.dot(b), a.dot(b)];
+    (0.5 * (aa + bb) + (0.25 * (aa - bb).powi(2) + ab * ab).sqrt()).sqrt()
 }
 
 #[cfg(test)]

@@ -2,8 +2,10 @@ use super::*;
 use crate::chance::Dice;
 
 /// Returns the position in the viewport that the matrices of a view project a point to, in pixels, and its distance.
+/// Perspective views only.
 fn projected(view: &View, point: [f64; 3]) -> (DVec2, f64) {
-    let at = view.viewport_from_eye * view.eye_from_sector.transform_point3(DVec3::from(point));
+    let eye_from_sector = view.eye_from_sector;
+    let at = (view.viewport_from_eye * eye_from_sector).transform_point3(DVec3::from(point));
     (at.truncate() / at.z, at.z)
 }
 
@@ -16,8 +18,112 @@ fn what_is_looked_at_is_in_the_middle_and_up_is_up() {
     assert!(projected(&view, [4.0, 3.0, -7.0]).0.y < 240.0);
     // A sample to the right and below shows what the pixel centre showed before: the picture moves left and up.
     let moved = view.at_sample([0.25, 0.5]).expect("a position in the pixel");
-    let off = moved.screen_from_eye() * DVec3::NEG_Z - view.screen_from_eye() * DVec3::NEG_Z;
+    let [after, before] = [moved, view].map(|view| view.screen_from_eye().transform_point3(DVec3::NEG_Z));
+    let off = after - before;
     assert_eq!(off, DVec3::new(-0.25, -0.5, 0.0));
+}
+
+#[test]
+fn a_parallel_view_is_the_one_of_an_orthographic_matrix() {
+    let mut dice = Dice::new(6);
+    for round in 0..100 {
+        let [eye, toward, up] = [(); 3].map(|()| dice.point(5.0));
+        let [height, aspect] = [0.1 + 9.0 * dice.roll(), 0.5 + dice.roll()];
+        let size = [(600.0 * aspect) as u32, 600];
+        let [half_width, half] = [0.5 * height * f64::from(size[0]) / 600.0, 0.5 * height];
+        let view = View::parallel(eye.into(), toward.into(), up.into(), height, size).expect("a valid view");
+        // A near plane behind the origin of eye space, as suns have it.
+        let near = 10.0 * dice.roll() - 9.0;
+        let origin = eye - near * (toward - eye).normalize();
+        let eye_from_sector =
+            glam::dcamera::rh::view::look_at_mat4(origin, toward + (origin - eye), up.normalize());
+        let (clip_from_eye, depth) = if round % 2 == 0 {
+            let matrix = glam::dcamera::rh::proj::directx::orthographic(
+                -half_width,
+                half_width,
+                -half,
+                half,
+                near,
+                near + 50.0,
+            );
+            (matrix, ClipDepth::ZeroToOne)
+        } else {
+            let matrix = glam::dcamera::rh::proj::opengl::orthographic(
+                -half_width,
+                half_width,
+                -half,
+                half,
+                near,
+                near + 50.0,
+            );
+            (matrix, ClipDepth::MinusOneToOne)
+        };
+        let same = View::from_matrices(
+            eye_from_sector.to_cols_array_2d(),
+            clip_from_eye.to_cols_array_2d(),
+            depth,
+            size,
+        );
+        let same = same.expect("an orthographic projection");
+        assert!(view.is_parallel() && same.is_parallel());
+        assert!(
+            DVec3::from(same.eye()).distance(eye) < 1e-9,
+            "{:?} is not {eye}",
+            same.eye()
+        );
+        for _ in 0..10 {
+            let place = [dice.roll() * f64::from(size[0]), dice.roll() * 600.0];
+            for (ours, theirs) in view.ray(place).into_iter().zip(same.ray(place)) {
+                assert!(
+                    DVec3::from(ours).distance(theirs.into()) < 1e-9,
+                    "{ours:?} is not {theirs:?}"
+                );
+            }
+            // The matrix of a renderer puts every point of the ray there.
+            let [origin, direction] = view.ray(place).map(DVec3::from);
+            assert!((direction.length() - 1.0).abs() < 1e-9);
+            for view in [view, same] {
+                let clip =
+                    DMat4::from_cols_array_2d(&view.clip_from_eye()) * DMat4::from(view.eye_from_sector);
+                let at = clip.project_point3(origin + direction);
+                let at = [
+                    (0.5 + 0.5 * at.x) * f64::from(size[0]),
+                    (0.5 - 0.5 * at.y) * 600.0,
+                ];
+                assert!(
+                    (at[0] - place[0]).abs() + (at[1] - place[1]).abs() < 1e-6,
+                    "{at:?} is not {place:?}"
+                );
+            }
+        }
+    }
+    let refused = View::parallel([0.0; 3], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], 0.0, [8, 8]);
+    assert_eq!(refused, Err(ViewError::Height(0.0)));
+}
+
+#[test]
+fn an_oblique_near_plane_is_found_wherever_it_is() {
+    let mut dice = Dice::new(7);
+    for _ in 0..100 {
+        let normal = (dice.point(1.0) + DVec3::NEG_Z * 1.5).normalize();
+        let distance = 0.1 + dice.roll();
+        let mut rows = DMat4::from_cols_array_2d(&PERSPECTIVE).transpose();
+        rows.z_axis = normal.extend(-distance) * (0.1 + dice.roll());
+        let view = View::from_matrices(
+            IDENTITY,
+            rows.transpose().to_cols_array_2d(),
+            ClipDepth::ZeroToOne,
+            [64, 64],
+        );
+        let view = view.expect("an oblique near plane");
+        let [x, y, z, d] = view.near_plane().expect("it is oblique");
+        assert!(DVec3::new(x, y, z).distance(normal) < 1e-9 && (d + distance).abs() < 1e-9);
+        // Nowhere in the frustum is the plane nearer.
+        for place in [[0.0, 0.0], [64.0, 0.0], [0.0, 64.0], [64.0, 64.0], [10.0, 50.0]] {
+            let way = DVec3::from(view.ray(place)[1]).dot(normal);
+            assert!(way <= 0.0 || distance / way >= f64::from(view.z_near()));
+        }
+    }
 }
 
 #[test]
@@ -174,8 +280,11 @@ fn matrices_that_are_no_perspective_view_are_refused_by_name() {
     let zero_to_one = ClipDepth::ZeroToOne;
     assert!(View::from_matrices(IDENTITY, PERSPECTIVE, zero_to_one, [64, 64]).is_ok());
     let parallel = changed(changed(PERSPECTIVE, [2, 3], 0.0), [3, 3], 1.0);
-    assert_eq!(refused(IDENTITY, parallel, zero_to_one), ViewError::Parallel);
-    let oblique = changed(PERSPECTIVE, [0, 2], 0.3);
+    let upright = changed(changed(parallel, [2, 2], 0.0), [0, 2], 1.0);
+    assert_eq!(refused(IDENTITY, upright, zero_to_one), ViewError::Parallel);
+    let squeezed = changed(parallel, [0, 0], 0.0);
+    assert_eq!(refused(IDENTITY, squeezed, zero_to_one), ViewError::Singular);
+    let oblique = changed(changed(PERSPECTIVE, [0, 2], 0.3), [3, 2], 0.1);
     assert_eq!(refused(IDENTITY, oblique, zero_to_one), ViewError::Oblique);
     // Depth is not reversed, but said to be: the far plane would be taken for the near one.
     let not_reversed = ViewError::ClipDepth {

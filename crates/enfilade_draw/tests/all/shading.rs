@@ -1,6 +1,6 @@
 //! Shading of faces: vertex normals, spots, suns, and unlit materials.
 
-use crate::stage::{SIZE, direction, view};
+use crate::stage::{SIZE, parallel_view, ray, view};
 use enfilade::{
     Attributes, GeometryBuilder, Indices, Light, LightShape, Material, MaterialId, Mesh, Method, Part, Scene,
     SceneBuilder, Transform, Vertices, View, Viewer,
@@ -36,9 +36,9 @@ fn wall(normals: &[[f32; 3]], material: Material, lights: &[Light]) -> Scene {
     scene.build().expect("a yard")
 }
 
-fn drawn(scene: &Scene) -> enfilade_draw::RgbImage {
+fn drawn(scene: &Scene, view: &View) -> enfilade_draw::RgbImage {
     Stage::new(scene)
-        .draw(&mut Viewer::new(), scene, &view(), &Settings::default())
+        .draw(&mut Viewer::new(), scene, view, &Settings::default())
         .image
 }
 
@@ -52,11 +52,9 @@ fn linear(byte: u8) -> f64 {
 }
 
 /// Returns the point where the ray through a pixel's centre meets the wall.
-fn met(x: u32, y: u32) -> DVec3 {
-    let view: View = view();
-    let way = direction(&view, [f64::from(x) + 0.5, f64::from(y) + 0.5]);
-    let eye = DVec3::from(view.eye());
-    eye + way * ((-3.0 - eye.z) / way.z)
+fn met(view: &View, x: u32, y: u32) -> DVec3 {
+    let [origin, way] = ray(view, [f64::from(x) + 0.5, f64::from(y) + 0.5]);
+    origin + way * ((-3.0 - origin.z) / way.z)
 }
 
 /// Asserts that a light adds the expected light to the picture.
@@ -69,24 +67,26 @@ fn holds(
     let white = Material::opaque([1.0; 3]);
     let mut off = light;
     off.color = [0.0; 3];
-    let [lit, unlit] = [light, off].map(|light| drawn(&wall(normals, white, &[light])));
-    let mut lit_pixels = 0;
-    for y in 0..SIZE[1] {
-        for x in 0..SIZE[0] {
-            let point = met(x, y);
-            let (to_light, part) = strength(point);
-            let added = part * normal(point).dot(to_light).max(0.0) * f64::from(light.color[0]);
-            let [shown, before] = [&lit, &unlit].map(|image| linear(image.get_pixel(x, y).0[0]));
-            let expected = (before + added).min(1.0);
-            // One step of an sRGB byte at that brightness.
-            assert!(
-                (shown - expected).abs() < 0.012,
-                "({x}, {y}): {shown}, {expected}"
-            );
-            lit_pixels += usize::from(added > 0.05);
+    for view in [view(), parallel_view()] {
+        let [lit, unlit] = [light, off].map(|light| drawn(&wall(normals, white, &[light]), &view));
+        let mut lit_pixels = 0;
+        for y in 0..SIZE[1] {
+            for x in 0..SIZE[0] {
+                let point = met(&view, x, y);
+                let (to_light, part) = strength(point);
+                let added = part * normal(point).dot(to_light).max(0.0) * f64::from(light.color[0]);
+                let [shown, before] = [&lit, &unlit].map(|image| linear(image.get_pixel(x, y).0[0]));
+                let expected = (before + added).min(1.0);
+                // One step of an sRGB byte at that brightness.
+                assert!(
+                    (shown - expected).abs() < 0.012,
+                    "({x}, {y}): {shown}, {expected}"
+                );
+                lit_pixels += usize::from(added > 0.05);
+            }
         }
+        assert!(lit_pixels > 500, "{lit_pixels}");
     }
-    assert!(lit_pixels > 500, "{lit_pixels}");
 }
 
 const FLAT: [[f32; 3]; 0] = [];
@@ -143,7 +143,7 @@ fn what_is_unlit_has_its_colour_in_any_light_and_what_glows_has_it_in_the_dark()
         ..Material::opaque([0.25, 0.5, 0.75])
     };
     for lights in [&[][..], &[lamp]] {
-        let image = drawn(&wall(&FLAT, unlit, lights));
+        let image = drawn(&wall(&FLAT, unlit, lights), &view());
         let [r, g, b] = image.get_pixel(60, 40).0.map(linear);
         assert!((r - 0.25).abs() < 0.004 && (g - 0.5).abs() < 0.004 && (b - 0.75).abs() < 0.004);
     }
@@ -151,7 +151,10 @@ fn what_is_unlit_has_its_colour_in_any_light_and_what_glows_has_it_in_the_dark()
         emission: [0.0, 0.6, 0.0],
         ..Material::opaque([0.0; 3])
     };
-    let [r, g, _] = drawn(&wall(&FLAT, glowing, &[])).get_pixel(60, 40).0.map(linear);
+    let [r, g, _] = drawn(&wall(&FLAT, glowing, &[]), &view())
+        .get_pixel(60, 40)
+        .0
+        .map(linear);
     assert!(r == 0.0 && (g - 0.6).abs() < 0.005, "{g}");
 }
 

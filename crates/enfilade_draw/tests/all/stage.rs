@@ -75,6 +75,11 @@ pub(crate) fn view() -> View {
     View::new([0.1, 0.2, 2.0], [0.0, -0.1, -2.0], SIZE).expect("a valid view")
 }
 
+/// As [`view`], in parallel.
+pub(crate) fn parallel_view() -> View {
+    View::parallel([0.1, 0.2, 2.0], [0.0, -0.1, -2.0], [0.1, 1.0, 0.0], 3.0, SIZE).expect("a valid view")
+}
+
 pub(crate) fn drawn(scene: &Scene, view: &View, settings: &Settings) -> Picture {
     Stage::new(scene).draw(&mut Viewer::new(), scene, view, settings)
 }
@@ -95,25 +100,34 @@ pub(crate) struct RayHit {
     pub(crate) face: (SectorId, u32, u32),
 }
 
-/// Returns the ray through a screen position.
-pub(crate) fn direction(view: &View, [x, y]: [f64; 2]) -> DVec3 {
+/// Returns origin and direction of the ray through a screen position.
+pub(crate) fn ray(view: &View, [x, y]: [f64; 2]) -> [DVec3; 2] {
     let [eye, toward, up] = [view.eye(), view.toward(), view.up()].map(DVec3::from);
     let forward = (toward - eye).normalize();
     let right = forward.cross(up).normalize();
-    let step = 2.0 * (0.5 * f64::from(view.fov_y())).tan() / f64::from(view.size()[1]);
+    let step = if view.is_parallel() {
+        2.0 / (view.clip_from_eye()[1][1] * f64::from(view.size()[1]))
+    } else {
+        2.0 * (0.5 * f64::from(view.fov_y())).tan() / f64::from(view.size()[1])
+    };
     let [dx, dy] = View::GENERIC_OFFSET;
     let [right_of, below] = [
         x + dx - 0.5 * f64::from(view.size()[0]),
         y + dy - 0.5 * f64::from(view.size()[1]),
     ];
-    forward + right * (right_of * step) - right.cross(forward) * (below * step)
+    let aside = right * (right_of * step) - right.cross(forward) * (below * step);
+    if view.is_parallel() {
+        [eye + aside, forward]
+    } else {
+        [eye, forward + aside]
+    }
 }
 
 pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<RayHit> {
-    let direction = direction(view, at);
+    let [origin, direction] = ray(view, at);
     let sector = scene.sector_of(view)?;
     let ray = Ray {
-        origin: view.eye().map(|value| value as f32),
+        origin: origin.as_vec3().into(),
         direction: direction.as_vec3().into(),
     };
     let cast = scene.cast(sector, &ray);
@@ -127,8 +141,7 @@ pub(crate) fn meet(scene: &Scene, view: &View, at: [f64; 2]) -> Option<RayHit> {
             .map(|c| DVec3::from(c.map(f64::from)));
         columns[0] * p.x + columns[1] * p.y + columns[2] * p.z + columns[3]
     };
-    let eye = DVec3::from(view.eye());
-    let point = moved(eye + direction * cast.distance);
+    let point = moved(origin + direction * cast.distance);
     let geometry = scene.geometry(cast.sector)?;
     let mesh = geometry.mesh_of(hit.item.index);
     let corners = mesh.face(hit.face);

@@ -1,11 +1,20 @@
 //! Textures on faces, texel by texel.
 
-use crate::stage::{SIZE, drawn, gallery, meet, mosaic, poster, texel, view};
-use enfilade::{Alpha, Contract, Material, Method, Wrap};
+use crate::stage::{SIZE, drawn, gallery, meet, mosaic, parallel_view, poster, texel, view};
+use enfilade::{Alpha, Contract, Material, Method, View, Wrap};
 use enfilade_draw::Settings;
 
 #[test]
 fn every_texel_is_where_a_ray_meets_it_also_beyond_the_sides_and_in_a_mirror() {
+    every_texel_is_where_a_ray_meets_it(&view());
+}
+
+#[test]
+fn every_texel_of_a_parallel_view_is_where_a_ray_meets_it() {
+    every_texel_is_where_a_ray_meets_it(&parallel_view());
+}
+
+fn every_texel_is_where_a_ray_meets_it(view: &View) {
     for wrap in [
         [Wrap::Repeat, Wrap::Mirror],
         [Wrap::Mirror, Wrap::Clamp],
@@ -24,18 +33,18 @@ fn every_texel_is_where_a_ray_meets_it_also_beyond_the_sides_and_in_a_mirror() {
             let scene = scene
                 .with_method(method, u64::MAX)
                 .expect("within the memory limit");
-            let image = drawn(&scene, &view(), &Settings::default()).image;
+            let image = drawn(&scene, view, &Settings::default()).image;
             let mut compared = 0;
             for y in 0..SIZE[1] {
                 for x in 0..SIZE[0] {
                     let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
-                    let Some(met) = meet(&scene, &view(), at) else {
+                    let Some(met) = meet(&scene, view, at) else {
                         continue;
                     };
                     // At the edges of faces either colour is accepted.
                     let beside = [[-0.05, 0.0], [0.05, 0.0], [0.0, -0.05], [0.0, 0.05]];
                     let same = beside.iter().all(|[dx, dy]| {
-                        meet(&scene, &view(), [at[0] + dx, at[1] + dy])
+                        meet(&scene, view, [at[0] + dx, at[1] + dy])
                             .is_some_and(|other| other.face == met.face)
                     });
                     let Some(expected) = texel(&texture, met.place).filter(|_| same) else {

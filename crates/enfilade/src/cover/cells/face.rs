@@ -3,7 +3,8 @@
 use crate::raster::{Triangle, greater, smaller};
 use crate::view::aperture::Rect;
 use crate::view::passage::{BEYOND, Passage};
-use glam::{DAffine3, DVec3};
+use crate::view::screen_map::ScreenMap;
+use glam::DVec3;
 use smallvec::SmallVec;
 
 /// A vertex, as shared by faces.
@@ -74,8 +75,8 @@ const ROUND_DOWN: f64 = 1.0 - 1.0 / (1_u64 << 22) as f64;
 const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 
 /// Returns a hash of a space, from its transform to the screen.
-pub(super) fn name_of_space(screen_from_local: &DAffine3) -> u64 {
-    let numbers = screen_from_local.to_cols_array();
+pub(super) fn name_of_space(screen_from_local: &ScreenMap) -> u64 {
+    let numbers = screen_from_local.linear.to_cols_array();
     numbers
         .iter()
         .fold(0, |name, number| mix(name ^ number.to_bits()))
@@ -91,12 +92,12 @@ fn mix(name: u64) -> u64 {
 
 impl Corner {
     #[inline(always)]
-    pub(super) fn new(position: [f32; 3], screen_from_local: &DAffine3, space: u64) -> Corner {
+    pub(super) fn new(position: [f32; 3], screen_from_local: &ScreenMap, space: u64) -> Corner {
         // Adding zero turns −0 into +0, which would hash differently.
         let [x, y, z] = position.map(|value| u64::from((value + 0.0).to_bits()));
         let position = DVec3::from(position.map(f64::from));
         Corner {
-            at: screen_from_local.transform_point3(position),
+            at: screen_from_local.point(position),
             name: mix(mix(space ^ (x << 32 | y)) ^ z),
         }
     }

@@ -18,11 +18,11 @@ use crate::simd::dispatch;
 use crate::stats::Stats;
 use crate::threads;
 use crate::view::aperture::Rect;
-use crate::view::passage::{Passage, eye_in};
-use crate::view::region::{BOXES, EightBoxes};
+use crate::view::passage::Passage;
+use crate::view::region::{BOXES, EightBoxes, Volume};
+use crate::view::screen_map::ScreenMap;
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use glam::DAffine3;
 use std::hint::black_box;
 
 /// Minimum height of a strip, in rows of tiles.
@@ -40,7 +40,7 @@ const MANY: usize = 4096;
 
 /// A mesh with its transform.
 struct Instance {
-    screen_from_mesh: DAffine3,
+    screen_from_mesh: ScreenMap,
     /// Eye position in the space of the mesh.
     eye: [f32; 3],
     mirrored: bool,
@@ -66,7 +66,7 @@ impl<'a> DrawList<'a> {
     /// Adds those parts of a mesh that may be in view. Nothing of a mesh with a transform that is not finite.
     pub(super) fn add(&mut self, passage: &Passage, mesh: &'a OccluderMesh, world_from_mesh: &Transform) {
         let screen_from_mesh = passage.screen_from(world_from_mesh);
-        if !screen_from_mesh.is_finite() {
+        if !screen_from_mesh.linear.is_finite() {
             return;
         }
         let instance = self.instances.len() as u32;
@@ -79,7 +79,8 @@ impl<'a> DrawList<'a> {
             let eight = EightBoxes::of(passage, &screen_from_mesh, &boxes[..parts.len()]);
             for (lane, part) in parts.iter().enumerate() {
                 let (rect, nearest) = eight.rect(lane);
-                if !rect.is_empty() {
+                let volume = Volume::new(&screen_from_mesh, &part.bounds);
+                if !rect.is_empty() && volume.is_in_depth_range() {
                     self.parts.push(PlacedPart {
                         part,
                         instance,
@@ -98,7 +99,7 @@ impl<'a> DrawList<'a> {
                     .then_with(|| place(a).cmp(&place(b)))
             });
             self.instances.push(Instance {
-                eye: eye_in(&screen_from_mesh).as_vec3().into(),
+                eye: screen_from_mesh.eye().as_vec3().into(),
                 screen_from_mesh,
                 mirrored: world_from_mesh.mirrors(),
                 double_sided: mesh.double_sided,

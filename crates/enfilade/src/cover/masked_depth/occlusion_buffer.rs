@@ -108,7 +108,7 @@ impl OcclusionBuffer {
     /// Clears the buffer and sets the view for the draws and tests to come. The buffer has one sample for each pixel of
     /// [`View::size`], and needs half a byte for each.
     ///
-    /// [`View::sector`] is ignored.
+    /// [`View::sector`] is ignored. In a parallel view, parts of meshes that reach twice as far as the far plane hide nothing.
     #[doc(alias = "ClearBuffer")]
     #[doc(alias = "SetResolution")]
     #[doc(alias = "SetNearClipPlane")]

@@ -21,6 +21,7 @@ use crate::faces::Faces;
 use crate::raster::Clipper;
 use crate::view::aperture::Rect;
 use crate::view::passage::{BEYOND, Passage};
+use crate::view::screen_map::{ScreenMap, eight_homogeneous, homogeneous};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, f64x8, mask64x8, u32x16};
 use glam::DVec3;
@@ -35,8 +36,9 @@ pub(super) const HALF: i32 = ONE / 2;
 
 /// Parameters shared by all faces of a batch.
 pub(super) struct Frame {
-    /// Rows of the matrix from positions to (X, Y, W).
+    /// Rows of [`ScreenMap::linear`].
     matrix: [[f64; 4]; 3],
+    is_parallel: bool,
     near: f64,
     /// A vertex with W below this is certainly in front of the near plane.
     behind: f64,
@@ -68,8 +70,9 @@ impl Frame {
         let entry = passage
             .entry
             .map(|(normal, distance)| (normal, distance * BEYOND));
-        let rows = faces.screen_from_local.matrix3.transpose();
-        let offset = faces.screen_from_local.translation;
+        let ScreenMap { linear, is_parallel } = *faces.screen_from_local;
+        let rows = linear.matrix3.transpose();
+        let offset = linear.translation;
         let row = |row: DVec3, offset| [row.x, row.y, row.z, offset];
         let middle = |start: u16, end: u16, align: usize| {
             let middle = (usize::from(start) + usize::from(end)) / 2;
@@ -84,6 +87,7 @@ impl Frame {
                 row(rows.y_axis, offset.y),
                 row(rows.z_axis, offset.z),
             ],
+            is_parallel,
             near: (near * SURELY).max(1.0 / DEEPEST),
             behind: near / SURELY,
             entry: entry.map(|(normal, distance)| (normal.into(), distance * SURELY)),
@@ -104,7 +108,8 @@ impl Frame {
     /// Returns (X, Y, W) of a position, by the same operations as the SIMD version.
     fn transform(&self, position: [f32; 3]) -> DVec3 {
         let [x, y, z] = position.map(f64::from);
-        DVec3::from(self.matrix.map(|to| x * to[0] + y * to[1] + z * to[2] + to[3]))
+        let at = self.matrix.map(|to| x * to[0] + y * to[1] + z * to[2] + to[3]);
+        homogeneous(at.into(), self.is_parallel)
     }
 }
 
@@ -151,8 +156,8 @@ fn project_lanes<S: Simd>(simd: S, frame: &Frame, at: &Block, placed: &mut [Corn
     let (ys, ys_above) = f32x16::from_slice(simd, &at[1]).widen();
     let (zs, zs_above) = f32x16::from_slice(simd, &at[2]).widen();
     let eight = [
-        ScreenCorners::new(frame, [xs, ys, zs]),
-        ScreenCorners::new(frame, [xs_above, ys_above, zs_above]),
+        ScreenCorners::new(simd, frame, [xs, ys, zs]),
+        ScreenCorners::new(simd, frame, [xs_above, ys_above, zs_above]),
     ];
     let [below, above] = [
         eight[0].fixed_point(simd, frame),
@@ -191,13 +196,15 @@ struct ScreenCorners<S: Simd> {
 
 impl<S: Simd> ScreenCorners<S> {
     #[inline(always)]
-    fn new(frame: &Frame, [x, y, z]: [f64x8<S>; 3]) -> ScreenCorners<S> {
+    fn new(simd: S, frame: &Frame, [x, y, z]: [f64x8<S>; 3]) -> ScreenCorners<S> {
         let [to_x, to_y, to_w] = &frame.matrix;
-        ScreenCorners {
-            x: x * to_x[0] + y * to_x[1] + z * to_x[2] + to_x[3],
-            y: x * to_y[0] + y * to_y[1] + z * to_y[2] + to_y[3],
-            w: x * to_w[0] + y * to_w[1] + z * to_w[2] + to_w[3],
-        }
+        let at = [
+            x * to_x[0] + y * to_x[1] + z * to_x[2] + to_x[3],
+            x * to_y[0] + y * to_y[1] + z * to_y[2] + to_y[3],
+            x * to_w[0] + y * to_w[1] + z * to_w[2] + to_w[3],
+        ];
+        let [x, y, w] = eight_homogeneous(simd, at, frame.is_parallel);
+        ScreenCorners { x, y, w }
     }
 
     /// Returns column and row with [`TO_INTEGER`] added, and reversed depth; 0 if odd.

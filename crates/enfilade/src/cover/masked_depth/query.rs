@@ -60,25 +60,24 @@ impl Grid {
         if rect.x1 - rect.x0 < FEW || rect.y1 - rect.y0 < FEW {
             return false;
         }
-        let shows = |x: f64, y: f64, w: f64| {
+        let shows = |at: DVec3| {
             let [left, right] = [rect.x0, rect.x1].map(f64::from);
             let [top, bottom] = [rect.y0, rect.y1].map(f64::from);
-            let per_w = 1.0 / w;
-            let [x, y] = [x * per_w, y * per_w];
-            w > near
+            let DVec3 { x, y, z: rev_depth } = volume.on_screen(at);
+            // Both signs matter: behind the eye, 1 / W is negative.
+            (rev_depth > 0.0 && rev_depth * near < 1.0)
                 && (left <= x && x < right && top <= y && y < bottom)
-                && f64::from(self.rev_depth_at(x as usize, y as usize)) < per_w
+                && f64::from(self.rev_depth_at(x as usize, y as usize)) < rev_depth
         };
         let [x, y, z] = volume.sides;
         let middle = volume.origin + 0.5 * (x + y + z);
-        if shows(middle.x, middle.y, middle.z) {
+        if shows(middle) {
             return true;
         }
         // Halfway between the middle and four corners, of which no two are adjacent.
         let [x, y, z] = [0.25 * x, 0.25 * y, 0.25 * z];
         for offset in [x + y + z, x - y - z, y - x - z, z - x - y] {
-            let point = middle + offset;
-            if shows(point.x, point.y, point.z) {
+            if shows(middle + offset) {
                 return true;
             }
         }
@@ -202,7 +201,7 @@ impl TilesView<'_> {
 fn sample_at_middle(rect: &Rect, volume: &Volume) -> Option<[usize; 2]> {
     let [x, y, z] = volume.sides;
     let middle = volume.origin + 0.5 * (x + y + z);
-    let [x, y] = [middle.x / middle.z, middle.y / middle.z];
+    let DVec3 { x, y, .. } = volume.on_screen(middle);
     let within = |low: u16, value: f64, high: u16| f64::from(low) <= value && value < f64::from(high);
     (within(rect.x0, x, rect.x1) && within(rect.y0, y, rect.y1)).then_some([x as usize, y as usize])
 }
@@ -265,7 +264,10 @@ impl Outline {
     /// at the end (1) of the box; `None` if neither.
     #[inline(always)]
     fn add_fronts(&mut self, volume: &Volume, growth: f64, limits: &Rect) -> [Option<usize>; 3] {
-        let Volume { origin, sides } = *volume;
+        if volume.is_parallel {
+            return self.add_parallel_fronts(volume, growth, limits);
+        }
+        let Volume { origin, sides, .. } = *volume;
         let most = DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0);
         let mut facing = [None; 3];
         for axis in 0..3 {
@@ -295,6 +297,37 @@ impl Outline {
             let grown = (normal.x.abs() + normal.y.abs()) * growth;
             let lifted = DVec3::new(normal.x, normal.y, normal.z + size.dot(most) * ROUNDING + grown);
             self.fronts[self.front_count] = lifted / (distance - error);
+            self.front_count += 1;
+        }
+        facing
+    }
+
+    /// As [`Outline::add_fronts`] in a parallel view: a face n · (x, y, r) = d towards the viewer has n.z above 0, and
+    /// reversed depth r = (d − n.x x − n.y y) / n.z.
+    fn add_parallel_fronts(&mut self, volume: &Volume, growth: f64, limits: &Rect) -> [Option<usize>; 3] {
+        let Volume { origin, sides, .. } = *volume;
+        let reach = DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0);
+        let mut facing = [None; 3];
+        for axis in 0..3 {
+            let [a, b] = [sides[(axis + 1) % 3], sides[(axis + 2) % 3]];
+            let normal = a.cross(b);
+            let [a, b] = [a.abs(), b.abs()];
+            let size = DVec3::new(
+                a.y * b.z + a.z * b.y,
+                a.z * b.x + a.x * b.z,
+                a.x * b.y + a.y * b.x,
+            );
+            if normal.z.abs() <= size.z * (2.0 * ROUNDING) {
+                continue;
+            }
+            let normal = normal * normal.z.signum();
+            let across = normal.dot(sides[axis]);
+            let distance = normal.dot(origin) + greater(across, 0.0);
+            let most = origin.abs() + sides[axis].abs() + reach;
+            let error = size.dot(most) * ROUNDING + (normal.x.abs() + normal.y.abs()) * growth;
+            facing[axis] = Some(usize::from(across > 0.0));
+            self.fronts[self.front_count] =
+                DVec3::new(-normal.x, -normal.y, distance + error) / (normal.z - size.z * ROUNDING);
             self.front_count += 1;
         }
         facing

@@ -92,9 +92,36 @@ impl<A> OcclusionTree<A> {
 }
 
 impl Faces {
+    /// As [`Faces::of`] in a parallel view: front faces are those on the side of the viewer, where reversed depth grows.
+    fn parallel(volume: &Volume) -> Faces {
+        let all = volume.corners();
+        let mut corners = [[DVec3::ZERO; 4]; 6];
+        let mut front = [false; 6];
+        for axis in 0..3 {
+            let [along, up] = [1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3)];
+            let [a, b, across] = [(axis + 1) % 3, (axis + 2) % 3, axis].map(|side| volume.sides[side]);
+            let normal = a.cross(b);
+            let size = |v: DVec3| v.abs().element_sum();
+            let off = ROUNDING * size(a) * size(b);
+            // Of the far corner's face, relative to the near one's, along the normal.
+            let lead = normal.dot(across) * normal.z;
+            let unsure = normal.z.abs() <= off || normal.dot(across).abs() <= off * size(across);
+            for (face, lead) in [-lead, lead].into_iter().enumerate() {
+                let corner = face << axis;
+                corners[2 * axis + face] =
+                    [corner, corner | along, corner | along | up, corner | up].map(|at| all[at]);
+                front[2 * axis + face] = unsure || lead > 0.0;
+            }
+        }
+        Faces { corners, front }
+    }
+
     /// Computes the faces of a box; `None` if the eye may be inside.
     fn of(volume: &Volume) -> Option<Faces> {
-        let Volume { origin, sides } = volume;
+        if volume.is_parallel {
+            return Some(Faces::parallel(volume));
+        }
+        let Volume { origin, sides, .. } = volume;
         let mut corners = [[DVec3::ZERO; 4]; 6];
         let mut front = [false; 6];
         let mut is_outside = false;

@@ -41,6 +41,8 @@ pub(super) struct Corners<S: Simd> {
     slit: f64x8<S>,
     /// Upper bounds of the absolute coordinates of the corners.
     sum: DVec3,
+    /// Whether the corners are in the space of (column, row, reversed depth) instead.
+    is_parallel: bool,
 }
 
 impl<S: Simd> Corners<S> {
@@ -49,20 +51,27 @@ impl<S: Simd> Corners<S> {
         let Volume {
             origin,
             sides: [a, b, c],
+            is_parallel,
         } = *volume;
         let z = spread(simd, origin.z, [a.z, b.z, c.z]);
         Corners {
             x: spread(simd, origin.x, [a.x, b.x, c.x]),
             y: spread(simd, origin.y, [a.y, b.y, c.y]),
             z,
-            slit: z * SLIT,
+            slit: if is_parallel {
+                f64x8::splat(simd, SLIT)
+            } else {
+                z * SLIT
+            },
             sum: greatest(volume),
+            is_parallel,
         }
     }
 
     /// Classifies the corners against the plane `normal` · p = `distance`.
     #[inline(always)]
     pub(super) fn against(&self, simd: S, normal: DVec3, distance: f64) -> Sides {
+        let (normal, distance) = self.in_space(normal, distance);
         // This order of additions has the shortest latency; the next step of the traversal waits for the result.
         let height = (self.x * normal.x + self.y * normal.y) + (self.z * normal.z - distance);
         let margin = margin(self.sum, normal, distance);
@@ -79,8 +88,22 @@ impl<S: Simd> Corners<S> {
     /// does not matter.
     #[inline(always)]
     pub(super) fn before(&self, simd: S, normal: DVec3, distance: f64) -> Bits {
+        let (normal, distance) = self.in_space(normal, distance);
         let height = self.x * normal.x + self.y * normal.y + self.z * normal.z;
         height.simd_lt(f64x8::splat(simd, distance)).to_bitmask() as Bits
+    }
+}
+
+impl<S: Simd> Corners<S> {
+    /// Returns a plane n · (X, Y, W) = d as a plane in the space of the corners, with the same sides. In a parallel view
+    /// (X, Y, W) is (x, y, 1) / r with r above 0, so that n · (X, Y, W) > d is n.x x + n.y y − d r > −n.z.
+    #[inline(always)]
+    fn in_space(&self, normal: DVec3, distance: f64) -> (DVec3, f64) {
+        if self.is_parallel {
+            (DVec3::new(normal.x, normal.y, -distance), -normal.z)
+        } else {
+            (normal, distance)
+        }
     }
 }
 
@@ -157,6 +180,7 @@ mod tests {
             let volume = Volume {
                 origin: point(),
                 sides: [point(), point(), point()],
+                is_parallel: false,
             };
             let (normal, distance) = (point(), point().x);
             let expected = sides_one_by_one(&volume, normal, distance);

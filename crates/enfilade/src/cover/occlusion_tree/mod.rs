@@ -53,10 +53,11 @@ use crate::view::aperture::Rect;
 use crate::view::canvas::{Canvas, CoverShape};
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility, Volume};
+use crate::view::screen_map::ScreenMap;
 use above::LinesAbove;
 use by_box::{PendingLink, Query, Start};
 use fearless_simd::Level;
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use line::{Back, Line};
 use pieces::{Piece, Pieces};
 use std::marker::PhantomData;
@@ -201,7 +202,7 @@ impl<A: BoxTest> Cover for OcclusionTree<A> {
     fn test_local(
         &mut self,
         _passage: &Passage,
-        screen_from_local: &DAffine3,
+        screen_from_local: &ScreenMap,
         bounds: &Aabb,
     ) -> Option<Visibility> {
         // The tree includes the lines of the aperture, so neither the box's samples nor its reversed depth are needed.
@@ -245,7 +246,7 @@ impl<A: BoxTest> Hides for OcclusionTree<A> {
         self.go_back();
     }
 
-    fn hides(&mut self, _passage: &Passage, screen_from_local: &DAffine3, bounds: &Aabb) -> bool {
+    fn hides(&mut self, _passage: &Passage, screen_from_local: &ScreenMap, bounds: &Aabb) -> bool {
         // Testing the faces would cost more than most occluders save; and this way both kinds of tree insert the same
         // occluders.
         if bounds.is_empty() {

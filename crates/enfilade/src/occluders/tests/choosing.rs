@@ -36,7 +36,7 @@ fn the_chosen_are_the_best_of_all() {
         }
         if round % 4 == 0 {
             // As viewed through a mirror.
-            passage.screen_from_sector *= Transform::scaling([-1.0, 1.0, 1.0]).0;
+            passage.screen_from_sector.linear *= Transform::scaling([-1.0, 1.0, 1.0]).0;
         }
         for measure in [OccluderMeasure::AreaAngle, OccluderMeasure::ProjectedArea] {
             for budget in [0, 1, 16, 10_000] {
@@ -63,7 +63,7 @@ fn the_chosen_stand_in_order_on_the_screen_also_where_mirrored() {
         let set = OccluderSet::build(&geometry);
         let mut passage = passage(dice.point(20.0).into(), dice.point(20.0).into());
         if round % 4 == 0 {
-            passage.screen_from_sector *= Transform::scaling([-1.0, 1.0, 1.0]).0;
+            passage.screen_from_sector.linear *= Transform::scaling([-1.0, 1.0, 1.0]).0;
         }
         passage.entry = (round % 3 == 0).then_some((DVec3::Z, 15.0));
         for chosen in set

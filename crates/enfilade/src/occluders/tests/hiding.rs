@@ -53,9 +53,7 @@ fn check(what: &str, wall: &Wall, double_sided: bool, dice: &mut Dice) -> usize 
             let faces: Vec<[DVec3; 3]> = wall
                 .triangles
                 .iter()
-                .map(|triangle| {
-                    triangle.map(|index| screen.transform_point3(DVec3::from(wall.corners[index as usize])))
-                })
+                .map(|triangle| triangle.map(|index| screen.point(DVec3::from(wall.corners[index as usize]))))
                 .collect();
             for _ in 0..40 {
                 // A point behind it, in most cases close to an edge.

@@ -49,7 +49,8 @@ pub(super) fn cells_at_start(
         }
     }
     if begins_at_near_plane(passage) {
-        let from_screen = passage.screen_from_sector.inverse();
+        // In the near plane of a parallel view W is 1, so that (X, Y, W) is (column, row, reversed depth).
+        let from_screen = passage.screen_from_sector.linear.inverse();
         let outline = near_outline(passage);
         room.outline(outline.iter().map(|&place| from_screen.transform_point3(place)));
         if !begin_in(room, true) {
@@ -64,7 +65,7 @@ fn begins_at_near_plane(passage: &Passage) -> bool {
     let Some(entrance) = &passage.entrance else {
         return true;
     };
-    let along = |corner: &DVec3| passage.screen_from_sector.transform_point3(*corner).z;
+    let along = |corner: &DVec3| passage.screen_from_sector.point(*corner).z;
     let limit = f64::from(passage.z_near) * FARTHER;
     // NaN is not farther.
     !entrance.corners().iter().all(|corner| along(corner) > limit)

@@ -29,7 +29,8 @@ use crate::traversal::{box_visibility, emit_openings, may_be_visible};
 use crate::unsuited::Unsuited;
 use crate::view::passage::Passage;
 use crate::view::region::Visibility;
-use glam::{DAffine3, DVec3};
+use crate::view::screen_map::ScreenMap;
+use glam::DVec3;
 use walls::Walls;
 
 /// Faces of a convex space, drawn back to front in any order.
@@ -116,7 +117,7 @@ impl Order for ConvexCell {
         for item in (0..geometry.items().len() as u32).rev().map(ItemIndex) {
             self.emit_item(geometry, passage, item, visit);
         }
-        let eye = DVec3::from(passage.eye());
+        let eye = DVec3::from(passage.viewpoint());
         if self.planes.iter().any(|plane| plane.height(eye) < 0.0) {
             self.emit_outer_sides(geometry, passage, eye, visit);
         }
@@ -183,7 +184,7 @@ fn emit_backwards(
     geometry: &Geometry,
     item: ItemIndex,
     faces: [u32; 2],
-    screen_from_item: &DAffine3,
+    screen_from_item: &ScreenMap,
     visit: &mut impl Visit,
 ) {
     for face in (faces[0]..faces[1]).rev() {

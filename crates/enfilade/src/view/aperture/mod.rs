@@ -304,7 +304,6 @@ mod tests {
     use super::*;
     use crate::geom::ConvexPolygon;
     use crate::view::View;
-    use glam::DAffine3;
 
     fn window(z: f32) -> ConvexPolygon {
         ConvexPolygon::rectangle([-1.0, -1.0, z], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]).expect("a square")
@@ -312,12 +311,7 @@ mod tests {
 
     fn through(eye: [f32; 3], z: f32) -> Option<Aperture> {
         let view = View::new(eye, [eye[0], eye[1], eye[2] - 1.0], [100, 100]).expect("a valid view");
-        let eye_from_sector = view.eye_from_sector().0;
-        let k = view.screen_from_eye();
-        let screen = DAffine3 {
-            matrix3: k * eye_from_sector.matrix3,
-            translation: k * eye_from_sector.translation,
-        };
+        let screen = view.screen_from_eye() * view.eye_from_sector().0;
         let window = window(z);
         let corners = window
             .corners()

@@ -5,13 +5,14 @@
 //! Cost: O(1), the same for eight boxes as for one.
 //! Conservative; bit-identical to [`Region::of`] at every SIMD level.
 
-use super::{Clip, ROUND_UP, Region, Volume, middle_and_half};
+use super::{Clip, ROUND_UP, Region, Volume, limits_of, middle_and_half, nearest_in_parallel};
 use crate::geom::Aabb;
 use crate::simd::dispatch;
 use crate::view::aperture::Rect;
+use crate::view::screen_map::ScreenMap;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, f64x8, i32x16, mask64x8};
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 
 /// Number of boxes projected at a time.
 pub(crate) const BOXES: usize = 8;
@@ -27,12 +28,13 @@ pub(crate) struct EightBoxes {
     nearest: [f64; BOXES],
     /// Bit mask of the boxes that are out of view.
     outside: u64,
+    is_parallel: bool,
 }
 
 impl EightBoxes {
     /// Projects boxes given in another space; boxes after the eighth are ignored.
     #[inline(always)]
-    pub(crate) fn of(clip: impl Into<Clip>, screen_from_local: &DAffine3, boxes: &[Aabb]) -> EightBoxes {
+    pub(crate) fn of(clip: impl Into<Clip>, screen_from_local: &ScreenMap, boxes: &[Aabb]) -> EightBoxes {
         let mut corners = [[f32::NAN; 2 * BOXES]; 3];
         for (lane, bounds) in boxes.iter().take(BOXES).enumerate() {
             for (axis, corner) in corners.iter_mut().enumerate() {
@@ -41,6 +43,7 @@ impl EightBoxes {
             }
         }
         let (mut eight, clip) = (EightBoxes::default(), clip.into());
+        eight.is_parallel = screen_from_local.is_parallel;
         dispatch!(clip.level, simd => eight.see(simd, &clip, screen_from_local, &corners));
         eight
     }
@@ -73,6 +76,7 @@ impl EightBoxes {
             volume: Volume {
                 origin: vector(origin),
                 sides: [vector(x), vector(y), vector(z)],
+                is_parallel: self.is_parallel,
             },
         })
     }
@@ -83,10 +87,18 @@ impl EightBoxes {
         &mut self,
         simd: S,
         clip: &Clip,
-        screen_from_local: &DAffine3,
+        screen_from_local: &ScreenMap,
         corners: &[[f32; 2 * BOXES]; 3],
     ) {
         let volumes = Volumes::new(simd, screen_from_local, corners);
+        for (kept, vector) in self.volumes.iter_mut().zip(&volumes.vectors) {
+            for (kept, axis) in kept.iter_mut().zip(vector) {
+                axis.store_slice(kept);
+            }
+        }
+        if self.is_parallel {
+            return self.see_in_parallel(simd, clip, &volumes);
+        }
         let (limits, near) = (clip.rect, clip.near);
         let [middle, half] = middle_and_half(&limits);
         let none: mask64x8<S> = mask64x8::splat(simd, false);
@@ -118,23 +130,69 @@ impl EightBoxes {
             seen &= inside[5];
         }
         self.outside = !seen.to_bitmask();
-        for (kept, vector) in self.volumes.iter_mut().zip(&volumes.vectors) {
-            for (kept, axis) in kept.iter_mut().zip(vector) {
-                axis.store_slice(kept);
-            }
-        }
         let nearest_w = bounds.nearest_w(simd, near, &half);
         let nearest = f64x8::splat(simd, ROUND_UP) / nearest_w;
         let beyond = nearest_w.simd_gt(f64x8::splat(simd, near));
         beyond
             .select(nearest, f64x8::splat(simd, f64::INFINITY))
             .store_slice(&mut self.nearest);
-        let [mut min, mut max] = bounds.on_screen(simd, near, nearest_w, &middle);
+        let [min, max] = bounds.on_screen(simd, near, nearest_w, &middle);
+        self.keep_samples(simd, min, max, clip);
+    }
+
+    /// As [`EightBoxes::see`] in a parallel view.
+    #[inline(always)]
+    fn see_in_parallel<S: Simd>(&mut self, simd: S, clip: &Clip, volumes: &Volumes<S>) {
+        let [low, high] = limits_of(&clip.rect);
+        let rev_near = 1.0 / clip.near;
+        let none: mask64x8<S> = mask64x8::splat(simd, false);
+        let mut inside = [none; 6];
+        let mut bounds = Bounds::new(simd);
+        for corner in 0..8 {
+            let [x, y, rev_depth] = [
+                volumes.coordinate(simd, 0, corner),
+                volumes.coordinate(simd, 1, corner),
+                volumes.coordinate(simd, 2, corner),
+            ];
+            // Negated, so that NaN counts as inside.
+            inside[0] |= !x.simd_lt(low[0]);
+            inside[1] |= !x.simd_gt(high[0]);
+            inside[2] |= !y.simd_lt(low[1]);
+            inside[3] |= !y.simd_gt(high[1]);
+            inside[4] |= !rev_depth.simd_gt(rev_near);
+            if let Some((normal, d)) = clip.entry {
+                let at = x * normal.x + y * normal.y - rev_depth * (d * (1.0 - 1e-6));
+                inside[5] |= at.simd_ge(f64x8::splat(simd, -normal.z));
+            }
+            bounds.add([x, y, rev_depth, x, y]);
+        }
+        let mut seen = volumes.there & inside[0] & inside[1] & inside[2] & inside[3] & inside[4];
+        if clip.entry.is_some() {
+            seen &= inside[5];
+        }
+        self.outside = !seen.to_bitmask();
+        bounds.greatest[2].store_slice(&mut self.nearest);
+        for nearest in &mut self.nearest {
+            *nearest = f64::from(nearest_in_parallel(*nearest, rev_near));
+        }
+        let [min, max] = [bounds.least, bounds.greatest].map(|of| [of[0], of[1]]);
+        self.keep_samples(simd, min, max, clip);
+    }
+
+    /// Keeps the samples between the minimum and maximum screen positions.
+    #[inline(always)]
+    fn keep_samples<S: Simd>(
+        &mut self,
+        simd: S,
+        mut min: [f64x8<S>; 2],
+        mut max: [f64x8<S>; 2],
+        clip: &Clip,
+    ) {
         if clip.spread > 0.0 {
             min = [min[0] - clip.spread, min[1] - clip.spread];
             max = [max[0] + clip.spread, max[1] + clip.spread];
         }
-        let [first, end] = samples(simd, min, max, &limits);
+        let [first, end] = samples(simd, min, max, &clip.rect);
         first.store_slice(&mut self.first);
         end.store_slice(&mut self.end);
     }
@@ -171,19 +229,19 @@ struct Volumes<S: Simd> {
 impl<S: Simd> Volumes<S> {
     /// As [`Volume::new`].
     #[inline(always)]
-    fn new(simd: S, screen_from_local: &DAffine3, corners: &[[f32; 2 * BOXES]; 3]) -> Volumes<S> {
+    fn new(simd: S, screen_from_local: &ScreenMap, corners: &[[f32; 2 * BOXES]; 3]) -> Volumes<S> {
         let (x, x_end) = f32x16::from_slice(simd, &corners[0]).widen();
         let (y, y_end) = f32x16::from_slice(simd, &corners[1]).widen();
         let (z, z_end) = f32x16::from_slice(simd, &corners[2]).widen();
         let there = x.simd_le(x_end) & y.simd_le(y_end) & z.simd_le(z_end);
         let [width, height, depth] = [x_end - x, y_end - y, z_end - z];
-        let matrix = screen_from_local.matrix3;
+        let matrix = screen_from_local.linear.matrix3;
         let [to_x, to_y, to_z] = [
             matrix.x_axis.to_array(),
             matrix.y_axis.to_array(),
             matrix.z_axis.to_array(),
         ];
-        let offset = screen_from_local.translation.to_array();
+        let offset = screen_from_local.linear.translation.to_array();
         let mut vectors = [[x; 3]; 4];
         for axis in 0..3 {
             vectors[0][axis] = x * to_x[axis] + y * to_y[axis] + z * to_z[axis] + offset[axis];

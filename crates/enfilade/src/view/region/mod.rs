@@ -9,9 +9,10 @@ pub(crate) use sphere::sphere_on_screen;
 use crate::geom::Aabb;
 use crate::simd::dispatch;
 use crate::view::aperture::Rect;
+use crate::view::screen_map::{ScreenMap, homogeneous};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, f64x8};
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 
 /// How much of a region is visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,11 +37,13 @@ pub struct Region {
     pub(crate) volume: Volume,
 }
 
-/// A parallelepiped in (X, Y, W) space, with the eye at the origin: a corner, and the three edges from it.
+/// A parallelepiped on the screen: a corner, and the three edges from it. In (X, Y, W) space, with the eye at the origin;
+/// in a parallel view in the space of (column, row, reversed depth).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
     pub(crate) origin: DVec3,
     pub(crate) sides: [DVec3; 3],
+    pub(crate) is_parallel: bool,
 }
 
 /// What of a passage a projection needs: the space that boxes are clipped to, and how to compute.
@@ -64,12 +67,12 @@ pub(crate) const ROUND_UP: f64 = 1.0 + 1.0 / (1_u64 << 20) as f64;
 impl Region {
     /// Projects an AABB, given in another space, through a passage; `None` if no sample of the aperture's rectangle can
     /// show any part of it.
-    pub(crate) fn of(clip: impl Into<Clip>, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Region> {
+    pub(crate) fn of(clip: impl Into<Clip>, screen_from_local: &ScreenMap, bounds: &Aabb) -> Option<Region> {
         Region::within(&clip.into(), screen_from_local, bounds).filter(|region| !region.rect.is_empty())
     }
 
     /// As [`Region::of`], but also returns regions with an empty rectangle.
-    pub(crate) fn within(clip: &Clip, screen_from_local: &DAffine3, bounds: &Aabb) -> Option<Region> {
+    pub(crate) fn within(clip: &Clip, screen_from_local: &ScreenMap, bounds: &Aabb) -> Option<Region> {
         if bounds.is_empty() {
             return None;
         }
@@ -85,13 +88,15 @@ impl Region {
 }
 
 impl Volume {
-    pub(crate) fn new(screen_from_local: &DAffine3, bounds: &Aabb) -> Volume {
+    pub(crate) fn new(screen_from_local: &ScreenMap, bounds: &Aabb) -> Volume {
         let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
         let DVec3 { x, y, z } = max - min;
-        let axes = screen_from_local.matrix3;
+        let ScreenMap { linear, is_parallel } = *screen_from_local;
+        let axes = linear.matrix3;
         Volume {
-            origin: screen_from_local.transform_point3(min),
+            origin: linear.transform_point3(min),
             sides: [axes.x_axis * x, axes.y_axis * y, axes.z_axis * z],
+            is_parallel,
         }
     }
 
@@ -121,6 +126,9 @@ impl Volume {
             self.sides[1].z,
             self.sides[2].z,
         );
+        if self.is_parallel {
+            return touched_in_parallel([x, y, w], clip);
+        }
         let zero = f64x8::splat(simd, 0.0);
         // Relative to the centre of the rectangle, so that its sides are at ±half.
         let [middle, half] = middle_and_half(&clip.rect);
@@ -167,11 +175,36 @@ impl Volume {
         })
     }
 
-    /// Returns the eight corners; bit k of a corner's index is set if side k is added.
+    /// Whether all of a parallel view's volume is within its depth range, so that (X, Y, W) are defined. Always in
+    /// perspective.
+    pub(crate) fn is_in_depth_range(&self) -> bool {
+        let least = self.origin.z + self.sides.iter().map(|side| side.z.min(0.0)).sum::<f64>();
+        !self.is_parallel || least > 0.0
+    }
+
+    /// Returns the column, row and reversed depth of a point in the space of the volume.
+    #[inline(always)]
+    pub(crate) fn on_screen(&self, at: DVec3) -> DVec3 {
+        if self.is_parallel {
+            return at;
+        }
+        let rev_depth = 1.0 / at.z;
+        DVec3::new(at.x * rev_depth, at.y * rev_depth, rev_depth)
+    }
+
+    /// Returns the eight corners as (X, Y, W); bit k of a corner's index is set if side k is added.
     pub(crate) fn corners(&self) -> [DVec3; 8] {
+        self.corners_in_space()
+            .map(|corner| homogeneous(corner, self.is_parallel))
+    }
+
+    /// As [`Volume::corners`], in the space of the volume.
+    #[inline(always)]
+    fn corners_in_space(&self) -> [DVec3; 8] {
         let Volume {
             origin,
             sides: [x, y, z],
+            ..
         } = *self;
         let (xy, far) = (x + y, origin + z);
         [
@@ -184,6 +217,52 @@ impl Volume {
             far + y,
             far + xy,
         ]
+    }
+}
+
+/// As [`Volume::touched`] in a parallel view, by column, row and reversed depth of the corners. These may be anywhere, also
+/// beyond the depth range of the passage.
+#[inline(always)]
+fn touched_in_parallel<S: Simd>([x, y, rev_depth]: [f64x8<S>; 3], clip: &Clip) -> Option<ScreenBounds> {
+    let [low, high] = limits_of(&clip.rect);
+    let rev_near = 1.0 / clip.near;
+    if x.simd_lt(low[0]).all_true()
+        || x.simd_gt(high[0]).all_true()
+        || y.simd_lt(low[1]).all_true()
+        || y.simd_gt(high[1]).all_true()
+        || rev_depth.simd_gt(rev_near).all_true()
+    {
+        return None;
+    }
+    if let Some((normal, d)) = clip.entry {
+        let at = x * normal.x + y * normal.y - rev_depth * (d * (1.0 - 1e-6));
+        if at.simd_ge(-normal.z).all_false() {
+            return None;
+        }
+    }
+    Some(ScreenBounds {
+        min: [least_of(x), least_of(y)],
+        max: [greatest_of(x), greatest_of(y)],
+        nearest: nearest_in_parallel(greatest_of(rev_depth), rev_near),
+    })
+}
+
+/// Returns the first and the last position of a rectangle along each axis, in pixels.
+#[inline(always)]
+fn limits_of(rect: &Rect) -> [[f64; 2]; 2] {
+    [
+        [rect.x0, rect.y0].map(f64::from),
+        [rect.x1, rect.y1].map(f64::from),
+    ]
+}
+
+/// Returns the nearest reversed depth, rounded up. What is beyond the depth range is nearer than nothing.
+#[inline(always)]
+fn nearest_in_parallel(greatest: f64, rev_near: f64) -> f32 {
+    if greatest < rev_near {
+        greater(greatest * ROUND_UP, f64::from(f32::MIN_POSITIVE)) as f32
+    } else {
+        f32::INFINITY
     }
 }
 

@@ -3,8 +3,8 @@
 use super::*;
 use crate::chance::{Dice, levels};
 use crate::ids::SectorId;
-use crate::view::Camera;
 use crate::view::passage::Passage;
+use crate::view::{Camera, View};
 
 /// Projects a box for an eye at the origin that looks along −z, with a field of view of 90 degrees and a square
 /// viewport.
@@ -151,6 +151,7 @@ fn eight_corners_at_once_touch_what_they_touch_one_by_one_at_every_level() {
         let volume = Volume {
             origin: vector(60.0) + DVec3::new(40.0, 40.0, 1.0),
             sides: [vector(30.0), vector(30.0), vector(30.0)],
+            is_parallel: false,
         };
         let entry = (round % 3 == 0).then(|| (vector(1.0), 0.5));
         let expected = volume.touched_one_by_one(&limits, 0.1, entry);
@@ -183,10 +184,17 @@ fn eight_boxes_at_once_are_seen_as_one_by_one_at_every_level() {
             z_near: Some(0.01 + dice.within(0.005) as f32),
             ..Camera::new(somewhere(&mut dice, 3.0), somewhere(&mut dice, 9.0))
         };
-        let view = camera
-            .view([100 + round % 7, 60 + round % 5])
-            .expect("a valid view");
+        let size = [100 + round % 7, 60 + round % 5];
+        let view = match round % 3 {
+            0 => View::parallel(camera.eye, camera.toward, camera.up, 12.0, size),
+            _ => camera.view(size),
+        };
+        let view = view.expect("a valid view");
         let mut passage = Passage::at_the_eye(&view, SectorId(0), false);
+        passage.fit(&Aabb {
+            min: [-4.0; 3],
+            max: [4.0; 3],
+        });
         passage.spread = [0.5, 0.0, 0.01][round as usize % 3];
         if round % 4 == 0 {
             passage.entry = Some((DVec3::from(somewhere(&mut dice, 1.0).map(f64::from)), 0.5));

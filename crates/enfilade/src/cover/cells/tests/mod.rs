@@ -216,7 +216,7 @@ fn on_screen(geometry: &Geometry, passage: &Passage, double_sided: bool) -> Vec<
         let mesh = geometry.mesh_of(item);
         let at = |corner: u32| {
             let position = mesh.positions()[corner as usize].map(f64::from);
-            passage.screen_from_sector.transform_point3(DVec3::from(position))
+            passage.screen_from_sector.point(DVec3::from(position))
         };
         for face in 0..mesh.face_count() {
             let (corners, _) = mesh.runs(face..face + 1);

@@ -151,8 +151,9 @@ fn what_is_as_near_as_a_slanting_occluder_is_seen() {
         let volume = Volume {
             origin: middle,
             sides,
+            is_parallel: false,
         };
-        let back = passage.screen_from_sector.matrix3.inverse();
+        let back = passage.screen_from_sector.linear.matrix3.inverse();
         let local = DAffine3 {
             matrix3: back * glam::DMat3::from_cols(sides[0], sides[1], sides[2]),
             translation: back * middle,

@@ -185,6 +185,7 @@ fn a_grown_box_is_hidden_only_if_it_is_wherever_it_may_move() {
                 let volume = Volume {
                     origin: moved(region.volume.origin),
                     sides: region.volume.sides.map(moved),
+                    is_parallel: false,
                 };
                 let seen = oracle.sees(oracle.all(), |x, y| {
                     Some(rev_depth_of(&volume, x, y)?.min(1.0 / oracle.near))

@@ -18,7 +18,7 @@ impl Polygon {
     pub(super) fn new(corners: &[DVec3], passage: &Passage) -> Polygon {
         let corners: Vec<DVec3> = corners
             .iter()
-            .map(|&c| passage.screen_from_sector.transform_point3(c))
+            .map(|&c| passage.screen_from_sector.point(c))
             .collect();
         let normal = (2..corners.len())
             .map(|i| (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]))
@@ -221,7 +221,11 @@ pub(super) fn region_of(passage: &Passage, sector_from_cube: &DAffine3) -> Optio
         min: [0.0; 3],
         max: [1.0; 3],
     };
-    Region::of(passage, &(passage.screen_from_sector * *sector_from_cube), &cube)
+    Region::of(
+        passage,
+        &(passage.screen_from(&Transform(*sector_from_cube))),
+        &cube,
+    )
 }
 
 /// A random box, rotated and scaled; one in five is flat, one in twenty a segment.

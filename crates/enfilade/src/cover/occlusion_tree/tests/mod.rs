@@ -86,6 +86,7 @@ fn volume(min: [f64; 3], max: [f64; 3]) -> Volume {
     Volume {
         origin: on_screen(min),
         sides: [side(0), side(1), side(2)],
+        is_parallel: false,
     }
 }
 

@@ -174,6 +174,7 @@ fn a_box_that_was_flattened_is_seen_where_it_looks_over_a_wall() {
         let flat = Volume {
             origin: on_screen(at.into()),
             sides: sides.map(|side| on_screen((at + side).into()) - on_screen(at.into())),
+            is_parallel: false,
         };
         let highest = |corner: DVec3| (400.0 - corner.y / corner.z) / 700.0 - TOP / 2.0;
         let over = flat
@@ -205,6 +206,7 @@ fn odd_boxes_and_occluders_are_no_trouble() {
     let odd = Volume {
         origin: DVec3::new(f64::NAN, 0.0, 1.0),
         sides: [DVec3::X; 3],
+        is_parallel: false,
     };
     assert!(!both.see(&odd).contains(&Visibility::Hidden));
     let behind = volume([-0.1, -0.1, 5.0], [0.1, 0.1, 6.0]);

@@ -119,7 +119,8 @@ impl Faces {
     /// Computes the faces of a box; `None` if the eye may be inside.
     fn of(volume: &Volume) -> Option<Faces> {
         if volume.is_parallel {
-            return Some(Faces::parallel(volume));
+            // A box in the space of an item may reach farther than the item.
+            return volume.is_in_depth_range().then(|| Faces::parallel(volume));
         }
         let Volume { origin, sides, .. } = volume;
         let mut corners = [[DVec3::ZERO; 4]; 6];

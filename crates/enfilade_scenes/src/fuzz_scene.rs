@@ -84,7 +84,10 @@ pub fn fuzz_scene(seed: u64) -> FuzzScene {
             scene.set_open(enfilade::PortalId(portal), false);
         }
     }
-    let views = (0..4).map(|_| view(&seen, &world, &mut random)).collect();
+    let mut views: Vec<View> = (0..4)
+        .map(|_| view(&seen, &world, perspective, &mut random))
+        .collect();
+    views.extend([parallel_view, oblique_view].map(|make| view(&seen, &world, make, &mut random)));
     FuzzScene { scene, views }
 }
 
@@ -414,8 +417,22 @@ fn join(rooms: &mut [Room], [from, to]: [usize; 2], world: &World, random: &mut 
     Some(Portal::OneWay(ends, moved))
 }
 
-/// Creates a view from a difficult position.
-fn view(rooms: &[(SectorId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, random: &mut Random) -> View {
+/// Returns the view of a camera, or one through random matrices of engines.
+fn perspective(camera: &Camera, size: [u32; 2], random: &mut Random) -> View {
+    if random.once_in(3) {
+        engine_view(camera, size, random)
+    } else {
+        camera.view(size).expect("two points and a field of view")
+    }
+}
+
+/// Creates a view from a difficult position; `make` turns the camera into it.
+fn view(
+    rooms: &[(SectorId, Vec<ConvexPolygon>, Vec<Vec3>)],
+    world: &World,
+    make: fn(&Camera, [u32; 2], &mut Random) -> View,
+    random: &mut Random,
+) -> View {
     let (sector, outlines, corners) = &rooms[random.below(rooms.len())];
     let anywhere =
         |random: &mut Random| world.point(grid_point(random) + ROOM * vec3(random.below(2) as f32, 0.0, 0.0));
@@ -467,12 +484,7 @@ fn view(rooms: &[(SectorId, Vec<ConvexPolygon>, Vec<Vec3>)], world: &World, rand
     if random.once_in(4) {
         camera.z_near = Some(random.pick(&[1e-6, 1e-4, 0.05, 0.5]) * world.scale);
     }
-    let view = match random.below(6) {
-        0 | 1 => engine_view(&camera, size, random),
-        2 => parallel_view(&camera, size, random),
-        3 => oblique_view(&camera, size, random),
-        _ => camera.view(size).expect("two points and a field of view"),
-    };
+    let view = make(&camera, size, random);
     if random.once_in(4) {
         let sample = View::FOUR_SAMPLES[random.below(4)];
         return view.at_sample(sample).expect("a position in the pixel");

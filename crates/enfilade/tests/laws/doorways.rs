@@ -1,8 +1,8 @@
 //! Cameras that move through doors, mirrors and teleports, and stop in their planes.
 
-use crate::subject::{LIMIT, limits};
+use crate::subject::{LIMIT, limits, viewer};
 use enfilade::laws::{Contestants, views_through};
-use enfilade::{PortalId, View};
+use enfilade::{Camera, Method, PortalId, View};
 use enfilade_scenes::{SCENES, built_in, fuzz_scene};
 
 /// Small: the relevant pixels are in the middle of the picture, or everywhere.
@@ -72,6 +72,33 @@ fn an_eye_in_the_plane_of_a_doorway_sees_both_rooms() {
 fn an_eye_in_the_plane_of_a_mirror_sees_what_is_before_it_twice() {
     sees("mirrors", [-1.99, 1.0, 2.0], [-1.99, 1.5, 3.0], 4);
     sees("mirrors", [-1.99, 1.0, 2.0], [-3.0, 1.5, 3.0], 2);
+}
+
+#[test]
+fn a_wall_that_counts_as_in_the_plane_of_a_doorway_hides_nothing_behind_it() {
+    // The wall of the next room is 2⁻¹⁸ of the distance behind the doorway, exactly where faces begin to count as behind it.
+    let scene = fuzz_scene(1_065_004).scene;
+    let camera = Camera {
+        up: [0.3, 0.9, -0.2],
+        fov_y: 1.907_039_5,
+        z_near: Some(0.5),
+        ..Camera::new(
+            [65.401_95_f32, 64.171_16, 97.787_96],
+            [60.901_943, 64.171_16, 97.787_96],
+        )
+    };
+    let view = camera.view([20, 12]).expect("a valid view");
+    let mut contestants = Contestants::new(&scene, limits(), LIMIT);
+    holds(&mut contestants, &view, "before a doorway");
+    for method in [Method::Masked, Method::HierarchicalZ] {
+        let scene = scene.with_method(method, LIMIT).expect("a small scene");
+        for cover_size in [None, Some([20, 12]), Some([10, 6])] {
+            let mut viewer = viewer();
+            viewer.options.cover_size = cover_size;
+            let items = viewer.look(&scene, &view).items();
+            assert!(items.len() > 9, "{method} lists only {} items", items.len());
+        }
+    }
 }
 
 #[test]

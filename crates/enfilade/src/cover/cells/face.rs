@@ -218,7 +218,8 @@ impl Face {
         pixel
     }
 
-    /// Clips a triangle at the near plane and the entry plane.
+    /// Clips a triangle at the near plane and the entry plane. A face that ends at one of them is not drawn, so it must not
+    /// occlude either: nothing is left of it.
     #[cold]
     fn clip(&mut self, corners: [&Corner; 3], near: f64, passage: &Passage) {
         let mut kept: SmallVec<[(DVec3, Option<Line>); MAX_EDGES]> = [[0, 1], [1, 2], [2, 0]]
@@ -230,6 +231,9 @@ impl Face {
             .map(|(normal, distance)| (normal, distance * BEYOND));
         for (normal, distance) in [Some((DVec3::Z, near)), entry].into_iter().flatten() {
             let whole = std::mem::take(&mut kept);
+            if whole.iter().all(|(at, _)| normal.dot(*at) <= distance) {
+                return;
+            }
             for (i, &(here, edge)) in whole.iter().enumerate() {
                 let (there, _) = whole[(i + 1) % whole.len()];
                 let [at_here, at_there] = [here, there].map(|at| normal.dot(at) - distance);

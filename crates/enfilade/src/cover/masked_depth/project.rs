@@ -288,8 +288,9 @@ pub(super) fn clip(
     let Some((near, entry)) = frame.clips else {
         return false;
     };
-    // A face that ends at the near plane is not drawn, so it must not occlude either.
-    if corners.iter().all(|corner| corner.z <= near) {
+    // A face that ends at the near plane or at the entry plane is not drawn, so it must not occlude either.
+    let ends_at = |(normal, distance): (DVec3, f64)| corners.iter().all(|at| normal.dot(*at) <= distance);
+    if ends_at((DVec3::Z, near)) || entry.is_some_and(ends_at) {
         return true;
     }
     let reach = corners.iter().fold(0.0_f64, |reach, corner| {

@@ -226,8 +226,8 @@ export class Viewer {
    * Determines what is visible.
    *
    * @param viewMatrix 16 numbers, the columns of the matrix from the world to the camera, y up
-   * @param projectionMatrix 16 numbers: a perspective projection
-   * @throws an `Error` with a `code`: `view/parallel` for a parallel projection, `view/clip-depth` for a wrong `depth`
+   * @param projectionMatrix 16 numbers: a perspective or parallel (orthographic) projection
+   * @throws an `Error` with a `code`: `view/singular` for a matrix without an inverse, `view/clip-depth` for a wrong `depth`
    */
   look(scene: Scene, viewMatrix: ArrayLike<number>, projectionMatrix: ArrayLike<number>, options: LookOptions): void {
     const { width, height, depth = '-1..1', layers = 0xffffffff } = checkLook(options);

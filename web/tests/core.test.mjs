@@ -83,7 +83,7 @@ test('errors have codes', () => {
     }
   };
   const nan = new Float32Array([NaN, 0, 0, 1, 0, 0, 0, 1, 0]);
-  const parallel = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -0.02, 0, 0, 0, -1, 1];
+  const flat = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, -0.02, 0, 0, 0, -1, 1];
   assert.deepEqual(
     [
       code(() => scene.addMesh({ positions: nan })),
@@ -91,11 +91,11 @@ test('errors have codes', () => {
       code(() => scene.add([0], [99], at([0, 0, 0, 1]))),
       code(() => scene.add([0], [mesh], new Float32Array(15))),
       code(() => scene.add([1 << 30], [mesh], at([0, 0, 0, 1]))),
-      code(() => viewer.look(scene, identity, parallel, { width: 64, height: 64 })),
+      code(() => viewer.look(scene, identity, flat, { width: 64, height: 64 })),
       code(() => viewer.look(scene, identity, identity.map(() => NaN), { width: 64, height: 64 })),
       code(() => viewer.look(scene, identity, projection, { width: 0, height: 64 })),
     ],
-    ['mesh/not-finite', 'mesh/index-out-of-range', 'web/no-mesh', 'web/length', 'web/key', 'view/parallel', 'view/not-finite', 'view/size'],
+    ['mesh/not-finite', 'mesh/index-out-of-range', 'web/no-mesh', 'web/length', 'web/key', 'view/singular', 'view/not-finite', 'view/size'],
   );
   for (const wrong of [() => scene.add(['a'], [mesh], at([0, 0, 0, 1])), () => scene.add([0], [undefined], at([0, 0, 0, 1])), () => scene.remove([1.5]), () => viewer.look(scene, identity, projection)]) {
     assert.throws(wrong, { name: 'TypeError', message: /^enfilade: / });

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 use enfilade::laws::{LayerPicture, OwnerPicture, Reference, Verdict};
 use enfilade::{Camera, Contract, Method, Scene, SurveyView, Tightness, View, Viewer, survey, survey_hard};
 use enfilade_import::{ReadOptions, read};
-use enfilade_scenes::{Random, engine_view, random_edits, random_graph_edits};
+use enfilade_scenes::{Random, engine_view, oblique_view, parallel_view, random_edits, random_graph_edits};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -23,8 +23,14 @@ pub(crate) struct Args {
     #[arg(long)]
     hard: bool,
     /// Look through random matrices of engines: off-centre, jittered, reversed or infinite depth, left-handed
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["parallel", "oblique"])]
     matrices: bool,
+    /// Look through random parallel projections
+    #[arg(long, conflicts_with = "oblique")]
+    parallel: bool,
+    /// Look through random oblique near planes
+    #[arg(long)]
+    oblique: bool,
     /// Viewport width and height, in pixels
     #[arg(long, num_args = 2, default_values_t = [320, 180])]
     size: Vec<u32>,
@@ -171,16 +177,22 @@ fn contract(method: Method, args: &Args) -> Contract {
     }
 }
 
-/// Returns the view from a position; with a seed, through random matrices.
-fn view_from(place: &SurveyView, seed: Option<usize>, size: [u32; 2]) -> View {
+/// Returns the view number `number` from a position.
+fn view_from(place: &SurveyView, number: usize, size: [u32; 2], args: &Args) -> View {
     let camera = Camera {
         // Items that move may enlarge the bounds of sectors.
         sector: Some(place.sector),
         ..Camera::new(place.eye, place.toward)
     };
-    match seed {
-        Some(seed) => engine_view(&camera, size, &mut Random::new(seed as u64)),
-        None => camera.view(size).expect("a view of the survey"),
+    let random = &mut Random::new(number as u64);
+    if args.matrices {
+        engine_view(&camera, size, random)
+    } else if args.parallel {
+        parallel_view(&camera, size, random)
+    } else if args.oblique {
+        oblique_view(&camera, size, random)
+    } else {
+        camera.view(size).expect("a view of the survey")
     }
 }
 
@@ -238,7 +250,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
             }
             reference = Reference::new(&scene);
         }
-        let view = view_from(place, args.matrices.then_some(number), size);
+        let view = view_from(place, number, size, args);
         let truth = reference.see(&scene, &view, &limits);
         let layers = args.glass.then(|| reference.layers(&scene, &view, &limits));
         visible += truth.visible().len();
@@ -264,7 +276,7 @@ fn verify(name: &str, methods: &[Method], args: &Args) -> Result<usize> {
         if !candidates.iter_mut().any(|candidate| strict(&candidate)) {
             break;
         }
-        let view = view_from(place, args.matrices.then_some(number), strict_size);
+        let view = view_from(place, number, strict_size, args);
         let truth = reference.see_anywhere(&scene, &view, &limits, args.places, number as u64);
         for candidate in candidates.iter_mut().filter(strict) {
             let verdict = truth.check(candidate.viewer.look(&candidate.scene, &view), None);

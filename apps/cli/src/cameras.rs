@@ -9,7 +9,7 @@ use crate::report::single;
 use crate::text::{plural, short};
 use crate::values::among;
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Camera, Ray, Scene, Survey, SurveyView, View, Viewer, survey_hard};
+use enfilade::{Camera, Ray, Scene, Survey, SurveyView, View, ViewError, Viewer, survey_hard};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,7 +18,7 @@ use std::path::Path;
 /// Returns the selected views, all valid. Empty only if the survey finds no open space.
 pub(crate) fn views(args: &CameraArgs, opened: &OpenedScene) -> Result<Vec<View>> {
     let views = if let (Some(eye), Some(toward)) = (args.eye, args.toward) {
-        let view = camera(args, eye, toward).view(args.size);
+        let view = projected(&camera(args, eye, toward), args);
         vec![view.context("--eye and --toward")?]
     } else if let Some(path) = &args.path {
         read_path(path, args)?
@@ -76,9 +76,21 @@ fn with_options(args: &CameraArgs, camera: Camera) -> Camera {
     }
 }
 
+/// Returns the view of a camera: in parallel, if `--parallel` is given.
+fn projected(camera: &Camera, args: &CameraArgs) -> Result<View, ViewError> {
+    let Some(height) = args.parallel else {
+        return camera.view(args.size);
+    };
+    let view = View::parallel(camera.eye, camera.toward, camera.up, height, args.size)?;
+    Ok(match camera.sector {
+        Some(sector) => view.in_sector(sector),
+        None => view,
+    })
+}
+
 /// Returns the view of a camera of the scene.
 fn view_of(camera: &Camera, args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
-    let view = with_options(args, camera.clone()).view(args.size);
+    let view = projected(&with_options(args, camera.clone()), args);
     view.with_context(|| format!("{}: camera `{}`", opened.file, camera.name))
 }
 
@@ -157,7 +169,7 @@ fn hard(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
 fn views_at(args: &CameraArgs, found: &[SurveyView]) -> Result<Vec<View>> {
     let views = found
         .iter()
-        .map(|survey_view| at(args, survey_view).view(args.size));
+        .map(|survey_view| projected(&at(args, survey_view), args));
     Ok(views.collect::<Result<_, _>>()?)
 }
 
@@ -202,7 +214,7 @@ fn first_picture(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
             (best, best_shown) = (survey_view, shown);
         }
     }
-    Ok(at(args, best).view(args.size)?)
+    Ok(projected(&at(args, best), args)?)
 }
 
 /// Whether a ray straight up from a view hits nothing.
@@ -226,7 +238,7 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> Result<View> {
         .map(|id| scene.bounds(id))
         .filter(|bounds| !bounds.is_empty());
     let lens = camera(args, [0.0; 3], [0.0, 0.0, -1.0]);
-    let nowhere = || Ok(lens.view(args.size)?);
+    let nowhere = || Ok(projected(&lens, args)?);
     let Some(bounds) = boxes.reduce(|a, b| a.union(&b)) else {
         return nowhere();
     };
@@ -274,7 +286,8 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> Result<View> {
     };
     let center = center + middle(right) + middle(upward);
     let eye = center + away * distance;
-    let view = camera(args, eye.as_vec3().to_array(), center.as_vec3().to_array()).view(args.size);
+    let camera = camera(args, eye.as_vec3().to_array(), center.as_vec3().to_array());
+    let view = projected(&camera, args);
     // With huge coordinates the step away may be lost in rounding.
     view.or_else(|_| nowhere())
 }
@@ -319,7 +332,7 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
             fov_y: line.fov.map_or(camera.fov_y, f32::to_radians),
             ..camera
         };
-        views.push(camera.view(args.size).with_context(location)?);
+        views.push(projected(&camera, args).with_context(location)?);
         unread.extend(line.others.into_keys().filter(|key| key != "name"));
     }
     if views.is_empty() {

@@ -50,8 +50,11 @@ pub(crate) struct ViewReport {
     pub(crate) eye: [f32; 3],
     pub(crate) toward: [f32; 3],
     pub(crate) up: [f32; 3],
-    /// Vertical field of view, in degrees.
+    /// Vertical field of view, in degrees; 0 in a parallel view.
     pub(crate) fov: f64,
+    /// Height of what a parallel view shows, in scene units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) parallel: Option<f64>,
     pub(crate) passages: usize,
     /// The passages; the one at the eye comes first.
     pub(crate) through: Vec<PassageReport>,
@@ -380,6 +383,11 @@ impl ViewReport {
             toward: view.toward().map(single),
             up: view.up().map(single),
             fov: rounded(f64::from(view.fov_y()).to_degrees()),
+            parallel: view.is_parallel().then(|| {
+                let [top, bottom] = [0.0, f64::from(view.size()[1])].map(|y| view.ray([0.0, y])[0]);
+                let square = (0..3).map(|axis| (top[axis] - bottom[axis]).powi(2)).sum::<f64>();
+                rounded(square.sqrt())
+            }),
             passages: look.passages.len(),
             through: look
                 .passages

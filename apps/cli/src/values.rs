@@ -139,6 +139,18 @@ pub(crate) fn degrees(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Parses the height of what a parallel view shows.
+pub(crate) fn height(text: &str) -> Result<f64, String> {
+    let height: f64 = text
+        .parse()
+        .map_err(|_| "expected a number of scene units, such as 20")?;
+    if height > 0.0 && height.is_finite() {
+        Ok(height)
+    } else {
+        Err("must be above 0 and finite".to_owned())
+    }
+}
+
 /// Parses a positive number of pixels.
 pub(crate) fn pixels(text: &str) -> Result<f32, String> {
     let pixels: f32 = text

@@ -111,6 +111,7 @@ mod raster;
 mod scene;
 mod sector;
 mod simd;
+mod starts;
 mod stats;
 #[cfg(feature = "terrain")]
 mod terrain;

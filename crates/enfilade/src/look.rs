@@ -1,9 +1,11 @@
 //! A look: follows openings from sector to sector, and gathers or draws through each passage.
 
+use crate::contract::Contract;
 use crate::geometry::{Alpha, Geometry, Owner};
 use crate::ids::{PassageId, PortalId};
 use crate::mesh::Cluster;
 use crate::scene::Scene;
+use crate::starts::Starts;
 use crate::stats::Stats;
 use crate::view::View;
 use crate::view::canvas::{Canvas, Span};
@@ -134,10 +136,24 @@ impl Look<'_> {
         let sector = self.scene.sector_of(view);
         // `follow` clears it if a limit is hit.
         self.set.complete = sector.is_some();
-        if let Some(sector) = sector {
-            let mut root = Passage::at_the_eye(view, sector, self.scene.is_flat());
-            root.options = self.options;
-            self.go_through(root);
+        let Some(sector) = sector else { return };
+        let mut root = Passage::at_the_eye(view, sector, self.scene.is_flat());
+        root.options = self.options;
+        let starts = view
+            .is_parallel()
+            .then(|| Starts::of(self.scene, view, sector))
+            .flatten();
+        let Some(starts) = starts else {
+            return self.go_through(root);
+        };
+        for number in 0..starts.sectors().len() {
+            let sector = starts.sectors()[number];
+            let is_exact = self.scene.sector(sector).contract(&self.options) == Contract::Exact;
+            let by_samples = is_exact || self.canvas.is_some();
+            let spread = self.options.margin().max(self.options.growth()).max(0.5);
+            if let Some(aperture) = starts.aperture(number, by_samples, spread) {
+                self.go_through(root.starting_in(sector, aperture));
+            }
         }
     }
 

@@ -51,7 +51,7 @@ impl Viewer {
     /// space: 0 for -1 to 1 (WebGL), 1 for 0 to 1 (WebGPU), 2 for 1 to 0 (reversed).
     ///
     /// # Errors
-    /// Returns `web/length`, or the code of a [`ViewError`](enfilade::ViewError): `view/parallel` for a parallel projection.
+    /// Returns `web/length`, or the code of a [`ViewError`](enfilade::ViewError).
     #[allow(
         clippy::too_many_arguments,
         reason = "numbers cross the border of the module more cheaply than objects"

@@ -308,6 +308,9 @@ pub(crate) struct CameraArgs {
     /// Set the vertical field of view, in degrees [default: the camera's, else 60]
     #[arg(long, value_name = "DEGREES", value_parser = values::degrees)]
     pub(crate) fov: Option<f32>,
+    /// Use a parallel (orthographic) projection that shows HEIGHT scene units from bottom to top; its near plane contains the eye
+    #[arg(long, value_name = "HEIGHT", value_parser = values::height, conflicts_with = "fov")]
+    pub(crate) parallel: Option<f64>,
     /// Set the up vector [default: the camera's, else 0,1,0]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
     pub(crate) up: Option<[f32; 3]>,

@@ -247,6 +247,9 @@ fn cameras_come_from_the_file_the_path_the_survey_or_the_command_line() {
         (&json!([-1.0, 2.0, 3.0]), &json!([0.0, 0.0, 1.0]))
     );
     assert_eq!(given["fov"], 60.0);
+    assert_eq!(given["parallel"], json!(null));
+    let plan = view("--eye 0,9,0 --toward 0,0,0 --up 0,0,-1 --parallel 12 --check");
+    assert_eq!((&plan["parallel"], &plan["fov"]), (&json!(12.0), &json!(0.0)));
     let path = folder.json("look scene.glb --size 32x18 --path views.jsonl --fov 70");
     assert_eq!(
         (&path["views"][0]["fov"], &path["views"][1]["fov"]),

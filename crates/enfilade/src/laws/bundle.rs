@@ -13,8 +13,16 @@ pub(super) struct Bundle<const N: usize> {
     pub(super) offsets: Option<[DVec3; N]>,
 }
 
-/// Interval of 1 / direction on each axis; `None` if the directions differ in sign or one of them is 0.
-pub(super) struct Slopes([Option<[f64; 2]>; 3]);
+/// Interval of 1 / direction on each axis.
+pub(super) struct Slopes([Slope; 3]);
+
+enum Slope {
+    Between([f64; 2]),
+    /// All directions are 0.
+    None,
+    /// The directions differ in sign, or some are 0.
+    Unknown,
+}
 
 impl<const N: usize> Bundle<N> {
     /// Transforms the rays to another space; their parameters stay valid.
@@ -47,7 +55,13 @@ impl<const N: usize> Bundle<N> {
                 .iter()
                 .map(|d| d[axis])
                 .fold(f64::NEG_INFINITY, f64::max);
-            (low > 0.0 || high < 0.0).then(|| [1.0 / high, 1.0 / low])
+            if low > 0.0 || high < 0.0 {
+                Slope::Between([1.0 / high, 1.0 / low])
+            } else if low == 0.0 && high == 0.0 {
+                Slope::None
+            } else {
+                Slope::Unknown
+            }
         }))
     }
 
@@ -60,10 +74,20 @@ impl<const N: usize> Bundle<N> {
                 .fold(DVec3::ZERO, |reach, offset| reach.max(offset.abs()))
         });
         for axis in 0..3 {
-            let Some([a, b]) = slopes.0[axis] else { continue };
             let [low, high] =
                 [bounds.min[axis], bounds.max[axis]].map(|side| f64::from(side) - self.origin[axis]);
             let [low, high] = [low - reach[axis], high + reach[axis]];
+            let [a, b] = match slopes.0[axis] {
+                Slope::Between(slopes) => slopes,
+                Slope::Unknown => continue,
+                Slope::None => {
+                    let margin = 1e-12 * (self.origin[axis].abs() + low.abs() + high.abs());
+                    if low > margin || high < -margin {
+                        return None;
+                    }
+                    continue;
+                }
+            };
             let [first, last] = if a > 0.0 { [low, high] } else { [high, low] };
             enter = enter.max((first * a).min(first * b));
             leave = leave.min((last * a).max(last * b));

@@ -7,7 +7,7 @@ use super::hits::Hits;
 use super::layers::{Layers, Pane};
 use super::lens::{Lens, POSITIONS, RAYS, of_pixel};
 use super::openings::Entered;
-use super::sector::sector_of_eye;
+use super::sector::{sector_of_eye, sector_of_start};
 use super::tree::{Meeting, MeshTrees, Trees};
 use super::truth::{Possible, RowTruth, Truth};
 use crate::geometry::Owner;
@@ -213,7 +213,7 @@ impl<const N: usize> RowTracer<'_, N> {
         // Openings are not clipped at the near plane of a perspective view: one that contains the eye must stay open.
         let start = if self.is_parallel { self.near } else { 0.0 };
         let mut entry = [[start; 2]; N];
-        let mut active = std::array::from_fn(|ray| ray < used);
+        let mut active: [bool; N] = std::array::from_fn(|ray| ray < used);
         if let Some(plane) = self.oblique {
             for ray in 0..N {
                 let [origin, direction] = [bundle.origin_of(ray), bundle.directions[ray]];
@@ -223,20 +223,33 @@ impl<const N: usize> RowTracer<'_, N> {
                 active[ray] &= slope > 0.0;
             }
         }
-        let chain = Chain {
+        let chain = |sector| Chain {
             id: ChainId::default(),
-            sector: self.sector,
+            sector,
         };
-        self.pending.push(TracedBundle {
-            chain,
-            bundle,
-            active,
-            certain: [true; N],
-            entry,
-            depth: 0,
-        });
-        for ray in (0..used).filter(|&ray| !self.pending[0].active[ray]) {
+        for ray in (0..used).filter(|&ray| !active[ray]) {
+            let chain = chain(self.sector);
             self.rays[ray].possible.push(Possible { chain, owner: None });
+        }
+        let starts: [SectorId; N] = std::array::from_fn(|ray| {
+            let [origin, direction] = [bundle.origin_of(ray), bundle.directions[ray]];
+            match self.is_parallel {
+                true => sector_of_start(self.scene, self.sector, origin + self.near * direction, direction),
+                false => self.sector,
+            }
+        });
+        for (first, &sector) in starts.iter().enumerate().take(used) {
+            if starts[..first].contains(&sector) {
+                continue;
+            }
+            self.pending.push(TracedBundle {
+                chain: chain(sector),
+                bundle,
+                active: std::array::from_fn(|ray| active[ray] && starts[ray] == sector),
+                certain: [true; N],
+                entry,
+                depth: 0,
+            });
         }
         while let Some(way) = self.pending.pop() {
             self.follow(&way);

@@ -11,16 +11,39 @@ pub(super) fn sector_of_eye(scene: &Scene, view: &View) -> Option<SectorId> {
         return scene.sectors().find(|&id| id == named);
     }
     let [eye, toward] = [view.eye(), view.toward()].map(DVec3::from);
-    let solid = || {
-        let all = scene.sectors().map(|id| (id, scene.bounds(id)));
-        all.filter(|(_, bounds)| !bounds.is_empty()).map(|(id, bounds)| {
-            let [min, mut max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
-            if scene.is_open_above(id) {
-                max.y = f64::INFINITY;
-            }
-            (id, min, max)
+    let away = |(_, min, max): &(SectorId, DVec3, DVec3)| (eye.clamp(*min, *max) - eye).length_squared();
+    sector_around(scene, eye, toward)
+        .or_else(|| {
+            let nearest = solid(scene).min_by(|a, b| away(a).total_cmp(&away(b)));
+            nearest.map(|(id, ..)| id)
         })
-    };
+        .or_else(|| scene.sectors().next())
+}
+
+/// Returns the sector that a ray of a parallel view starts in, as the docs of [`View`] define it, given that of the eye.
+pub(super) fn sector_of_start(scene: &Scene, of_eye: SectorId, start: DVec3, ahead: DVec3) -> SectorId {
+    let own = solid(scene).find(|&(id, ..)| id == of_eye);
+    if own.is_some_and(|(_, min, max)| start.cmpge(min).all() && start.cmple(max).all()) {
+        return of_eye;
+    }
+    sector_around(scene, start, start + ahead).unwrap_or(of_eye)
+}
+
+/// Returns the sectors with geometry, with the minimum and the maximum of their boxes.
+fn solid(scene: &Scene) -> impl Iterator<Item = (SectorId, DVec3, DVec3)> + '_ {
+    let all = scene.sectors().map(|id| (id, scene.bounds(id)));
+    all.filter(|(_, bounds)| !bounds.is_empty()).map(|(id, bounds)| {
+        let [min, mut max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
+        if scene.is_open_above(id) {
+            max.y = f64::INFINITY;
+        }
+        (id, min, max)
+    })
+}
+
+/// Returns the sector whose box contains a point.
+fn sector_around(scene: &Scene, eye: DVec3, toward: DVec3) -> Option<SectorId> {
+    let solid = || solid(scene);
     let strictly = solid().filter(|&(_, min, max)| eye.cmpgt(min).all() && eye.cmplt(max).all());
     let touching = solid().filter(|&(_, min, max)| eye.cmpge(min).all() && eye.cmple(max).all());
     let volume = |(_, min, max): &(SectorId, DVec3, DVec3)| (max - min).element_product();
@@ -32,7 +55,6 @@ pub(super) fn sector_of_eye(scene: &Scene, view: &View) -> Option<SectorId> {
         axes.map(|axis| (middle[axis] - eye[axis]) * (toward[axis] - eye[axis]))
             .sum::<f64>()
     };
-    let away = |(_, min, max): &(SectorId, DVec3, DVec3)| (eye.clamp(*min, *max) - eye).length_squared();
     strictly
         .min_by(|a, b| {
             volume(a)
@@ -40,7 +62,5 @@ pub(super) fn sector_of_eye(scene: &Scene, view: &View) -> Option<SectorId> {
                 .then(ground(a).total_cmp(&ground(b)))
         })
         .or_else(|| touching.max_by(|a, b| ahead(a).total_cmp(&ahead(b))))
-        .or_else(|| solid().min_by(|a, b| away(a).total_cmp(&away(b))))
         .map(|(id, ..)| id)
-        .or_else(|| scene.sectors().next())
 }

@@ -40,8 +40,10 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, DVec4};
 ///
 /// # Parallel views
 /// All rays have the view direction and start in the near plane; the eye is the point of that plane in the middle of the
-/// viewport, so [`View::z_near`] is 0. Rays start in the eye's sector, wherever it is. Reversed depth is 1 in the near
-/// plane and falls linearly with distance, to 0 at a distance beyond all geometry of the sector that is looked at.
+/// viewport, so [`View::z_near`] is 0. Where that plane leaves the box of the eye's sector, rays start in the sector that
+/// [`Scene::locate`](crate::Scene::locate) finds, so a plan may cut through many rooms; where there is none, in the eye's.
+/// Reversed depth is 1 in the near plane and falls linearly with distance, to 0 at a distance beyond all geometry of the
+/// sector that is looked at.
 #[doc(alias = "camera")]
 #[doc(alias = "frustum")]
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -142,6 +142,15 @@ impl Passage {
         }
     }
 
+    /// Returns the same passage in another sector that the near rectangle of a parallel view touches.
+    pub(crate) fn starting_in(&self, sector: SectorId, aperture: Aperture) -> Passage {
+        Passage {
+            sector,
+            chain: u64::from(sector.0),
+            ..self.with_aperture(aperture)
+        }
+    }
+
     /// Sets the depth range of a parallel view, so that reversed depth is above 0 everywhere in the bounds of the sector.
     /// Does nothing in perspective.
     pub(crate) fn fit(&mut self, bounds: &Aabb) {

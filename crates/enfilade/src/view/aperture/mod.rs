@@ -139,6 +139,13 @@ pub struct Aperture {
     rows: Option<Rows>,
 }
 
+/// Returns the samples within the bounds of an outline and up to `spread` around it, clipped to `within`.
+fn around(outline: &[[f64; 2]], spread: f64, within: &Rect) -> Rect {
+    let low = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
+    let high = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
+    Rect::near([low(0), low(1)], [high(0), high(1)], spread, within)
+}
+
 /// Scratch buffers of [`Aperture::in_cells`].
 #[derive(Default)]
 pub(crate) struct CellRoom {
@@ -172,6 +179,23 @@ impl Aperture {
         }
     }
 
+    /// Returns a part of the screen, given by its convex outline, as [`Aperture::outline`] returns it, or by that and its
+    /// samples; `None` if it contains no sample up to `spread` pixels from its outline.
+    pub(crate) fn part(
+        size: [u32; 2],
+        outline: &[[f64; 2]],
+        rows: Option<Rows>,
+        spread: f64,
+    ) -> Option<Aperture> {
+        let screen = Aperture::screen(size);
+        let rect = match &rows {
+            Some(rows) => rows.rect(),
+            None => around(outline, spread, &screen.rect),
+        };
+        let outline = outline.iter().copied().collect();
+        (!rect.is_empty()).then_some(Aperture { outline, rect, rows })
+    }
+
     /// Returns the intersection with an opening, given by its corners as (X, Y, W); `None` if it contains no sample.
     ///
     /// `rows` are the samples that the opening owns, if the method knows them. Otherwise the samples are those within
@@ -186,12 +210,7 @@ impl Aperture {
         let outline = grown(within(&self.outline, opening), margin);
         let rect = match &rows {
             Some(rows) => rows.rect(),
-            None => {
-                let low = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
-                let high = |axis: usize| outline.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
-                let [min, max] = [[low(0), low(1)], [high(0), high(1)]];
-                Rect::near(min, max, spread, &self.rect)
-            }
+            None => around(&outline, spread, &self.rect),
         };
         (!rect.is_empty()).then_some(Aperture { outline, rect, rows })
     }

@@ -147,12 +147,14 @@ impl Look<'_> {
             return self.go_through(root);
         };
         for number in 0..starts.sectors().len() {
-            let sector = starts.sectors()[number];
-            let is_exact = self.scene.sector(sector).contract(&self.options) == Contract::Exact;
-            let by_samples = is_exact || self.canvas.is_some();
+            let id = starts.sectors()[number];
+            let sector = self.scene.sector(id);
+            let knows_samples = !sector.draws_what_was_gathered(&self.options)
+                && sector.contract(&self.options) != Contract::Strict;
+            let by_samples = knows_samples || self.canvas.is_some();
             let spread = self.options.margin().max(self.options.growth()).max(0.5);
             if let Some(aperture) = starts.aperture(number, by_samples, spread) {
-                self.go_through(root.starting_in(sector, aperture));
+                self.go_through(root.starting_in(id, aperture));
             }
         }
     }

@@ -231,22 +231,27 @@ impl<const N: usize> RowTracer<'_, N> {
             let chain = chain(self.sector);
             self.rays[ray].possible.push(Possible { chain, owner: None });
         }
-        let starts: [SectorId; N] = std::array::from_fn(|ray| {
+        // The near plane of a parallel view may be in a side of a box, where rounding decides in which sector a ray starts.
+        let starts: [[SectorId; 2]; N] = std::array::from_fn(|ray| {
             let [origin, direction] = [bundle.origin_of(ray), bundle.directions[ray]];
-            match self.is_parallel {
-                true => sector_of_start(self.scene, self.sector, origin + self.near * direction, direction),
+            [1.0 - EPSILON, 1.0 + EPSILON].map(|part| match self.is_parallel {
+                true => {
+                    let start = origin + self.near * part * direction;
+                    sector_of_start(self.scene, self.sector, start, direction)
+                }
                 false => self.sector,
-            }
+            })
         });
-        for (first, &sector) in starts.iter().enumerate().take(used) {
-            if starts[..first].contains(&sector) {
+        let all = starts[..used].as_flattened();
+        for (first, &sector) in all.iter().enumerate() {
+            if all[..first].contains(&sector) {
                 continue;
             }
             self.pending.push(TracedBundle {
                 chain: chain(sector),
                 bundle,
-                active: std::array::from_fn(|ray| active[ray] && starts[ray] == sector),
-                certain: [true; N],
+                active: std::array::from_fn(|ray| active[ray] && starts[ray].contains(&sector)),
+                certain: starts.map(|starts| starts[0] == starts[1]),
                 entry,
                 depth: 0,
             });

@@ -40,14 +40,15 @@ impl View {
     ///
     /// Both are given as four columns and multiply column vectors: the clip position of a point is `clip_from_eye` ·
     /// `eye_from_sector` · (x, y, z, 1), with y up. Right- or left-handed, any up axis, symmetric or off-centre (VR, tiles),
-    /// jittered, finite or infinite, with an oblique near plane (planar reflections): what a renderer draws with the same matrices is what is looked at. `f32` matrices do:
-    /// convert each value. Far from the origin, hand in `f64` matrices if you have them, or a position by
-    /// [`View::from_pose`].
+    /// jittered, finite or infinite, with an oblique near plane (planar reflections): what a renderer draws with the same
+    /// matrices is what is looked at. `f32` matrices do: convert each value. Far from the origin, hand in `f64` matrices if
+    /// you have them, or a position by [`View::from_pose`].
     ///
     /// A matrix of depth −1 to 1 that is said to be 0 to 1, or the other way round, is not noticed: its near plane is at
-    /// twice or half the distance. Nor is a transposed projection always. Print [`View::z_near`], [`View::fov_y`] and
-    /// [`View::toward`] once. The coordinates of your world are handed in unchanged, whatever their handedness: a face is seen
-    /// from where (b − a) × (c − a) points, computed from the numbers.
+    /// twice or half the distance. A parallel view of the wrong `depth` looks backwards, or begins in the middle of its
+    /// range. Nor is a transposed projection always noticed. Print [`View::z_near`], [`View::fov_y`] and [`View::toward`]
+    /// once. The coordinates of your world are handed in unchanged, whatever their handedness: a face is seen from where
+    /// (b − a) × (c − a) points, computed from the numbers.
     ///
     /// The far plane is ignored: geometry beyond it counts as visible. A Vulkan projection with y down gives a picture upside
     /// down; negate its second row to get scissors in pixels from the top.

@@ -181,6 +181,11 @@ impl Passage {
         }
     }
 
+    /// Whether everything on the screen may be visible: the passage is behind no portal, and all rays start in its sector.
+    pub(crate) fn is_unclipped(&self) -> bool {
+        self.parent.is_none() && self.aperture.is_unclipped(self.size)
+    }
+
     /// Whether an item takes part in the look: it has a layer in common with the viewer, and is not beyond its own
     /// limits.
     pub(crate) fn takes(&self, item: &Item) -> bool {
@@ -289,7 +294,7 @@ impl Passage {
                 * self.lens.screen_from_eye,
             ..self.lens
         };
-        let aperture = if self.parent.is_none() {
+        let aperture = if self.is_unclipped() {
             Aperture::screen(cells)
         } else {
             self.aperture.in_cells(scale, room)

@@ -95,7 +95,7 @@ impl Paints for DepthPyramid {
 
     fn clear(&mut self, passage: &Passage, trace: bool) {
         self.depths.tiles.clear(passage, trace);
-        self.depths.shape(trace || passage.parent.is_some());
+        self.depths.shape(trace || !passage.is_unclipped());
     }
 
     fn add(&mut self, faces: &Faces, passage: &Passage, stats: &mut Stats, _canvas: Option<&mut dyn Canvas>) {

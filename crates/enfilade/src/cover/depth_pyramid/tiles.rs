@@ -101,7 +101,7 @@ impl Tiles {
         self.triangles.clear();
         // Behind a portal some samples are covered from the start, and a trace counts every sample; both need expanded
         // tiles.
-        if passage.parent.is_none() && !trace {
+        if passage.is_unclipped() && !trace {
             return;
         }
         self.tiles.fill(Tile {

@@ -179,6 +179,11 @@ impl Aperture {
         }
     }
 
+    /// Whether this is the clip region of the whole screen, or of rows of it.
+    pub(crate) fn is_unclipped(&self, size: [u32; 2]) -> bool {
+        self.rows.is_none() && self.outline == Aperture::screen(size).outline
+    }
+
     /// Returns a part of the screen, given by its convex outline, as [`Aperture::outline`] returns it, or by that and its
     /// samples; `None` if it contains no sample up to `spread` pixels from its outline.
     pub(crate) fn part(

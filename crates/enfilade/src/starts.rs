@@ -178,6 +178,9 @@ impl Starts {
     /// Returns the columns of a row whose rays start inside a box, as the first and the last + 1.
     fn columns(&self, number: usize, y: u16) -> [u16; 2] {
         let [min, max] = self.boxes[number];
+        if min.cmpgt(max).any() {
+            return [0; 2];
+        }
         let origin = self.point(0.0, f64::from(y) + 0.5);
         let step = self.sector_from_screen.matrix3.x_axis;
         let [mut low, mut high] = [0.0, f64::from(self.size[0])];

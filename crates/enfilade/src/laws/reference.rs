@@ -7,7 +7,7 @@ use super::hits::Hits;
 use super::layers::{Layers, Pane};
 use super::lens::{Lens, POSITIONS, RAYS, of_pixel};
 use super::openings::Entered;
-use super::sector::{sector_of_eye, sector_of_start};
+use super::sector::{Starts, sector_of_eye, sectors_of_start};
 use super::tree::{Meeting, MeshTrees, Trees};
 use super::truth::{Possible, RowTruth, Truth};
 use crate::geometry::Owner;
@@ -231,27 +231,22 @@ impl<const N: usize> RowTracer<'_, N> {
             let chain = chain(self.sector);
             self.rays[ray].possible.push(Possible { chain, owner: None });
         }
-        // The near plane of a parallel view may be in a side of a box, where rounding decides in which sector a ray starts.
-        let starts: [[SectorId; 2]; N] = std::array::from_fn(|ray| {
-            let [origin, direction] = [bundle.origin_of(ray), bundle.directions[ray]];
-            [1.0 - EPSILON, 1.0 + EPSILON].map(|part| match self.is_parallel {
-                true => {
-                    let start = origin + self.near * part * direction;
-                    sector_of_start(self.scene, self.sector, start, direction)
-                }
-                false => self.sector,
-            })
-        });
-        let all = starts[..used].as_flattened();
-        for (first, &sector) in all.iter().enumerate() {
-            if all[..first].contains(&sector) {
-                continue;
+        let starts: [Starts; N] = std::array::from_fn(|ray| match self.is_parallel {
+            true => {
+                let [origin, direction] = [bundle.origin_of(ray), bundle.directions[ray]];
+                sectors_of_start(self.scene, self.sector, origin, self.near * direction)
             }
+            false => Starts::from_slice(&[self.sector]),
+        });
+        let mut all: Vec<SectorId> = starts[..used].iter().flatten().copied().collect();
+        all.sort_unstable();
+        all.dedup();
+        for sector in all {
             self.pending.push(TracedBundle {
                 chain: chain(sector),
                 bundle,
                 active: std::array::from_fn(|ray| active[ray] && starts[ray].contains(&sector)),
-                certain: starts.map(|starts| starts[0] == starts[1]),
+                certain: std::array::from_fn(|ray| starts[ray].len() == 1),
                 entry,
                 depth: 0,
             });

@@ -1,9 +1,11 @@
 //! The sector of the eye, by a linear search over all sectors.
 
+use super::EPSILON;
 use crate::ids::SectorId;
 use crate::scene::Scene;
 use crate::view::View;
 use glam::DVec3;
+use smallvec::SmallVec;
 
 /// Returns the sector of a view's eye, as the docs of [`Scene::sector_of`] and [`Scene::locate`] define it.
 pub(super) fn sector_of_eye(scene: &Scene, view: &View) -> Option<SectorId> {
@@ -20,13 +22,40 @@ pub(super) fn sector_of_eye(scene: &Scene, view: &View) -> Option<SectorId> {
         .or_else(|| scene.sectors().next())
 }
 
-/// Returns the sector that a ray of a parallel view starts in, as the docs of [`View`] define it, given that of the eye.
-pub(super) fn sector_of_start(scene: &Scene, of_eye: SectorId, start: DVec3, ahead: DVec3) -> SectorId {
+/// Sectors that a ray may start in.
+pub(super) type Starts = SmallVec<[SectorId; 2]>;
+
+/// Returns the sectors that a ray of a parallel view may start in, as the docs of [`View`] define it, given that of the eye:
+/// at `to_near` from `origin`. Several where that is in a side of a box, so that rounding decides.
+pub(super) fn sectors_of_start(scene: &Scene, of_eye: SectorId, origin: DVec3, to_near: DVec3) -> Starts {
     let own = solid(scene).find(|&(id, ..)| id == of_eye);
-    if own.is_some_and(|(_, min, max)| start.cmpge(min).all() && start.cmple(max).all()) {
-        return of_eye;
+    let sector_at = |part: f64| {
+        let start = origin + to_near * part;
+        if own.is_some_and(|(_, min, max)| start.cmpge(min).all() && start.cmple(max).all()) {
+            return of_eye;
+        }
+        sector_around(scene, start, start + to_near).unwrap_or(of_eye)
+    };
+    let mut starts: Starts = [1.0 - EPSILON, 1.0, 1.0 + EPSILON]
+        .map(sector_at)
+        .into_iter()
+        .collect();
+    starts.sort_unstable();
+    starts.dedup();
+    if starts.len() > 1 {
+        let [start, off] = [origin + to_near, EPSILON * to_near.abs()];
+        let touched =
+            |min: DVec3, max: DVec3| (start + off).cmpge(min).all() && (start - off).cmple(max).all();
+        starts.extend(
+            solid(scene)
+                .filter(|&(_, min, max)| touched(min, max))
+                .map(|(id, ..)| id),
+        );
+        starts.push(of_eye);
+        starts.sort_unstable();
+        starts.dedup();
     }
-    sector_around(scene, start, start + ahead).unwrap_or(of_eye)
+    starts
 }
 
 /// Returns the sectors with geometry, with the minimum and the maximum of their boxes.

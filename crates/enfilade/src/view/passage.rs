@@ -23,7 +23,8 @@ use glam::{DAffine3, DMat4, DVec3};
 #[doc(alias = "clip view")]
 #[derive(Clone, Debug)]
 pub struct Passage {
-    /// The passage one portal nearer to the eye; `None` for the eye's own sector.
+    /// The passage one portal nearer to the eye; `None` for the eye's own sector, and for each sector that rays of a parallel
+    /// view start in.
     pub parent: Option<PassageId>,
     /// The portal from the parent; `None` for the eye's own sector.
     pub portal: Option<PortalId>,

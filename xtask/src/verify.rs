@@ -168,7 +168,7 @@ fn viewer(args: &Args) -> Viewer {
     viewer
 }
 
-/// Returns the contract of a method for the requested cover size.
+/// Returns the contract of a method for the requested cover size and growth.
 fn contract(method: Method, args: &Args) -> Contract {
     if args.cover_size.is_some() || args.growth > 0.0 {
         Contract::Conservative

@@ -4,6 +4,7 @@
 //! [`Scene::locate`] finds, and in that of the eye if there is none. On the screen, the box of a sector bounds a convex
 //! polygon.
 //! Cost: O(sectors + rows · sectors that the near rectangle touches); nothing if it does not leave the eye's sector.
+//! Allocates, unlike other looks.
 
 use crate::geom::Aabb;
 use crate::ids::SectorId;

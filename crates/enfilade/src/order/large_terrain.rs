@@ -37,7 +37,7 @@ impl LargeTerrain {
         let traversal = Traversal {
             terrain: self,
             passage,
-            eye: passage.eye(),
+            eye: passage.viewpoint(),
         };
         traversal.walk(self.level_count() - 1, [0, 0], workplace, visit);
     }

@@ -79,6 +79,14 @@ pub(crate) struct Lens {
 }
 
 impl Lens {
+    /// Returns the height on the screen, in pixels, of a unit of eye space that is upright on the screen: at a distance of 1,
+    /// or at any in a parallel view.
+    fn pixels_per_unit(&self) -> f64 {
+        // Without the part along the view direction, which off-centre and sheared projections have.
+        let [y, ahead] = [1, 2].map(|row| self.screen_from_eye.matrix3.row(row));
+        y.reject_from(ahead).length()
+    }
+
     /// Returns the map from a space to the screen.
     fn after(&self, eye_from_here: &DAffine3) -> ScreenMap {
         let mut linear = self.screen_from_eye * *eye_from_here;
@@ -204,9 +212,9 @@ impl Passage {
         let eye = DVec3::from(self.eye());
         let [min, max] = [item.bounds.min, item.bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
         let away = (min - eye).max(eye - max).max(DVec3::ZERO).length();
-        let pixels = (max - min).length() * self.lens.screen_from_eye.matrix3.y_axis.y.abs();
+        let pixels = (max - min).length() * self.lens.pixels_per_unit();
         let distance = match self.lens.is_parallel {
-            true => 1.0,
+            true => 1.0 / self.eye_scale(),
             false => (0.5 * (min + max) - eye).length(),
         };
         away > f64::from(item.options.max_distance) || pixels < f64::from(item.options.min_size_px) * distance
@@ -366,7 +374,8 @@ impl Passage {
     }
 
     /// Returns the plane of the opening that this passage leads through, in the space of the sector: only points (x, y, z)
-    /// with ax + by + cz + d ≥ 0 are visible or hide anything. (a, b, c) has length 1. `None` for the eye's own sector.
+    /// with ax + by + cz + d ≥ 0 are visible or hide anything. (a, b, c) has length 1. For the eye's own sector the near plane
+    /// if it is oblique ([`View::near_plane`]), else `None`.
     ///
     /// Clip to it when drawing the passage (a user clip plane, or an oblique near plane) unless nothing of the sector is on
     /// the eye's side of the opening, as behind a plain door. Behind a mirror or a teleport it is needed.
@@ -374,15 +383,8 @@ impl Passage {
     #[doc(alias = "oblique near plane")]
     pub fn entry_plane(&self) -> Option<[f64; 4]> {
         let (normal, distance) = self.entry?;
-        let ScreenMap { linear, is_parallel } = &self.screen_from_sector;
-        // n · (x, y, 1) ≥ d r in a parallel view.
-        let (normal, distance) = match is_parallel {
-            true => (DVec3::new(normal.x, normal.y, -distance), -normal.z),
-            false => (normal, distance),
-        };
-        let here = linear.matrix3.transpose() * normal;
-        let offset = normal.dot(linear.translation) - distance;
-        Some((here.extend(offset) / here.length()).into())
+        let plane = self.screen_from_sector.half_space_here(normal, distance);
+        Some((plane / plane.truncate().length()).into())
     }
 
     /// Returns `true` if the chain mirrors the sector (negative determinant), which flips the winding of its faces.

@@ -9,7 +9,7 @@
 use crate::geom::Transform;
 use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, DVec4};
 
 /// A map from a local space to (X, Y, W).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,8 +52,7 @@ impl ScreenMap {
         if eye.is_finite() { eye } else { DVec3::ZERO }
     }
 
-    /// Returns the direction towards the viewer, not normalized: against the view direction. In a perspective map that of
-    /// the screen's middle column and row is meant.
+    /// Returns the direction towards the viewer, against the view direction; not normalized.
     pub(crate) fn back(&self) -> DVec3 {
         if self.is_parallel {
             self.linear.matrix3.inverse() * DVec3::Z
@@ -72,11 +71,21 @@ impl ScreenMap {
         let normal = self.linear.matrix3.inverse().transpose() * normal;
         let distance = distance + normal.dot(self.linear.translation);
         if self.is_parallel {
-            // n · (x, y, r) ≥ d, divided by r, which is positive.
-            (DVec3::new(normal.x, normal.y, -distance), -normal.z)
+            swapped(normal, distance)
         } else {
             (normal, distance)
         }
+    }
+
+    /// Transforms the half-space n · (X, Y, W) ≥ d to (p, 1) · result ≥ 0.
+    pub(crate) fn half_space_here(&self, normal: DVec3, distance: f64) -> DVec4 {
+        let (normal, distance) = if self.is_parallel {
+            swapped(normal, distance)
+        } else {
+            (normal, distance)
+        };
+        let here = self.linear.matrix3.transpose() * normal;
+        here.extend(normal.dot(self.linear.translation) - distance)
     }
 
     /// Whether the map mirrors what is seen: faces that are counter-clockwise in space turn clockwise on a screen with y
@@ -89,6 +98,13 @@ impl ScreenMap {
 
 /// Reversed depth of a point that stands for the infinitely far eye of a parallel map, where what is visible has 0.5 to 1.
 const FAR_AWAY: f64 = (1_u64 << 36) as f64;
+
+/// Transforms the half-space n · (x, y, r) ≥ d of a parallel view to n · (X, Y, W) ≥ d, and back. (X, Y, W) is (x, y, 1) / r
+/// with r above 0, so n.x x + n.y y + n.z r ≥ d is n.x X + n.y Y − d W ≥ −n.z.
+#[inline(always)]
+pub(crate) fn swapped(normal: DVec3, distance: f64) -> (DVec3, f64) {
+    (DVec3::new(normal.x, normal.y, -distance), -normal.z)
+}
 
 /// Returns (X, Y, W) of a point mapped by [`ScreenMap::linear`].
 #[inline(always)]

@@ -23,6 +23,9 @@ fn what_is_looked_at_is_in_the_middle_and_up_is_up() {
     assert_eq!(off, DVec3::new(-0.25, -0.5, 0.0));
 }
 
+/// Makes a projection from left, right, bottom, top, near and far.
+type Orthographic = fn(f64, f64, f64, f64, f64, f64) -> DMat4;
+
 #[test]
 fn a_parallel_view_is_the_one_of_an_orthographic_matrix() {
     let mut dice = Dice::new(6);
@@ -37,27 +40,17 @@ fn a_parallel_view_is_the_one_of_an_orthographic_matrix() {
         let origin = eye - near * (toward - eye).normalize();
         let eye_from_sector =
             glam::dcamera::rh::view::look_at_mat4(origin, toward + (origin - eye), up.normalize());
-        let (clip_from_eye, depth) = if round % 2 == 0 {
-            let matrix = glam::dcamera::rh::proj::directx::orthographic(
-                -half_width,
-                half_width,
-                -half,
-                half,
-                near,
-                near + 50.0,
-            );
-            (matrix, ClipDepth::ZeroToOne)
-        } else {
-            let matrix = glam::dcamera::rh::proj::opengl::orthographic(
-                -half_width,
-                half_width,
-                -half,
-                half,
-                near,
-                near + 50.0,
-            );
-            (matrix, ClipDepth::MinusOneToOne)
+        let (orthographic, depth): (Orthographic, _) = match round % 2 {
+            0 => (
+                glam::dcamera::rh::proj::directx::orthographic,
+                ClipDepth::ZeroToOne,
+            ),
+            _ => (
+                glam::dcamera::rh::proj::opengl::orthographic,
+                ClipDepth::MinusOneToOne,
+            ),
         };
+        let clip_from_eye = orthographic(-half_width, half_width, -half, half, near, near + 50.0);
         let same = View::from_matrices(
             eye_from_sector.to_cols_array_2d(),
             clip_from_eye.to_cols_array_2d(),

@@ -2,8 +2,8 @@
 
 use enfilade::laws::OwnerPicture;
 use enfilade::{
-    GeometryBuilder, ItemId, ItemOptions, Material, MaterialId, Mesh, Method, Scene, SectorId, Transform,
-    View, Viewer,
+    ClipDepth, GeometryBuilder, ItemId, ItemOptions, Material, MaterialId, Mesh, Method, Scene, SectorId,
+    Transform, View, Viewer,
 };
 
 const HALL: SectorId = SectorId(0);
@@ -176,6 +176,61 @@ fn what_is_never_culled_is_listed_also_behind_the_eye_and_behind_a_wall() {
             ("far", &far, always),
         ];
         assert_eq!(seen(&items, method), ["behind", "wall", "far"], "{method}");
+    }
+}
+
+#[test]
+fn size_on_the_screen_is_the_same_whichever_axis_of_eye_space_is_up_and_in_parallel() {
+    // 0.04 x 0.04 at a distance of 4: a diagonal of about a pixel.
+    let small = square(0.02, -4.0);
+    let pixels = 48.0 * 3.0_f32.sqrt() * 0.04 * 2.0_f32.sqrt() / 4.0;
+    let [x, y, z, w] = view().clip_from_eye();
+    // Eye spaces with y up and z back, with z up and y ahead, and one of half the size.
+    let up_z = [
+        [1., 0., 0., 0.],
+        [0., 0., 1., 0.],
+        [0., -1., 0., 0.],
+        [0., 0., 0., 1.],
+    ];
+    let half = [
+        [0.5, 0., 0., 0.],
+        [0., 0.5, 0., 0.],
+        [0., 0., 0.5, 0.],
+        [0., 0., 0., 1.],
+    ];
+    let same = view().eye_from_sector().columns_f64();
+    let same = std::array::from_fn(|column| {
+        let [x, y, z] = same[column];
+        [x, y, z, if column == 3 { 1.0 } else { 0.0 }]
+    });
+    let back = |column: [f64; 4]| column.map(|value| -value);
+    let reversed = ClipDepth::OneToZero;
+    let views = [
+        View::from_matrices(same, [x, y, z, w], reversed, [96, 96]),
+        View::from_matrices(up_z, [x, back(z), y, w], reversed, [96, 96]),
+        View::from_matrices(half, [x, y, z, w], reversed, [96, 96]),
+        // As large as at a distance of 4.
+        View::parallel(
+            [0.0; 3],
+            [0.0, 0.0, -1.0],
+            [0.0, 1.0, 0.0],
+            8.0 / 3.0_f64.sqrt(),
+            [96, 96],
+        ),
+    ];
+    for view in views {
+        let view = view.expect("a valid view");
+        let listed = [0.98, 1.02].map(|part| {
+            let min_size_px = part * pixels;
+            let scene = hall(
+                &[("small", &small, ItemOptions { min_size_px, ..PLAIN })],
+                Method::Svbsp,
+            );
+            let mut viewer = Viewer::new();
+            viewer.look(&scene, &view);
+            viewer.stats().items_ignored
+        });
+        assert_eq!(listed, [0, 1], "{view:?}");
     }
 }
 

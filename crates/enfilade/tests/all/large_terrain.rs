@@ -82,6 +82,7 @@ fn views(random: &mut Random, field: &HeightField) -> Vec<View> {
         }
         // The eye may be where it looks.
         views.extend(camera.view(SCREEN));
+        views.extend(View::parallel(eye, toward, camera.up, 30.0, SCREEN));
     }
     views
 }

@@ -16,6 +16,7 @@ mod known;
 mod large_terrain;
 mod limits;
 mod moved;
+mod parallel;
 mod queries;
 mod scene_errors;
 mod send_sync;

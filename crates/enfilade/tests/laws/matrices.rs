@@ -1,8 +1,9 @@
 //! Views from the matrices of engines: off-centre, jittered, reversed, infinite, left-handed, any axis ahead.
 
-use crate::subject::{subject, subjects};
+use crate::subject::{LIMIT, limits, subject, subjects};
 use crate::the_laws_hold_in;
-use enfilade::{Camera, SectorId, View, Viewer};
+use enfilade::laws::Contestants;
+use enfilade::{Camera, Method, SectorId, View, Viewer, survey};
 use enfilade_scenes::{Random, engine_view, oblique_view, parallel_view};
 
 /// Tests the laws in views that `make` returns for cameras of all small scenes.
@@ -32,6 +33,22 @@ fn the_laws_hold_in_parallel_views() {
 #[test]
 fn the_laws_hold_behind_oblique_near_planes() {
     the_laws_hold_in_views_by(oblique_view);
+}
+
+#[test]
+fn lines_of_sight_begin_at_an_oblique_near_plane_in_whichever_cells_it_is() {
+    let built = &subject("house").built;
+    let mut contestants = Contestants::new(&built.scene, limits(), LIMIT);
+    assert!(contestants.methods().any(|method| method == Method::Pvs));
+    let mut random = Random::new(28);
+    let mut visible = 0;
+    for place in survey(&built.scene, 60).views {
+        let view = oblique_view(&Camera::new(place.eye, place.toward), [64, 36], &mut random);
+        let (seen, broken) = contestants.check(&view);
+        assert!(broken.is_empty(), "{view:?}: {}", broken[0]);
+        visible += seen;
+    }
+    assert!(visible > 500, "only {visible} items are visible");
 }
 
 /// Tests the laws in views straight down on a near plane that cuts through the rooms of a scene at this height.

@@ -79,8 +79,9 @@ impl<'a> DrawList<'a> {
             let eight = EightBoxes::of(passage, &screen_from_mesh, &boxes[..parts.len()]);
             for (lane, part) in parts.iter().enumerate() {
                 let (rect, nearest) = eight.rect(lane);
-                let volume = Volume::new(&screen_from_mesh, &part.bounds);
-                if !rect.is_empty() && volume.is_in_depth_range() {
+                let is_mapped = !screen_from_mesh.is_parallel
+                    || Volume::new(&screen_from_mesh, &part.bounds).is_in_depth_range();
+                if !rect.is_empty() && is_mapped {
                     self.parts.push(PlacedPart {
                         part,
                         instance,

@@ -206,6 +206,21 @@ fn sample_at_middle(rect: &Rect, volume: &Volume) -> Option<[usize; 2]> {
     (within(rect.x0, x, rect.x1) && within(rect.y0, y, rect.y1)).then_some([x as usize, y as usize])
 }
 
+/// Returns the normal of the faces of a box across an axis, not normalized, and a bound on its terms before their
+/// subtraction.
+#[inline(always)]
+fn normal_of(sides: &[DVec3; 3], axis: usize) -> (DVec3, DVec3) {
+    let [a, b] = [sides[(axis + 1) % 3], sides[(axis + 2) % 3]];
+    let normal = a.cross(b);
+    let [a, b] = [a.abs(), b.abs()];
+    let size = DVec3::new(
+        a.y * b.z + a.z * b.y,
+        a.z * b.x + a.x * b.z,
+        a.x * b.y + a.y * b.x,
+    );
+    (normal, size)
+}
+
 /// Silhouette and front faces of a box.
 struct Outline {
     lines: [HalfPlane; 6],
@@ -271,15 +286,7 @@ impl Outline {
         let most = DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0);
         let mut facing = [None; 3];
         for axis in 0..3 {
-            let [a, b] = [sides[(axis + 1) % 3], sides[(axis + 2) % 3]];
-            let normal = a.cross(b);
-            // Bound on the terms of the normal before their subtraction.
-            let [a, b] = [a.abs(), b.abs()];
-            let size = DVec3::new(
-                a.y * b.z + a.z * b.y,
-                a.z * b.x + a.x * b.z,
-                a.x * b.y + a.y * b.x,
-            );
+            let (normal, size) = normal_of(&sides, axis);
             let [start, across] = [normal.dot(origin), normal.dot(sides[axis])];
             let error = size.dot(origin.abs() + sides[axis].abs()) * ROUNDING;
             let [low, high] = [start + smaller(across, 0.0), start + greater(across, 0.0)];
@@ -309,14 +316,7 @@ impl Outline {
         let reach = DVec3::new(f64::from(limits.x1), f64::from(limits.y1), 1.0);
         let mut facing = [None; 3];
         for axis in 0..3 {
-            let [a, b] = [sides[(axis + 1) % 3], sides[(axis + 2) % 3]];
-            let normal = a.cross(b);
-            let [a, b] = [a.abs(), b.abs()];
-            let size = DVec3::new(
-                a.y * b.z + a.z * b.y,
-                a.z * b.x + a.x * b.z,
-                a.x * b.y + a.y * b.x,
-            );
+            let (normal, size) = normal_of(&sides, axis);
             if normal.z.abs() <= size.z * (2.0 * ROUNDING) {
                 continue;
             }

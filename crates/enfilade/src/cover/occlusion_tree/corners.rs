@@ -9,6 +9,7 @@
 
 use super::line::SLIT;
 use crate::view::region::Volume;
+use crate::view::screen_map::swapped;
 use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -95,12 +96,11 @@ impl<S: Simd> Corners<S> {
 }
 
 impl<S: Simd> Corners<S> {
-    /// Returns a plane n · (X, Y, W) = d as a plane in the space of the corners, with the same sides. In a parallel view
-    /// (X, Y, W) is (x, y, 1) / r with r above 0, so that n · (X, Y, W) > d is n.x x + n.y y − d r > −n.z.
+    /// Returns a plane n · (X, Y, W) = d as a plane in the space of the corners, with the same sides.
     #[inline(always)]
     fn in_space(&self, normal: DVec3, distance: f64) -> (DVec3, f64) {
         if self.is_parallel {
-            (DVec3::new(normal.x, normal.y, -distance), -normal.z)
+            swapped(normal, distance)
         } else {
             (normal, distance)
         }

@@ -1,7 +1,7 @@
 //! Finds the cells in which the lines of sight of a passage begin.
 //!
 //! That is not where the eye is. Geometry in front of the near plane is neither visible nor an occluder, so lines of
-//! sight begin at the near plane, or behind a portal at its opening. There the transformed eye may be anywhere, even in
+//! sight begin at the near plane, which may be oblique, or behind a portal at its opening. There the transformed eye may be anywhere, even in
 //! an unrelated cell.
 
 use crate::geometry::{BakedCells, Leaf, Room};
@@ -51,7 +51,13 @@ pub(super) fn cells_at_start(
     if begins_at_near_plane(passage) {
         // In the near plane of a parallel view W is 1, so that (X, Y, W) is (column, row, reversed depth).
         let from_screen = passage.screen_from_sector.linear.inverse();
-        let outline = near_outline(passage);
+        let outline = match (&passage.entrance, passage.entry) {
+            (None, Some(plane)) => match oblique_outline(passage, plane) {
+                Some(outline) => outline,
+                None => return false,
+            },
+            _ => near_outline(passage),
+        };
         room.outline(outline.iter().map(|&place| from_screen.transform_point3(place)));
         if !begin_in(room, true) {
             return false;
@@ -71,16 +77,28 @@ fn begins_at_near_plane(passage: &Passage) -> bool {
     !entrance.corners().iter().all(|corner| along(corner) > limit)
 }
 
-/// Returns the part of the near plane that the passage sees, as a polygon of (X, Y, W); empty if all of it is in front
-/// of the entry plane.
-fn near_outline(passage: &Passage) -> SmallVec<[DVec3; 8]> {
-    // A sample may be anywhere in its pixel; one pixel more on each side is safe.
+/// Returns the corners of the rectangle that a passage sees, as (x, y, 1). A sample may be anywhere in its pixel; one pixel
+/// more on each side is safe.
+fn corners(passage: &Passage) -> [DVec3; 4] {
     let rect = passage.aperture.rect();
     let [x0, y0] = [rect.x0, rect.y0].map(|first| f64::from(first) - 1.0);
     let [x1, y1] = [rect.x1, rect.y1].map(|end| f64::from(end) + 1.0);
-    let near = f64::from(passage.z_near);
-    let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
-    let corners = corners.map(|[x, y]| DVec3::new(x, y, 1.0) * near);
+    [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| DVec3::new(x, y, 1.0))
+}
+
+/// Returns the part of an oblique near plane that the passage sees, as a polygon of (X, Y, W); `None` if it is unbounded.
+fn oblique_outline(passage: &Passage, (normal, distance): (DVec3, f64)) -> Option<SmallVec<[DVec3; 8]>> {
+    let place = |corner: DVec3| {
+        let along = normal.dot(corner);
+        (along > 0.0).then(|| corner * (distance / along))
+    };
+    corners(passage).into_iter().map(place).collect()
+}
+
+/// Returns the part of the near plane that the passage sees, as a polygon of (X, Y, W); empty if all of it is in front
+/// of the entry plane.
+fn near_outline(passage: &Passage) -> SmallVec<[DVec3; 8]> {
+    let corners = corners(passage).map(|corner| corner * f64::from(passage.z_near));
     let Some((normal, distance)) = passage.entry else {
         return SmallVec::from_slice(&corners);
     };

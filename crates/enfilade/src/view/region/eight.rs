@@ -9,7 +9,7 @@ use super::{Clip, ROUND_UP, Region, Volume, limits_of, middle_and_half, nearest_
 use crate::geom::Aabb;
 use crate::simd::dispatch;
 use crate::view::aperture::Rect;
-use crate::view::screen_map::ScreenMap;
+use crate::view::screen_map::{ScreenMap, swapped};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, f64x8, i32x16, mask64x8};
 use glam::DVec3;
@@ -161,8 +161,9 @@ impl EightBoxes {
             inside[3] |= !y.simd_gt(high[1]);
             inside[4] |= !rev_depth.simd_gt(rev_near);
             if let Some((normal, d)) = clip.entry {
-                let at = x * normal.x + y * normal.y - rev_depth * (d * (1.0 - 1e-6));
-                inside[5] |= at.simd_ge(f64x8::splat(simd, -normal.z));
+                let (normal, d) = swapped(normal, d * (1.0 - 1e-6));
+                let at = x * normal.x + y * normal.y + rev_depth * normal.z;
+                inside[5] |= at.simd_ge(f64x8::splat(simd, d));
             }
             bounds.add([x, y, rev_depth, x, y]);
         }

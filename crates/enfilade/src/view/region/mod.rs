@@ -9,7 +9,7 @@ pub(crate) use sphere::sphere_on_screen;
 use crate::geom::Aabb;
 use crate::simd::dispatch;
 use crate::view::aperture::Rect;
-use crate::view::screen_map::{ScreenMap, homogeneous};
+use crate::view::screen_map::{ScreenMap, homogeneous, swapped};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, f64x8};
 use glam::DVec3;
@@ -235,8 +235,9 @@ fn touched_in_parallel<S: Simd>([x, y, rev_depth]: [f64x8<S>; 3], clip: &Clip) -
         return None;
     }
     if let Some((normal, d)) = clip.entry {
-        let at = x * normal.x + y * normal.y - rev_depth * (d * (1.0 - 1e-6));
-        if at.simd_ge(-normal.z).all_false() {
+        let (normal, d) = swapped(normal, d * (1.0 - 1e-6));
+        let at = x * normal.x + y * normal.y + rev_depth * normal.z;
+        if at.simd_ge(d).all_false() {
             return None;
         }
     }

@@ -101,6 +101,7 @@ mod large_terrain;
 #[cfg(feature = "laws")]
 pub mod laws;
 mod look;
+mod look_many;
 mod mesh;
 mod method;
 mod occluders;
@@ -172,6 +173,7 @@ pub use view::options::{Limits, Tightness, ViewerOptions};
 pub use view::passage::Passage;
 pub use view::region::{Region, Visibility};
 pub use view::viewer::Viewer;
+pub use view::viewers::Viewers;
 pub use view::visible::{VisibleItem, VisibleSet};
 pub use view::visible_keys::VisibleKeys;
 pub use view::{Camera, ClipDepth, View, ViewError, Viewport};

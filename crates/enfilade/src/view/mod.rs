@@ -18,6 +18,7 @@ pub(crate) mod screen_map;
 #[cfg(test)]
 mod tests;
 pub(crate) mod viewer;
+pub(crate) mod viewers;
 pub(crate) mod visible;
 pub(crate) mod visible_keys;
 

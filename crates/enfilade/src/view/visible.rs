@@ -1,6 +1,6 @@
 //! The result of a look: passages with their visible items.
 
-use crate::ids::{ItemId, PassageId};
+use crate::ids::{ItemId, PassageId, SectorId};
 use crate::view::passage::Passage;
 
 /// The result of [`Viewer::look`](crate::Viewer::look): the passages from the eye into sectors, and the items visible
@@ -70,6 +70,12 @@ impl VisibleSet {
     /// [`Mesh::clusters`](crate::Mesh::clusters). Empty means all clusters.
     pub fn clusters(&self, item: &VisibleItem) -> &[u32] {
         &self.clusters[item.clusters[0] as usize..item.clusters[1] as usize]
+    }
+
+    /// Returns `true` if an item of a sector may be visible, through whichever passage. Cost: O(visible items).
+    pub fn sees(&self, sector: SectorId, item: ItemId) -> bool {
+        let mut items = self.items.iter();
+        items.any(|seen| seen.item == item && self.passage(seen.passage).sector == sector)
     }
 
     /// Sets the bit of each visible item's key: bit `key % 64` of word `key / 64`. Keys beyond the end of `words` are skipped.

@@ -15,6 +15,7 @@ mod kinds;
 mod known;
 mod large_terrain;
 mod limits;
+mod many_views;
 mod moved;
 mod parallel;
 mod queries;

@@ -105,9 +105,11 @@ impl<M: Combination> Combined<M> {
     }
 }
 
-/// Whether a margin is set that the method cannot keep: its occluders would hide what a renderer within the margin shows.
+/// Whether occlusion is not wanted, or a margin is set that the method cannot keep: its occluders would hide what a renderer
+/// within the margin shows.
 fn culls_by_clip_region_alone<M: Combination>(options: &ViewerOptions) -> bool {
-    !M::COVER.is_empty() && !M::TAKES_COVER_SIZE && options.margin() > 0.0
+    let keeps_margin = M::TAKES_COVER_SIZE || options.margin() == 0.0;
+    !M::COVER.is_empty() && !(options.occlusion && keeps_margin)
 }
 
 impl<M: Combination> Sector for Combined<M> {
@@ -120,6 +122,9 @@ impl<M: Combination> Sector for Combined<M> {
     }
 
     fn contract(&self, options: &ViewerOptions) -> Contract {
+        if !options.occlusion {
+            return Contract::Strict;
+        }
         let in_cells = M::TAKES_COVER_SIZE && (options.cover_size.is_some() || options.margin() > 0.0);
         if in_cells || culls_by_clip_region_alone::<M>(options) {
             Contract::Conservative

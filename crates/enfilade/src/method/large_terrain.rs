@@ -111,7 +111,9 @@ impl Sector for LargeTerrain {
     }
 
     fn contract(&self, options: &ViewerOptions) -> Contract {
-        if options.margin() > 0.0 {
+        if !options.occlusion {
+            Contract::Strict
+        } else if options.margin() > 0.0 {
             Contract::Conservative
         } else {
             Contract::Exact
@@ -119,7 +121,7 @@ impl Sector for LargeTerrain {
     }
 
     fn gather(&self, passage: &Passage, memory: &mut Memory, seen: &mut Collector) {
-        if passage.options.margin() > 0.0 {
+        if passage.options.margin() > 0.0 || !passage.options.occlusion {
             let mut workplace = memory.take::<Workplace>();
             self.visit(passage, &mut workplace, &mut NoCover { seen });
             memory.put_back(workplace);

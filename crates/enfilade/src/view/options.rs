@@ -26,6 +26,11 @@ pub struct ViewerOptions {
     /// takes. The threads' buffers together take about as much memory as those of one thread. Drawing uses the calling
     /// thread only.
     pub parallel: bool,
+    /// Whether anything hides what is behind it. Default `true`. Without, items are culled by the clip regions of their
+    /// passages alone: by the frustum and by portals. Such sets are strict, hold many hidden items, and cost least: for views
+    /// in which little is hidden, such as that of a sun over a city. `pvs` still culls by its baked rows.
+    #[doc(alias = "frustum culling")]
+    pub occlusion: bool,
     /// Maximum number of occluders per passage, for methods that select occluders. Default `None`: a suitable number
     /// for each method ([`Method::occluders`](crate::Method::occluders)).
     ///
@@ -87,6 +92,7 @@ impl Default for ViewerOptions {
             limits: Limits::default(),
             coherence: true,
             parallel: true,
+            occlusion: true,
             occluders: None,
             cover_size: None,
             tightness: Tightness::Boxes,

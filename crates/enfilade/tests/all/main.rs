@@ -22,3 +22,4 @@ mod queries;
 mod scene_errors;
 mod send_sync;
 mod tightness;
+mod without_occlusion;

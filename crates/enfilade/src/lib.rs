@@ -111,6 +111,7 @@ mod ranked;
 mod raster;
 mod scene;
 mod sector;
+mod shadow_casters;
 mod simd;
 mod starts;
 mod stats;
@@ -159,6 +160,7 @@ pub use scene::{
     Edit, EditError, ErrorSubject, Light, LightShape, Portal, PortalEnd, Scene, SceneBuilder, SceneError,
 };
 pub use sector::{BuildStats, Hit, Ray, Requirement, Sector, Surface};
+pub use shadow_casters::{LightView, ShadowCasters};
 pub use simd::{SimdLevelError, simd_level, simd_levels, use_simd_level};
 pub use stats::{SpanStats, Stats};
 #[cfg(feature = "terrain")]

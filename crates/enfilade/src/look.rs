@@ -139,8 +139,7 @@ impl Look<'_> {
         let Some(sector) = sector else { return };
         let mut root = Passage::at_the_eye(view, sector, self.scene.is_flat());
         root.options = self.options;
-        let starts = view
-            .is_parallel()
+        let starts = (view.is_parallel() && !view.is_light())
             .then(|| Starts::of(self.scene, view, sector))
             .flatten();
         let Some(starts) = starts else {

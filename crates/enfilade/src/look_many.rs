@@ -3,16 +3,17 @@
 use crate::scene::Scene;
 use crate::threads;
 use crate::view::View;
+use crate::view::options::ViewerOptions;
 use crate::view::viewer::Viewer;
 use crate::view::viewers::{KeptView, Viewers};
 use crate::view::visible::VisibleSet;
 use std::sync::{Mutex, PoisonError};
 
-/// One look: the buffers that stay with its view.
-struct Task<'a> {
-    view: &'a View,
-    set: &'a mut VisibleSet,
-    kept: &'a mut KeptView,
+/// One look: its view, and the buffers that stay with it.
+pub(crate) struct Task<'a> {
+    pub(crate) view: &'a View,
+    pub(crate) set: &'a mut VisibleSet,
+    pub(crate) kept: &'a mut KeptView,
 }
 
 impl Viewers {
@@ -24,35 +25,46 @@ impl Viewers {
         self.kept.resize_with(views.len(), KeptView::default);
         let each = views.iter().zip(&mut self.sets).zip(&mut self.kept);
         let mut tasks: Vec<Task> = each.map(|((view, set), kept)| Task { view, set, kept }).collect();
-        if !(self.options.parallel && views.len() > 1) {
-            if self.threads.is_empty() {
-                self.threads.push(Viewer::new());
-            }
-            let viewer = &mut self.threads[0];
-            viewer.options = self.options;
-            for task in &mut tasks {
-                task.run(viewer, scene);
-            }
-            return &self.sets;
-        }
-        let idle = Mutex::new(std::mem::take(&mut self.threads));
-        let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
-        threads::for_each(&mut tasks, |_, task| {
-            let taken = lock().pop();
-            let mut viewer = taken.unwrap_or_default();
-            viewer.options = self.options;
-            // Otherwise a look that waits for others could begin another one, with further buffers.
-            viewer.options.parallel = false;
-            task.run(&mut viewer, scene);
-            lock().push(viewer);
-        });
-        self.threads = idle.into_inner().unwrap_or_else(PoisonError::into_inner);
+        look_each(&mut self.threads, &self.options, scene, &mut tasks);
         &self.sets
     }
 }
 
+/// Does each look, on as many threads as the options allow. `viewers` are the buffers of the threads.
+pub(crate) fn look_each(
+    viewers: &mut Vec<Viewer>,
+    options: &ViewerOptions,
+    scene: &Scene,
+    tasks: &mut [Task],
+) {
+    if !(options.parallel && tasks.len() > 1) {
+        if viewers.is_empty() {
+            viewers.push(Viewer::new());
+        }
+        for task in tasks {
+            task.run(&mut viewers[0], *options, scene);
+        }
+        return;
+    }
+    let alone = ViewerOptions {
+        // Otherwise a look that waits for others could begin another one, with further buffers.
+        parallel: false,
+        ..*options
+    };
+    let idle = Mutex::new(std::mem::take(viewers));
+    let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+    threads::for_each(tasks, |_, task| {
+        let taken = lock().pop();
+        let mut viewer = taken.unwrap_or_default();
+        task.run(&mut viewer, alone, scene);
+        lock().push(viewer);
+    });
+    *viewers = idle.into_inner().unwrap_or_else(PoisonError::into_inner);
+}
+
 impl Task<'_> {
-    fn run(&mut self, viewer: &mut Viewer, scene: &Scene) {
+    fn run(&mut self, viewer: &mut Viewer, options: ViewerOptions, scene: &Scene) {
+        viewer.options = options;
         std::mem::swap(&mut viewer.set, self.set);
         std::mem::swap(&mut viewer.memory.recall, &mut self.kept.recall);
         viewer.look(scene, self.view);

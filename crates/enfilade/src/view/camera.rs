@@ -93,6 +93,7 @@ impl Camera {
             is_parallel: false,
             far: f64::INFINITY,
             oblique: None,
+            is_light: false,
         })
     }
 

@@ -69,6 +69,9 @@ pub struct View {
     far: f64,
     /// The near plane, if it is oblique: points (x, y, z) of eye space with ax + by + cz + d ≥ 0 are behind it.
     oblique: Option<[f64; 4]>,
+    /// Whether this is the view of a light: all rays start in its sector, and items take part whatever their limits of distance
+    /// and size, which are meant for cameras.
+    is_light: bool,
 }
 
 /// A rectangle of pixels in a render target.
@@ -205,6 +208,7 @@ impl View {
             is_parallel: false,
             far: f64::INFINITY,
             oblique: None,
+            is_light: false,
         })
     }
 
@@ -268,6 +272,41 @@ impl View {
         })
     }
 
+    /// Creates the parallel view of a sun: a box with `eye` in the middle of its near side, `half` its width and height and `far`
+    /// deep. `axes`: its unit vectors right, up, and against the view direction.
+    pub(crate) fn of_sun(
+        eye: DVec3,
+        axes: DMat3,
+        half: [f64; 2],
+        far: f64,
+        viewport: Viewport,
+    ) -> Result<View, ViewError> {
+        let from_sector = axes.transpose();
+        let eye_from_sector = DAffine3 {
+            matrix3: from_sector,
+            translation: from_sector * -eye,
+        };
+        let clip_from_eye = DMat4::from_cols(
+            DVec4::new(1.0 / half[0], 0.0, 0.0, 0.0),
+            DVec4::new(0.0, 1.0 / half[1], 0.0, 0.0),
+            DVec4::new(0.0, 0.0, 1.0 / far, 0.0),
+            DVec4::new(0.0, 0.0, 1.0, 1.0),
+        );
+        View::of_parallel(eye_from_sector, clip_from_eye, ClipDepth::OneToZero, viewport)
+    }
+
+    /// Returns the same view as that of a light in a sector.
+    pub(crate) fn of_light(self, sector: SectorId) -> View {
+        View {
+            is_light: true,
+            ..self.in_sector(sector)
+        }
+    }
+
+    pub(crate) fn is_light(&self) -> bool {
+        self.is_light
+    }
+
     /// Creates a parallel view from a view matrix and a projection matrix, after all checks but those of the size.
     fn of_parallel(
         eye_from_sector: DAffine3,
@@ -303,6 +342,7 @@ impl View {
             is_parallel: true,
             far: parallel.far,
             oblique: None,
+            is_light: false,
         })
     }
 

@@ -13,7 +13,7 @@ use crate::view::options::ViewerOptions;
 use crate::view::region::{Clip, Region, Volume};
 use crate::view::screen_map::ScreenMap;
 use fearless_simd::Level;
-use glam::{DAffine3, DMat4, DVec3};
+use glam::{DAffine3, DMat4, DVec3, DVec4};
 
 /// A chain of zero or more portals from the eye into a sector, with its clip region and view matrix.
 ///
@@ -48,6 +48,8 @@ pub struct Passage {
     pub options: ViewerOptions,
     /// Whether no portal is followed and openings are empty holes (`Scene::without_portals`).
     pub(crate) flat: bool,
+    /// Whether items take part whatever their own limits.
+    ignores_limits: bool,
     /// Visibility is computed for sample positions up to this far from the pixel centre, in pixels along each axis: 0 at
     /// the centre only, 0.5 anywhere in the pixel.
     pub(crate) spread: f64,
@@ -134,6 +136,7 @@ impl Passage {
             size: view.size(),
             options: ViewerOptions::default(),
             flat,
+            ignores_limits: view.is_light(),
             spread: 0.0,
             chain: u64::from(sector.0),
             level: crate::simd::level(),
@@ -199,7 +202,8 @@ impl Passage {
     /// limits.
     pub(crate) fn takes(&self, item: &Item) -> bool {
         let options = &item.options;
-        options.layers & self.options.layers != 0 && !(options.has_limits() && self.is_beyond_limits(item))
+        let has_limits = options.has_limits() && !self.ignores_limits;
+        options.layers & self.options.layers != 0 && !(has_limits && self.is_beyond_limits(item))
     }
 
     /// Whether an item that is never culled is listed.
@@ -251,6 +255,7 @@ impl Passage {
             size: self.size,
             options: self.options,
             flat: self.flat,
+            ignores_limits: self.ignores_limits,
             spread: 0.0,
             chain: self.chain_through(portal),
             level: self.level,
@@ -337,6 +342,7 @@ impl Passage {
             size: self.size,
             options: self.options,
             flat: self.flat,
+            ignores_limits: self.ignores_limits,
             spread: self.spread,
             chain: self.chain,
             level: self.level,
@@ -546,6 +552,22 @@ impl Passage {
         if self.lens.is_parallel { 1.0 - 1e-9 } else { 0.0 }
     }
 
+    /// Returns the function of the position in the space of the sector, as its dot product with (x, y, z, 1), that is the
+    /// distance along the view direction, in units of eye space: from the eye, or from the near plane of a parallel view.
+    pub(crate) fn distance(&self) -> DVec4 {
+        let from_here = self.lens.screen_from_eye * self.eye_from_sector;
+        from_here.matrix3.row(2).extend(from_here.translation.z)
+    }
+
+    /// Returns the same distance at a reversed depth.
+    pub(crate) fn distance_at(&self, rev_depth: f64) -> f64 {
+        if self.lens.is_parallel {
+            (1.0 - rev_depth) * self.lens.far
+        } else {
+            1.0 / rev_depth
+        }
+    }
+
     /// Returns the projection from eye space.
     pub(crate) fn lens(&self) -> &Lens {
         &self.lens
@@ -578,7 +600,7 @@ pub(crate) fn next_chain(chain: u64, portal: PortalId) -> u64 {
 }
 
 /// Limit of coordinates of bounds, so that depths stay finite where a sector is unbounded.
-const FARTHEST_COORDINATE: f64 = 2.0 * MAX_COORDINATE as f64;
+pub(crate) const FARTHEST_COORDINATE: f64 = 2.0 * MAX_COORDINATE as f64;
 
 /// Returns the length of the longest half-axis of the ellipse that two rows map the unit sphere to.
 fn greatest_stretch(a: DVec3, b: DVec3) -> f64 {

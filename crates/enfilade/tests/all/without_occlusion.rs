@@ -25,7 +25,10 @@ fn nothing_is_missed_and_the_picture_is_the_same_where_nothing_hides_anything() 
         limits.max_crossings = 4;
         for view in &views {
             let truth = reference.see(&scene, view, &limits);
-            for method in Method::ALL.into_iter().filter(|method| method.requires().is_none()) {
+            for method in Method::ALL
+                .into_iter()
+                .filter(|method| method.requires().is_none())
+            {
                 let scene = scene.with_method(method, u64::MAX).expect("a small scene");
                 let mut viewer = Viewer::with_options(ViewerOptions {
                     limits,
@@ -33,7 +36,11 @@ fn nothing_is_missed_and_the_picture_is_the_same_where_nothing_hides_anything() 
                     ..ViewerOptions::default()
                 });
                 let set = viewer.look(&scene, view);
-                assert!(set.passages().iter().all(|passage| passage.contract == Contract::Strict));
+                assert!(
+                    set.passages()
+                        .iter()
+                        .all(|passage| passage.contract == Contract::Strict)
+                );
                 plain += set.items().len();
                 let mut picture = OwnerPicture::new(SIZE);
                 viewer.draw(&scene, view, &mut picture);
@@ -45,5 +52,8 @@ fn nothing_is_missed_and_the_picture_is_the_same_where_nothing_hides_anything() 
             }
         }
     }
-    assert!(plain * 2 > culled * 3, "{plain} items without occlusion, {culled} with");
+    assert!(
+        plain * 2 > culled * 3,
+        "{plain} items without occlusion, {culled} with"
+    );
 }

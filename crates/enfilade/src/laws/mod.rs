@@ -32,7 +32,7 @@ pub use contracts::{Broken, Contestants, Law, Report, check, check_custom};
 pub use layers::{LayerPicture, LayerVerdict, Layers};
 pub use owners::OwnerPicture;
 pub use reference::Reference;
-pub use straight::{Lamplight, chains, goes_straight};
+pub use straight::{Blocker, Lamplight, SurfacePoint, chains, goes_straight};
 pub use truth::{Truth, Verdict};
 pub use walks::views_through;
 

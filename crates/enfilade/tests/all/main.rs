@@ -21,5 +21,6 @@ mod parallel;
 mod queries;
 mod scene_errors;
 mod send_sync;
+mod shadows;
 mod tightness;
 mod without_occlusion;

@@ -1,6 +1,6 @@
 //! Compares rendered lamplight with light traced along every chain of portals separately.
 
-use enfilade::laws::Lamplight;
+use enfilade::laws::{Lamplight, SurfacePoint};
 use enfilade::{Camera, Light, LightId, Ray, RayEnd, Scene, View, Viewer};
 use enfilade_draw::{RgbImage, Settings, Stage};
 use enfilade_scenes::{BuiltIn, built_in};
@@ -76,7 +76,12 @@ fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction:
     } else {
         normal
     };
-    let light = lamplight.at(cast.sector, point.into(), normal.into())?;
+    let light = lamplight.at(&SurfacePoint {
+        sector: cast.sector,
+        point: point.into(),
+        normal: normal.into(),
+        face: (hit.item.index, hit.face),
+    })?;
     Some((
         light.into(),
         surface.color,

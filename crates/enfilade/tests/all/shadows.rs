@@ -1,0 +1,154 @@
+//! Shadow casters: what is found holds everything that blocks light on its way to a point that is seen.
+
+use enfilade::laws::{Lamplight, SurfacePoint};
+use enfilade::{
+    Aabb, Light, LightId, LightShape, RayEnd, Scene, SectorId, ShadowCasters, View, Viewer, ViewerOptions,
+    VisibleSet,
+};
+use enfilade_scenes::{BuiltIn, Random, built_in, parallel_view, random_scene};
+use glam::DVec3;
+use std::collections::HashSet;
+
+const SIZE: [u32; 2] = [32, 20];
+
+/// Returns the points that are seen at the pixels of a view, with their faces.
+fn seen_points(scene: &Scene, view: &View) -> Vec<SurfacePoint> {
+    let sector = scene.sector_of(view).expect("an eye in a sector");
+    let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
+    let along = |pixel: [u32; 2]| {
+        let at = [0, 1].map(|axis| f64::from(pixel[axis]) + 0.5 + View::GENERIC_OFFSET[axis]);
+        let [origin, direction] = view.ray(at).map(DVec3::from);
+        let ray = enfilade::Ray {
+            origin: origin.as_vec3().into(),
+            direction: direction.as_vec3().into(),
+        };
+        let cast = scene.cast(sector, &ray);
+        let RayEnd::Face(hit) = cast.end else { return None };
+        let surface = scene.sector(cast.sector).surface(hit.item.index, hit.face);
+        if hit.from_behind || surface.alpha != enfilade::Alpha::Opaque {
+            return None;
+        }
+        let columns = cast.there_from_here.columns_f64().map(DVec3::from);
+        let moved = |p: DVec3| columns[0] * p.x + columns[1] * p.y + columns[2] * p.z + columns[3];
+        let [eye, point] = [moved(origin), moved(origin + direction * cast.distance)];
+        let normal = DVec3::from(surface.normal.map(f64::from));
+        Some(SurfacePoint {
+            sector: cast.sector,
+            point: point.into(),
+            normal: (normal * normal.dot(eye - point).signum()).into(),
+            face: (hit.item.index, hit.face),
+        })
+    };
+    pixels.filter_map(along).collect()
+}
+
+/// Returns the items that cast shadows, by light and sector.
+fn casters(scene: &Scene, set: &VisibleSet, shadows: &mut ShadowCasters) -> HashSet<(u32, u32, u32)> {
+    let mut found = HashSet::new();
+    for light in 0..scene.lights().len() as u32 {
+        for map in shadows.find(scene, LightId(light), set) {
+            for seen in map.casters.items() {
+                let sector = map.casters.passage(seen.passage).sector;
+                found.insert((light, sector.0, seen.item.index.0));
+            }
+        }
+    }
+    found
+}
+
+/// Checks the casters of a view against the faces that block light. Returns the number of faces, of casters, and of items
+/// that are none.
+fn check(name: &str, scene: &Scene, view: &View) -> [usize; 3] {
+    const CROSSINGS: u16 = 3;
+    let mut shadows = ShadowCasters::new();
+    shadows.options.limits.max_crossings = CROSSINGS;
+    let mut viewer = Viewer::with_options(ViewerOptions {
+        limits: shadows.options.limits,
+        ..ViewerOptions::default()
+    });
+    let set = viewer.look(scene, view);
+    let found = casters(scene, set, &mut shadows);
+    let lamplight = Lamplight::new(scene, usize::from(CROSSINGS)).with_shadows();
+    let mut blocked = 0;
+    let is_listed = |point: &SurfacePoint| {
+        let geometry = scene.geometry(point.sector).expect("a geometry");
+        // Rays go through items that a scale of 0 flattens, and so may reach what is hidden.
+        set.sees(point.sector, geometry.id_of(point.face.0))
+    };
+    for point in seen_points(scene, view).into_iter().filter(is_listed) {
+        for (light, sector, face) in lamplight.blockers(&point).unwrap_or_default() {
+            let Some((item, face)) = face else { continue };
+            assert!(
+                found.contains(&(light.0, sector.0, item.0)),
+                "@{name}: face {face} of item {} in sector {} casts a shadow of light {} on {point:?}, from {view:?}",
+                item.0,
+                sector.0,
+                light.0
+            );
+            blocked += 1;
+        }
+    }
+    let items = scene.sectors().filter_map(|id| scene.geometry(id));
+    let items: usize = items.map(|geometry| geometry.items().len()).sum();
+    let others = (items * scene.lights().len()).saturating_sub(found.len());
+    [blocked, found.len(), others]
+}
+
+/// Returns the scene with a sun, a spot light and a point light more, at random.
+fn lit(scene: &Scene, random: &mut Random) -> Scene {
+    let mut scene = scene.clone();
+    let sectors: Vec<SectorId> = scene.sectors().collect();
+    for number in 0..3 {
+        let sector = sectors[random.below(sectors.len())];
+        let Aabb { min, max } = scene.bounds(sector);
+        if min[0] > max[0] {
+            continue;
+        }
+        let position = std::array::from_fn(|axis| min[axis] + (max[axis] - min[axis]) * random.unit());
+        let direction = random.point(1.0);
+        let shape = match number {
+            0 => LightShape::Sun { direction },
+            1 => LightShape::Spot {
+                direction,
+                inner: 0.2,
+                outer: 0.3 + random.unit(),
+            },
+            _ => LightShape::Point,
+        };
+        let range = (max[0] - min[0]).max(1.0) * (0.5 + random.unit());
+        let light = Light {
+            shape,
+            ..Light::point(sector, position, [1.0; 3], range)
+        };
+        scene.add_light(light).expect("a valid light");
+    }
+    scene
+}
+
+#[test]
+fn all_that_blocks_light_on_its_way_to_what_is_seen_casts_shadows() {
+    let mut random = Random::new(91);
+    let mut sum = [0; 3];
+    let mut add = |counts: [usize; 3]| (0..3).for_each(|i| sum[i] += counts[i]);
+    for name in ["two-rooms", "mirror", "nested", "teleport"] {
+        let BuiltIn { scene, cameras } = built_in(name).expect("a built-in scene");
+        for camera in &cameras {
+            let scene = lit(&scene, &mut random);
+            add(check(name, &scene, &camera.view(SIZE).expect("a valid view")));
+            add(check(name, &scene, &parallel_view(camera, SIZE, &mut random)));
+        }
+    }
+    for seed in 0..200 {
+        let BuiltIn { scene, cameras } = random_scene(seed);
+        for camera in cameras.iter().take(2) {
+            let scene = lit(&scene, &mut random);
+            add(check(
+                &format!("{seed}"),
+                &scene,
+                &camera.view(SIZE).expect("a valid view"),
+            ));
+        }
+    }
+    let [blocked, found, others] = sum;
+    assert!(blocked > 10_000 && found > 5000 && others > 10_000, "{sum:?}");
+}

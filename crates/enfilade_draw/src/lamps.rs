@@ -22,6 +22,8 @@ pub(crate) struct Lamps {
 /// A light in the space of a sector that it reaches.
 struct Lamp {
     light: usize,
+    /// Number of the beam among those of the light.
+    beam: usize,
     lamp: Light,
     reach: LightReach,
     /// Central direction of its light, unit length; zero for a point light.
@@ -43,6 +45,10 @@ struct Brightness {
 
 /// A light that may reach what a passage shows; positions are relative to the passage's eye.
 pub(crate) struct PassageLight {
+    /// Number of the light, and of the beam among those of the light.
+    pub(crate) beam: (usize, usize),
+    /// Position relative to the passage's eye, or direction to the sun.
+    toward: DVec3,
     at: Vec3,
     /// Direction to the sun; zero for a lamp.
     to_sun: Vec3,
@@ -82,23 +88,34 @@ impl Brightness {
     }
 }
 
+/// Returns how far light is followed through portals.
+pub(crate) fn limits() -> Limits {
+    let mut limits = Limits::default();
+    limits.max_crossings = MAX_CROSSED;
+    limits.max_passages = MAX_REACHED;
+    limits
+}
+
 impl Lamps {
     /// Computes the reach of all lights of a scene.
     pub(crate) fn of(scene: &Scene) -> Lamps {
-        let mut limits = Limits::default();
-        limits.max_crossings = MAX_CROSSED;
-        limits.max_passages = MAX_REACHED;
+        let limits = limits();
         let mut all: Vec<Lamp> = Vec::new();
         let mut rooms = vec![Brightness::default(); scene.sectors().count()];
         for (light, lamp) in scene.lights().iter().enumerate() {
             let typical = typical_distance(scene, lamp);
-            for reach in scene.light_reach(LightId(light as u32), &limits) {
+            for (beam, reach) in scene
+                .light_reach(LightId(light as u32), &limits)
+                .into_iter()
+                .enumerate()
+            {
                 brighten(scene, &mut rooms, lamp, &reach, typical);
                 let onwards = lamp
                     .direction()
                     .map_or([0.0; 3], |direction| reach.there_from_here.direction(direction));
                 all.push(Lamp {
                     light,
+                    beam,
                     lamp: *lamp,
                     onwards: DVec3::from(onwards.map(f64::from)).normalize_or_zero(),
                     scale: reach.there_from_here.scale(),
@@ -196,6 +213,8 @@ impl Lamp {
             }
         });
         PassageLight {
+            beam: (self.light, self.beam),
+            toward: if is_sun { -self.onwards } else { at },
             at: at.as_vec3(),
             to_sun: if is_sun {
                 at.normalize_or_zero().as_vec3()
@@ -236,6 +255,15 @@ impl Lamp {
 }
 
 impl PassageLight {
+    /// Returns the vector from a point, relative to the eye, to the lamp, or the direction to the sun.
+    pub(crate) fn toward(&self, point: DVec3) -> DVec3 {
+        if self.to_sun == Vec3::ZERO {
+            self.toward - point
+        } else {
+            self.toward
+        }
+    }
+
     /// Tests whether the light may reach a face with these corners, whose normal points towards the eye. Returns `None`
     /// if not; otherwise the planes of its beam that must be tested per point.
     pub(crate) fn shines_on(&self, corners: &[Vec3], normal: Option<Vec3>) -> Option<CutBy> {

@@ -38,6 +38,7 @@ mod pending;
 mod pixels;
 mod samples;
 mod shade;
+mod shadows;
 mod show;
 mod sky;
 mod smooth;

@@ -9,11 +9,14 @@ use crate::pending::{Pending, PendingSpan};
 use crate::pixels::{self, Pixel, UNPAINTED, pixel, put};
 use crate::samples::{PixelCache, SampleCache};
 use crate::shade::{Illumination, Row, Shade};
+use crate::shadows::{BandShadows, Shadows};
 use crate::show::Show;
 use crate::sky::Sky;
 use crate::smooth::SmoothRow;
 use crate::stage::{Picture, Settings, Stage};
-use enfilade::{Alpha, Canvas, CoverSpan, Method, Owner, Passage, PassageId, Scene, SectorId, Span, View};
+use enfilade::{
+    Alpha, Canvas, CoverSpan, Method, Owner, Passage, PassageId, Scene, SectorId, Span, View, VisibleSet,
+};
 use glam::Vec3;
 use image::RgbImage;
 use rayon::prelude::*;
@@ -47,6 +50,8 @@ pub struct Painter<'a> {
     others: Option<SampleCache>,
     /// Hash of the current passage's sector and transform.
     passage: u64,
+    /// What casts shadows, if they are wanted.
+    shadows: Option<Shadows>,
 }
 
 /// Rows per parallel job.
@@ -82,7 +87,16 @@ impl<'a> Painter<'a> {
             shaded: 0,
             others: None,
             passage: 0,
+            shadows: None,
         }
+    }
+
+    /// Lets lights cast shadows in a picture of [`Show::Image`]. `visible` is the set of a look of the same view.
+    #[must_use]
+    pub fn with_shadows(mut self, visible: &VisibleSet) -> Painter<'a> {
+        let is_lit = self.settings.show == Show::Image;
+        self.shadows = is_lit.then(|| Shadows::of(self.scene, visible));
+        self
     }
 
     /// Shares shaded colours with the pixels' previous samples.
@@ -152,7 +166,12 @@ impl<'a> Painter<'a> {
             };
             let width = self.size[0] as usize;
             pending.sort(self.size[1] as usize, BAND);
+            let shadows = self.shadows.as_ref().map(|shadows| {
+                let of = (self.scene, self.stage);
+                shadows.on(of, &self.rays, &self.near, &paints, &pending)
+            });
             let work = Work {
+                shadows: shadows.as_deref(),
                 light: &light,
                 paints: &paints,
                 pending: &pending,
@@ -228,13 +247,15 @@ impl<'a> Painter<'a> {
 }
 
 /// Shading of a face: constant, or varying from sample to sample.
-enum Paint<'s> {
+pub(crate) enum Paint<'s> {
     Plain(Shade),
     Varied(Box<Face<'s>>),
 }
 
 /// State shared by the threads that shade.
 struct Work<'a, 's> {
+    /// By band.
+    shadows: Option<&'a [BandShadows]>,
     light: &'a Illumination<'a>,
     paints: &'a [Paint<'s>],
     pending: &'a Pending,
@@ -252,11 +273,14 @@ impl Work<'_, '_> {
         spans: &[PendingSpan],
         mut others: Option<(usize, &mut [PixelCache])>,
     ) -> u64 {
-        let mut shaded = 0;
+        let (mut shaded, mut sample) = (0, 0);
+        let shadows = self.shadows.map(|bands| &bands[band]);
         for span in spans {
             let y = usize::from(span.y);
             let start = (y - band * BAND) * self.width;
             let run = start + usize::from(span.x0)..start + usize::from(span.x1);
+            let first = sample;
+            sample += run.len();
             let behind = |x: u16| self.sky.at([usize::from(x), y]);
             let at = (span.x0..).zip(pixels[run.clone()].iter_mut());
             let opaque = !span.see_through;
@@ -268,7 +292,7 @@ impl Work<'_, '_> {
                 }
                 Paint::Plain(shade) => at.for_each(|(x, at)| put(at, *shade, || behind(x))),
                 Paint::Varied(face) => {
-                    let row = Row::new(face, self.light, span.y);
+                    let row = Row::new(face, self.light, span.y).with_shadows(shadows, span.x0, first);
                     match &mut others {
                         Some((number, known)) if opaque => {
                             let name = name(self.passage, self.pending.owners()[span.owner as usize]);

@@ -4,7 +4,6 @@
 //! Each sample is a separate look with [`View::sample`] set, so no order, cover or method supports multisampling, and
 //! every contract holds for each sample. The visible set for four samples is the union of those of four looks.
 
-use crate::painter::Painter;
 use crate::pixels::{self, Pixel, UNPAINTED};
 use crate::stage::{Picture, Settings, Stage};
 use enfilade::{Scene, View, Viewer};
@@ -67,7 +66,10 @@ pub(crate) fn draw(
     let mut total: Option<Picture> = None;
     for sample in View::FOUR_SAMPLES {
         let view = view.at_sample(sample).expect("a position in the pixel");
-        let mut painter = Painter::on(stage, scene, &view, settings).beside(others);
+        let mut painter = stage.painter(viewer, scene, &view, settings);
+        if !settings.shadows {
+            painter = painter.beside(others);
+        }
         viewer.draw(scene, &view, &mut painter);
         let (pixels, left, picture) = painter.finish_samples();
         for (sum, pixel) in sums.iter_mut().zip(&pixels) {

@@ -3,6 +3,7 @@
 use crate::face::{Face, LinearRow, Rays, Varying};
 use crate::lamps::{CutBy, PassageLight};
 use crate::light::{Daylight, Tone};
+use crate::shadows::BandShadows;
 use glam::Vec3;
 
 /// The light of one passage.
@@ -25,6 +26,8 @@ pub(crate) struct Row<'a, 's> {
     face: &'a Face<'s>,
     light: &'a Illumination<'a>,
     y: u16,
+    /// Where shadows fall, and the place of the sample at column 0 among those of the band; it may be negative.
+    shadows: Option<(&'a BandShadows, isize)>,
     facing: LinearRow,
     uv: [LinearRow; 2],
     normals: [LinearRow; 3],
@@ -38,6 +41,7 @@ impl<'a, 's> Row<'a, 's> {
             face,
             light,
             y,
+            shadows: None,
             facing: face.facing.row(y),
             uv: face
                 .uv
@@ -51,6 +55,27 @@ impl<'a, 's> Row<'a, 's> {
                 [row(&of[0]), row(&of[1]), row(&of[2]), row(&of[3])]
             }),
         }
+    }
+
+    /// Lets shadows fall on the row. `sample` is the place of the sample at column `x0` among those of the band.
+    pub(crate) fn with_shadows(
+        self,
+        shadows: Option<&'a BandShadows>,
+        x0: u16,
+        sample: usize,
+    ) -> Row<'a, 's> {
+        Row {
+            shadows: shadows.map(|shadows| (shadows, sample as isize - x0 as isize)),
+            ..self
+        }
+    }
+
+    /// Whether the sample at a column is in the shadow of a light.
+    #[inline]
+    fn is_dark(&self, light: u16, x: u16) -> bool {
+        let sample = |start: isize| (start + x as isize) as usize;
+        self.shadows
+            .is_some_and(|(shadows, start)| shadows.has(light, sample(start)))
     }
 
     /// Shades the sample at a column.
@@ -111,6 +136,9 @@ impl<'a, 's> Row<'a, 's> {
             let slopes = [self.facing.right, self.facing.down];
             let (point, steps) = light.rays.point(face, [x, self.y], per_facing, slopes);
             let at = |&(number, cut): &(u16, CutBy)| {
+                if self.is_dark(number, x) {
+                    return Vec3::ZERO;
+                }
                 light.lights[usize::from(number)].at(point, normal, cut, steps)
             };
             let lamps: Vec3 = face.lights.iter().map(at).sum();

@@ -32,6 +32,9 @@ pub struct Settings {
     /// Samples per pixel: 1, or 4 ([`View::FOUR_SAMPLES`]) for antialiased edges. With 4, each face is shaded once per
     /// pixel, at the first sample it covers (multisampling). Applies to [`Show::Image`] only.
     pub samples: Samples,
+    /// Whether lights cast hard shadows. Applies to [`Show::Image`] only. Items of custom sectors cast none. With four samples
+    /// per pixel, each sample is shaded then, so that edges of shadows are antialiased too.
+    pub shadows: bool,
 }
 
 /// Number of samples per pixel.
@@ -60,6 +63,7 @@ impl Default for Settings {
             show: Show::Image,
             exposure: Exposure::Fixed(1.0),
             samples: Samples::One,
+            shadows: false,
         }
     }
 }
@@ -101,9 +105,25 @@ impl Stage {
         if settings.samples == Samples::Four && settings.show == Show::Image {
             return samples::draw(self, viewer, scene, view, settings);
         }
-        let mut painter = Painter::on(self, scene, view, settings);
+        let mut painter = self.painter(viewer, scene, view, settings);
         viewer.draw(scene, view, &mut painter);
         painter.finish()
+    }
+
+    /// Returns an empty picture. Looks first, if lights are to cast shadows.
+    pub(crate) fn painter<'a>(
+        &'a self,
+        viewer: &mut Viewer,
+        scene: &'a Scene,
+        view: &View,
+        settings: &Settings,
+    ) -> Painter<'a> {
+        let painter = Painter::on(self, scene, view, settings);
+        if settings.shadows {
+            painter.with_shadows(viewer.look(scene, view))
+        } else {
+            painter
+        }
     }
 
     /// Returns the mip chain of a texture.

@@ -1,11 +1,8 @@
 //! Shadow casters: what is found holds everything that blocks light on its way to a point that is seen.
 
 use enfilade::laws::{Lamplight, SurfacePoint};
-use enfilade::{
-    Aabb, Light, LightId, LightShape, RayEnd, Scene, SectorId, ShadowCasters, View, Viewer, ViewerOptions,
-    VisibleSet,
-};
-use enfilade_scenes::{BuiltIn, Random, built_in, parallel_view, random_scene};
+use enfilade::{LightId, RayEnd, Scene, ShadowCasters, View, Viewer, ViewerOptions, VisibleSet};
+use enfilade_scenes::{BuiltIn, Random, built_in, parallel_view, random_scene, with_random_lights};
 use glam::DVec3;
 use std::collections::HashSet;
 
@@ -94,37 +91,6 @@ fn check(name: &str, scene: &Scene, view: &View) -> [usize; 3] {
     [blocked, found.len(), others]
 }
 
-/// Returns the scene with a sun, a spot light and a point light more, at random.
-fn lit(scene: &Scene, random: &mut Random) -> Scene {
-    let mut scene = scene.clone();
-    let sectors: Vec<SectorId> = scene.sectors().collect();
-    for number in 0..3 {
-        let sector = sectors[random.below(sectors.len())];
-        let Aabb { min, max } = scene.bounds(sector);
-        if min[0] > max[0] {
-            continue;
-        }
-        let position = std::array::from_fn(|axis| min[axis] + (max[axis] - min[axis]) * random.unit());
-        let direction = random.point(1.0);
-        let shape = match number {
-            0 => LightShape::Sun { direction },
-            1 => LightShape::Spot {
-                direction,
-                inner: 0.2,
-                outer: 0.3 + random.unit(),
-            },
-            _ => LightShape::Point,
-        };
-        let range = (max[0] - min[0]).max(1.0) * (0.5 + random.unit());
-        let light = Light {
-            shape,
-            ..Light::point(sector, position, [1.0; 3], range)
-        };
-        scene.add_light(light).expect("a valid light");
-    }
-    scene
-}
-
 #[test]
 fn all_that_blocks_light_on_its_way_to_what_is_seen_casts_shadows() {
     let mut random = Random::new(91);
@@ -133,7 +99,7 @@ fn all_that_blocks_light_on_its_way_to_what_is_seen_casts_shadows() {
     for name in ["two-rooms", "mirror", "nested", "teleport"] {
         let BuiltIn { scene, cameras } = built_in(name).expect("a built-in scene");
         for camera in &cameras {
-            let scene = lit(&scene, &mut random);
+            let scene = with_random_lights(&scene, &mut random);
             add(check(name, &scene, &camera.view(SIZE).expect("a valid view")));
             add(check(name, &scene, &parallel_view(camera, SIZE, &mut random)));
         }
@@ -141,7 +107,7 @@ fn all_that_blocks_light_on_its_way_to_what_is_seen_casts_shadows() {
     for seed in 0..200 {
         let BuiltIn { scene, cameras } = random_scene(seed);
         for camera in cameras.iter().take(2) {
-            let scene = lit(&scene, &mut random);
+            let scene = with_random_lights(&scene, &mut random);
             add(check(
                 &format!("{seed}"),
                 &scene,

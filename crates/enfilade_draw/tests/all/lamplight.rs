@@ -1,9 +1,9 @@
 //! Compares rendered lamplight with light traced along every chain of portals separately.
 
 use enfilade::laws::{Lamplight, SurfacePoint};
-use enfilade::{Camera, Light, LightId, Ray, RayEnd, Scene, View, Viewer};
+use enfilade::{Camera, Light, LightId, Ray, RayEnd, Scene, SectorId, View, Viewer};
 use enfilade_draw::{RgbImage, Settings, Stage};
-use enfilade_scenes::{BuiltIn, built_in};
+use enfilade_scenes::{BuiltIn, Random, built_in, random_scene, with_random_lights};
 use glam::DVec3;
 
 const SIZE: [u32; 2] = [96, 64];
@@ -190,6 +190,30 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
         in_sight > 10_000 && in_sight + 1000 < lit,
         "{in_sight} of {lit} in sight of a lamp"
     );
+}
+
+fn has_flat_items(scene: &Scene, sector: SectorId) -> bool {
+    let geometry = scene.geometry(sector).expect("a geometry");
+    let mut items = geometry.items().iter();
+    items.any(|item| item.transform().inverse().is_none())
+}
+
+#[test]
+fn suns_and_lamps_cast_the_shadows_that_are_traced() {
+    let mut random = Random::new(64);
+    let mut sum = [0; 3];
+    for seed in 0..60 {
+        let BuiltIn { scene, cameras } = random_scene(seed);
+        let scene = with_random_lights(&scene, &mut random);
+        // Rays go through items that a scale of 0 flattens.
+        if scene.sectors().any(|id| has_flat_items(&scene, id)) {
+            continue;
+        }
+        compare(&format!("{seed} plain"), &scene, &cameras[..1], 4, false);
+        let counts = compare(&format!("{seed}"), &scene, &cameras[..1], 4, true);
+        (0..3).for_each(|i| sum[i] += counts[i]);
+    }
+    assert!(sum[0] > 30_000 && sum[1] > 5000, "{sum:?}");
 }
 
 #[test]

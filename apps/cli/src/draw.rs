@@ -18,7 +18,7 @@ use crate::save::Destination;
 use crate::text::{count, ms, plural};
 use crate::values::Choice;
 use anyhow::{Result, bail};
-use enfilade::{ChoiceGoal, Method, Viewer};
+use enfilade::{ChoiceGoal, Light, LightShape, Method, Scene, SectorId, Viewer};
 use enfilade_draw::{Exposure, Legend, Samples, Show};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -34,6 +34,9 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             "cannot write {}: pictures are PNG, so the name must end in .png",
             args.output.display()
         );
+    }
+    if args.shadows && args.show != Show::Image {
+        bail!("--shadows works with --show image only; leave out one of the two");
     }
     if args.samples > 1 && args.show != Show::Image {
         bail!(
@@ -81,7 +84,13 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
         .iter()
         .map(|prepared| destinations(args, choice, prepared, views.len(), &mut files))
         .collect::<Result<Vec<_>>>()?;
+    if args.shadows {
+        for prepared in &mut prepared {
+            prepared.scene = with_sun(&prepared.scene);
+        }
+    }
     let mut settings = settings(args.show);
+    settings.shadows = args.shadows;
     settings.exposure = Exposure::Eye(args.exposure);
     if args.samples == 4 {
         settings.samples = Samples::Four;
@@ -200,6 +209,31 @@ fn with_shapes(
 }
 
 /// Returns the output line of a picture:
+/// Returns a scene without lights with a sun: in the sectors that are open above, or else in the largest one.
+fn with_sun(scene: &Scene) -> Scene {
+    const DOWN: [f32; 3] = [-0.424, -0.755, -0.5];
+    const COLOR: [f32; 3] = [1.0, 0.95, 0.85];
+    let mut scene = scene.clone();
+    if !scene.lights().is_empty() {
+        return scene;
+    }
+    let mut sunny: Vec<SectorId> = scene.sectors().filter(|&id| scene.is_open_above(id)).collect();
+    if sunny.is_empty() {
+        let size = |id: &SectorId| scene.bounds(*id).volume();
+        sunny.extend(scene.sectors().max_by(|a, b| size(a).total_cmp(&size(b))));
+    }
+    for sector in sunny {
+        let shape = LightShape::Sun { direction: DOWN };
+        let sun = Light {
+            shape,
+            ..Light::point(sector, [0.0; 3], COLOR, f32::INFINITY)
+        };
+        // A sun is valid in every sector.
+        let _ = scene.add_light(sun);
+    }
+    scene
+}
+
 /// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; 2 of 5 lights shine on them`.
 fn line(
     file: &Path,

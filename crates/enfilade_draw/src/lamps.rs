@@ -331,6 +331,19 @@ impl PassageLight {
         self.color * (passing * falloff * cone * facing * per_distance)
     }
 
+    /// Returns the most light that a white surface may reflect at a point, in any channel.
+    pub(crate) fn at_most(&self, point: Vec3) -> f32 {
+        let brightest = self.color.max_element();
+        if self.to_sun != Vec3::ZERO {
+            return brightest;
+        }
+        let square = (self.at - point).length_squared() * self.per_square;
+        if square * self.per_range_square >= 1.0 {
+            return 0.0;
+        }
+        brightest / square.max(self.nearest_square)
+    }
+
     /// Returns the part of the light that passes all openings, 0 to 1: at an edge of the beam, the part of the pixel
     /// within it, and for the sun of its disc.
     ///

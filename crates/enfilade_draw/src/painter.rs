@@ -168,7 +168,7 @@ impl<'a> Painter<'a> {
             pending.sort(self.size[1] as usize, BAND);
             let shadows = self.shadows.as_ref().map(|shadows| {
                 let of = (self.scene, self.stage);
-                shadows.on(of, &self.rays, &self.near, &paints, &pending)
+                shadows.on(of, &light, &paints, &pending)
             });
             let work = Work {
                 shadows: shadows.as_deref(),
@@ -363,7 +363,7 @@ impl Canvas for Painter<'_> {
             return;
         }
         for span in spans {
-            if self.pending.is_full() {
+            if self.pending.is_full(self.shadows.is_some()) {
                 self.flush();
             }
             self.pending.push(y, span);

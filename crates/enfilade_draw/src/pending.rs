@@ -37,8 +37,9 @@ impl Pending {
         self.spans.is_empty()
     }
 
-    pub(crate) fn is_full(&self) -> bool {
-        self.spans.len() >= MAX_SPANS
+    /// Whether it is time to shade. With shadows, each batch is tested against all that casts them, so batches are larger.
+    pub(crate) fn is_full(&self, shadows: bool) -> bool {
+        self.spans.len() >= if shadows { 16 * MAX_SPANS } else { MAX_SPANS }
     }
 
     pub(crate) fn samples(&self) -> u64 {

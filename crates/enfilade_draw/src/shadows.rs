@@ -2,11 +2,11 @@
 //!
 //! Idea: look from the light for what casts shadows on something visible ([`ShadowCasters`]). Each face of these keeps light from
 //!     a volume behind it: a pyramid from the light over its edges, or a prism in the direction of a sun. The samples of a
-//!     picture are grouped in blocks with boxes, and each volume is tested against the boxes, then the samples. No shadow map is
+//!     picture are grouped in blocks, with a tree of boxes, which each volume descends. No shadow map is
 //!     involved, so edges are as exact as the picture.
 //! Source: Sintorn, Olsson, Assarsson, An Efficient Alias-free Shadow Algorithm for Opaque and Transparent Objects using
 //!     per-triangle Shadow Volumes, SIGGRAPH Asia 2011.
-//! Cost: per light O(faces of casters · bands of rows), and for each volume the blocks that its sides cut.
+//! Cost: per light O(faces of casters · log samples), and for each volume the blocks that its sides cut.
 //!
 //! Light passes a one-sided face from behind, as sight does, and alpha-blended faces. Behind portals, light and casters are
 //! moved to the space of what is lit, and clipped to the side of the openings that they are on.
@@ -15,6 +15,7 @@ use crate::face::Rays;
 use crate::lamps::{PassageLight, limits};
 use crate::painter::Paint;
 use crate::pending::{Pending, PendingSpan};
+use crate::shade::Illumination;
 use crate::stage::Stage;
 use enfilade::{
     Alpha, Geometry, ItemIndex, LightId, LightReach, Mesh, OpeningId, PortalId, Scene, SectorId,
@@ -64,12 +65,14 @@ impl BandShadows {
     }
 }
 
-/// Samples side by side in a block.
+/// Columns and rows of a block.
 const BLOCK: u16 = 8;
-/// Blocks in a group.
-const GROUP: usize = 8;
+/// Bands of rows that are tested together.
+const STRIP: usize = 4;
 /// Clusters whose faces are tested at a time.
 const CHUNK: usize = 64;
+/// Displayed value of light that is too weak to be worth a test for shadows: a quarter of a step of the picture.
+const NEGLIGIBLE: f32 = 1.0 / 1024.0;
 /// How far behind a face a sample must be to be in its shadow, relative to the distances of samples from the eye, which are
 /// rounded to f32.
 const BEHIND: f64 = 1e-5;
@@ -120,15 +123,17 @@ impl Shadows {
     pub(crate) fn on(
         &self,
         (scene, stage): (&Scene, &Stage),
-        rays: &Rays,
-        lights: &[PassageLight],
+        Illumination {
+            rays, lights, tone, ..
+        }: &Illumination,
         paints: &[Paint],
         pending: &Pending,
     ) -> Vec<BandShadows> {
+        let exposure = tone.exposure;
         let bands: Vec<&[PendingSpan]> = pending.bands().collect();
         let mut all: Vec<BandShadows> = Vec::new();
         all.resize_with(bands.len(), BandShadows::default);
-        for (number, light) in (0_u16..).zip(lights) {
+        for (number, light) in (0_u16..).zip(*lights) {
             let lists = |paint: &Paint| match paint {
                 Paint::Plain(_) => false,
                 Paint::Varied(face) => face.lights.iter().any(|&(of, _)| of == number),
@@ -136,29 +141,29 @@ impl Shadows {
             if !paints.iter().any(lists) {
                 continue;
             }
-            let mut receivers: Vec<Band> = bands
-                .par_iter()
-                .map(|spans| Band::of(spans, number, rays, paints))
+            let mut strips: Vec<Strip> = bands
+                .par_chunks(STRIP)
+                .map(|bands| Strip::of(bands, (number, light), exposure, rays, paints))
                 .collect();
-            self.cast((scene, stage), rays.eye, light, &mut receivers);
-            for (shadows, band) in all.iter_mut().zip(receivers) {
-                shadows.lights.resize_with(lights.len(), || None);
-                shadows.lights[usize::from(number)] = Some(band.shadow);
+            self.cast((scene, stage), rays.eye, light, &mut strips);
+            for (shadows, strip) in all.chunks_mut(STRIP).zip(strips) {
+                for (shadows, words) in shadows.iter_mut().zip(strip.words.windows(2)) {
+                    shadows.lights.resize_with(lights.len(), || None);
+                    shadows.lights[usize::from(number)] = Some(strip.shadow[words[0]..words[1]].to_vec());
+                }
             }
         }
         all
     }
 
     /// Tests all casters of a light against the samples that it may reach.
-    fn cast(&self, (scene, stage): (&Scene, &Stage), eye: DVec3, light: &PassageLight, bands: &mut [Band]) {
+    fn cast(&self, (scene, stage): (&Scene, &Stage), eye: DVec3, light: &PassageLight, strips: &mut [Strip]) {
         let (number, beam) = light.beam;
         let casters = &self.lights[number];
         if casters.reach.is_empty() {
             return;
         }
-        let around = bands
-            .iter()
-            .fold(Bounds::NONE, |sum, band| sum.with(&band.bounds));
+        let around = Bounds::around(strips.iter().map(Strip::bounds));
         let (legs, chain) = casters.legs(scene, beam, eye);
         for (number, leg) in legs.iter().enumerate() {
             let caster = Caster { light, leg, stage };
@@ -171,7 +176,7 @@ impl Shadows {
                     volumes.extend(caster.volume(&corners, DAffine3::IDENTITY, false, None));
                 }
             }
-            test(&volumes, light, bands);
+            test(&volumes, light, strips);
             let items = casters.items.get(&chain[..number]);
             let (Some(items), Some(geometry)) = (items, scene.geometry(leg.sector)) else {
                 continue;
@@ -190,7 +195,7 @@ impl Shadows {
                     .par_iter()
                     .flat_map_iter(|&(item, cluster)| caster.volumes(geometry, item, cluster, &around))
                     .collect();
-                test(&volumes, light, bands);
+                test(&volumes, light, strips);
             }
         }
     }
@@ -346,9 +351,13 @@ impl<'a> Caster<'a> {
 }
 
 /// Marks the samples in volumes.
-fn test(volumes: &[Volume], light: &PassageLight, bands: &mut [Band]) {
-    bands.par_iter_mut().for_each(|band| {
-        volumes.iter().for_each(|volume| band.darken(volume, light));
+fn test(volumes: &[Volume], light: &PassageLight, strips: &mut [Strip]) {
+    let strips = strips.par_iter_mut().filter(|strip| !strip.levels.is_empty());
+    strips.for_each(|strip| {
+        let top = strip.levels.len() - 1;
+        for volume in volumes {
+            strip.darken(volume, light, top, 0);
+        }
     });
 }
 
@@ -414,17 +423,11 @@ impl Volume<'_> {
         if self.cutout.is_some() { Part::Some } else { part }
     }
 
-    fn holds(&self, point: DVec3, behind: f64, light: &PassageLight) -> bool {
+    /// Returns where light on its way to a point inside goes through the face.
+    fn entry(&self, point: DVec3, light: &PassageLight) -> DVec3 {
         let (normal, distance) = self.planes[0];
-        normal.dot(point) - distance > behind
-            && self.planes[1..]
-                .iter()
-                .all(|&(normal, distance)| normal.dot(point) >= distance)
-            && self.cutout.as_ref().is_none_or(|cutout| {
-                let toward = light.toward(point);
-                let along = (distance - normal.dot(point)) / normal.dot(toward);
-                cutout.is_opaque_at(point + toward * along)
-            })
+        let toward = light.toward(point);
+        point + toward * ((distance - normal.dot(point)) / normal.dot(toward))
     }
 }
 
@@ -480,8 +483,10 @@ impl Bounds {
         }
     }
 
-    fn is_empty(&self) -> bool {
-        self.min.x > self.max.x
+    fn around(boxes: impl IntoIterator<Item = Bounds>) -> Bounds {
+        boxes
+            .into_iter()
+            .fold(Bounds::NONE, |sum, bounds| sum.with(&bounds))
     }
 
     fn middle(&self) -> DVec3 {
@@ -493,117 +498,194 @@ impl Bounds {
     }
 }
 
-/// Samples of a block, from `first` on.
+/// Maximum number of samples of a block.
+const SAMPLES: usize = (BLOCK * BLOCK) as usize;
+
+/// Samples that are near each other.
 struct Block {
-    bounds: Bounds,
-    first: usize,
-    end: usize,
-    /// Number of samples that are not in shadow yet.
-    lit: usize,
+    middle: DVec3,
+    /// Positions relative to the middle, axis by axis; NaN beyond the last.
+    points: [[f32; SAMPLES]; 3],
+    /// Their places among the samples of the strip.
+    samples: SmallVec<[u32; SAMPLES]>,
+    /// One bit for each that is not in shadow yet.
+    lit: u64,
 }
 
-/// The samples of a band of rows that a light may reach.
-struct Band {
-    bounds: Bounds,
+impl Block {
+    fn of(points: &[(u32, u32, Vec3)]) -> (Block, Bounds) {
+        let bounds = Bounds::around(points.iter().map(|&(_, _, point)| Bounds {
+            min: point,
+            max: point,
+        }));
+        let middle = bounds.middle();
+        let mut axes = [[f32::NAN; SAMPLES]; 3];
+        for (place, (_, _, point)) in points.iter().enumerate() {
+            let off = (point.as_dvec3() - middle).as_vec3();
+            (0..3).for_each(|axis| axes[axis][place] = off[axis]);
+        }
+        let block = Block {
+            middle,
+            points: axes,
+            samples: points.iter().map(|point| point.1).collect(),
+            lit: u64::MAX >> (SAMPLES - points.len()),
+        };
+        (block, bounds)
+    }
+
+    /// Returns one bit for each sample in a volume.
+    fn inside(&self, volume: &Volume, behind: f64) -> u64 {
+        // The least signed distance from any plane.
+        let mut least = [f32::INFINITY; SAMPLES];
+        let [x, y, z] = &self.points;
+        for (number, &(normal, distance)) in volume.planes.iter().enumerate() {
+            let slack = if number == 0 { behind } else { 0.0 };
+            let scale = 1.0 / normal.abs().max_element().max(f64::MIN_POSITIVE);
+            let at_middle = ((normal.dot(self.middle) - distance - slack) * scale) as f32;
+            let normal = (normal * scale).as_vec3();
+            for i in 0..SAMPLES {
+                let at = at_middle + normal.x * x[i] + normal.y * y[i] + normal.z * z[i];
+                // Not `min`, which would leave out NaN.
+                least[i] = if at >= least[i] { least[i] } else { at };
+            }
+        }
+        least
+            .iter()
+            .enumerate()
+            .fold(0, |bits, (i, &least)| bits | u64::from(least >= 0.0) << i)
+    }
+
+    fn point(&self, place: usize) -> DVec3 {
+        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.points[axis][place]));
+        self.middle + DVec3::new(x, y, z)
+    }
+}
+
+/// The samples of some bands of rows that a light may reach: blocks of them, and a tree over the blocks.
+struct Strip {
     /// How far behind a face a sample must be to be in its shadow.
     behind: f64,
-    groups: Vec<Bounds>,
     blocks: Vec<Block>,
-    points: Vec<Vec3>,
-    /// The place of each point among the samples of the band.
-    samples: Vec<u32>,
-    /// One bit per sample of the band.
+    /// Boxes of the blocks, then of four blocks each, then of four of those, up to a single one. Empty without samples.
+    levels: Vec<Vec<Bounds>>,
+    /// One bit per sample of the strip; each band begins a word.
     shadow: Vec<u64>,
+    /// Where the words of each band begin, and the end of the last.
+    words: Vec<usize>,
 }
 
-impl Band {
-    fn of(spans: &[PendingSpan], light: u16, rays: &Rays, paints: &[Paint]) -> Band {
-        let mut points: Vec<(u16, u32, Vec3)> = Vec::new();
-        let mut sample = 0;
-        for span in spans {
-            let first = sample;
-            sample += u32::from(span.x1 - span.x0);
-            let Paint::Varied(face) = &paints[span.owner as usize] else {
-                continue;
-            };
-            if !face.lights.iter().any(|&(of, _)| of == light) {
-                continue;
-            }
-            let facing = face.facing.row(span.y);
-            let slopes = [facing.right, facing.down];
-            points.extend((span.x0..span.x1).zip(first..).map(|(x, sample)| {
-                let per_facing = 1.0 / facing.at(f32::from(x));
-                let (point, _) = rays.point(face, [x, span.y], per_facing, slopes);
-                (x / BLOCK, sample, point)
-            }));
-        }
-        points.retain(|(_, _, point)| point.is_finite());
-        points.sort_by_key(|&(block, ..)| block);
-        let around = |points: &[(u16, u32, Vec3)]| {
-            points.iter().fold(Bounds::NONE, |sum, &(_, _, point)| {
-                sum.with(&Bounds {
-                    min: point,
-                    max: point,
-                })
-            })
-        };
-        let mut first = 0;
-        let blocks: Vec<Block> = points
-            .chunk_by(|a, b| a.0 == b.0)
-            .map(|here| {
-                let start = first;
-                first += here.len();
-                Block {
-                    bounds: around(here),
-                    first: start,
-                    end: first,
-                    lit: here.len(),
+impl Strip {
+    fn of(
+        bands: &[&[PendingSpan]],
+        (number, light): (u16, &PassageLight),
+        exposure: f32,
+        rays: &Rays,
+        paints: &[Paint],
+    ) -> Strip {
+        let mut points: Vec<(u32, u32, Vec3)> = Vec::new();
+        let mut words = vec![0];
+        for spans in bands {
+            let mut sample = words[words.len() - 1] as u32 * 64;
+            for span in *spans {
+                let first = sample;
+                sample += u32::from(span.x1 - span.x0);
+                let Paint::Varied(face) = &paints[span.owner as usize] else {
+                    continue;
+                };
+                if !face.lights.iter().any(|&(of, _)| of == number) {
+                    continue;
                 }
-            })
-            .collect();
-        let join = |blocks: &[Block]| {
-            let boxes = blocks.iter().map(|block| block.bounds);
-            boxes.fold(Bounds::NONE, |sum, bounds| sum.with(&bounds))
-        };
-        let bounds = join(&blocks);
+                let facing = face.facing.row(span.y);
+                let slopes = [facing.right, facing.down];
+                points.extend((span.x0..span.x1).zip(first..).filter_map(|(x, sample)| {
+                    let per_facing = 1.0 / facing.at(f32::from(x));
+                    let (point, _) = rays.point(face, [x, span.y], per_facing, slopes);
+                    let block = interleaved([x, span.y].map(|at| at / BLOCK));
+                    let counts = point.is_finite() && light.at_most(point) * exposure > NEGLIGIBLE;
+                    counts.then_some((block, sample, point))
+                }));
+            }
+            words.push((sample as usize).div_ceil(64));
+        }
+        points.sort_by_key(|&(block, ..)| block);
+        let blocks = points.chunk_by(|a, b| a.0 == b.0);
+        let (blocks, bounds): (Vec<Block>, Vec<Bounds>) = blocks
+            .flat_map(|here| here.chunks(SAMPLES))
+            .map(Block::of)
+            .unzip();
+        let mut levels = Vec::new();
+        let mut level = bounds;
+        while !level.is_empty() {
+            let above = match level.len() {
+                1 => Vec::new(),
+                _ => level
+                    .chunks(4)
+                    .map(|four| Bounds::around(four.iter().copied()))
+                    .collect(),
+            };
+            levels.push(std::mem::replace(&mut level, above));
+        }
+        let bounds = levels.last().map_or(Bounds::NONE, |top| top[0]);
         let farthest = bounds.min.abs().max(bounds.max.abs()).length();
-        Band {
-            bounds,
+        Strip {
             behind: BEHIND * f64::from(farthest),
-            groups: blocks.chunks(GROUP).map(join).collect(),
             blocks,
-            points: points.iter().map(|point| point.2).collect(),
-            samples: points.iter().map(|point| point.1).collect(),
-            shadow: vec![0; (sample as usize).div_ceil(64)],
+            levels,
+            shadow: vec![0; words[words.len() - 1]],
+            words,
         }
     }
 
-    /// Marks the samples in a volume.
-    fn darken(&mut self, volume: &Volume, light: &PassageLight) {
-        if self.bounds.is_empty() || matches!(volume.part(&self.bounds, self.behind), Part::None) {
+    fn bounds(&self) -> Bounds {
+        self.levels.last().map_or(Bounds::NONE, |top| top[0])
+    }
+
+    /// Marks the samples in a volume that are below a node of the tree.
+    fn darken(&mut self, volume: &Volume, light: &PassageLight, level: usize, number: usize) {
+        let part = volume.part(&self.levels[level][number], self.behind);
+        if matches!(part, Part::None) {
             return;
         }
-        for (group, blocks) in self.groups.iter().zip(self.blocks.chunks_mut(GROUP)) {
-            if matches!(volume.part(group, self.behind), Part::None) {
-                continue;
+        if matches!(part, Part::All) {
+            let width = 4_usize.pow(level as u32);
+            let end = (width * (number + 1)).min(self.blocks.len());
+            for block in &mut self.blocks[width * number..end] {
+                mark(&mut self.shadow, block, block.lit);
             }
-            for block in blocks.iter_mut().filter(|block| block.lit > 0) {
-                let part = volume.part(&block.bounds, self.behind);
-                if matches!(part, Part::None) {
-                    continue;
-                }
-                block.lit = 0;
-                for place in block.first..block.end {
-                    let sample = self.samples[place] as usize;
-                    let (word, bit) = (sample / 64, 1 << (sample % 64));
-                    let inside = || volume.holds(self.points[place].as_dvec3(), self.behind, light);
-                    if matches!(part, Part::All) || self.shadow[word] & bit != 0 || inside() {
-                        self.shadow[word] |= bit;
-                    } else {
-                        block.lit += 1;
+        } else if level > 0 {
+            let below = self.levels[level - 1].len();
+            for child in 4 * number..(4 * number + 4).min(below) {
+                self.darken(volume, light, level - 1, child);
+            }
+        } else if self.blocks[number].lit != 0 {
+            let block = &mut self.blocks[number];
+            let mut dark = block.inside(volume, self.behind) & block.lit;
+            if let Some(cutout) = &volume.cutout {
+                for place in 0..block.samples.len() {
+                    let is_dark = dark >> place & 1 == 1;
+                    if is_dark && !cutout.is_opaque_at(volume.entry(block.point(place), light)) {
+                        dark &= !(1 << place);
                     }
                 }
             }
+            mark(&mut self.shadow, block, dark);
         }
     }
+}
+
+/// Marks samples of a block as in shadow.
+fn mark(shadow: &mut [u64], block: &mut Block, dark: u64) {
+    let mut rest = dark;
+    while rest != 0 {
+        let sample = block.samples[rest.trailing_zeros() as usize] as usize;
+        shadow[sample / 64] |= 1 << (sample % 64);
+        rest &= rest - 1;
+    }
+    block.lit &= !dark;
+}
+
+/// Returns the bits of two numbers in turn, so that neighbours in both have numbers near each other.
+fn interleaved(at: [u16; 2]) -> u32 {
+    let spread = |value: u16| (0..16).fold(0, |sum, bit| sum | (u32::from(value) >> bit & 1) << (2 * bit));
+    spread(at[0]) | spread(at[1]) << 1
 }

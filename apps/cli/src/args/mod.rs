@@ -91,6 +91,9 @@ pub(crate) struct DrawArgs {
     /// Take N samples per pixel: 1, or 4 for smooth edges
     #[arg(long, value_name = "N", default_value = "1", value_parser = values::samples)]
     pub(crate) samples: u32,
+    /// Let lights cast hard shadows. A scene without lights gets a sun
+    #[arg(long)]
+    pub(crate) shadows: bool,
     /// Brighten lit surfaces by this many stops of exposure; below 0 darkens them
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops, allow_negative_numbers = true)]
     pub(crate) exposure: f32,

@@ -51,7 +51,7 @@ pub struct Painter<'a> {
     /// Hash of the current passage's sector and transform.
     passage: u64,
     /// What casts shadows, if they are wanted.
-    shadows: Option<Shadows>,
+    pub(crate) shadows: Option<Shadows>,
 }
 
 /// Rows per parallel job.

@@ -5,8 +5,8 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use enfilade::{
-    GeometryBuilder, Material, MaterialId, Mesh, Method, Scene, Transform, View, Viewer, ViewerOptions,
-    Viewers, VisibleSet,
+    GeometryBuilder, Light, LightShape, Material, MaterialId, Mesh, Method, Scene, SectorId, ShadowCasters,
+    Transform, View, Viewer, ViewerOptions, Viewers, VisibleSet,
 };
 use std::hint::black_box;
 use std::time::Instant;
@@ -20,31 +20,62 @@ fn main() {
     let city = city(side);
     println!("{} boxes, {}", side * side, Method::Masked);
     let views = with_cascades(side);
-    compare(
-        "camera and 4 cascades",
-        &city,
-        &views,
-        &ViewerOptions::default(),
-        times,
-    );
+    let plain = ViewerOptions {
+        occlusion: false,
+        ..ViewerOptions::default()
+    };
+    let usual = ViewerOptions::default();
+    compare("camera and 4 cascades", &city, &views, &usual, times);
+    compare("camera", &city, &views[..1], &usual, times);
+    compare("4 cascades without occlusion", &city, &views[1..], &plain, times);
+    casters(&city, &views[0], times);
     let players = players(side, if times { 64 } else { 8 });
-    compare("players", &city, &players, &ViewerOptions::default(), times);
+    compare("players", &city, &players, &usual, times);
     for method in [Method::Svbsp, Method::Mobsp] {
         println!("{method}");
         let city = city.with_method(method, u64::MAX).expect("a small city");
-        for occluders in [16, 32, 64, 128] {
+        for occluders in [16, 32] {
             let options = ViewerOptions {
                 occluders: Some(occluders),
-                ..ViewerOptions::default()
+                ..usual
             };
-            compare(
-                &format!("players, {occluders} occluders"),
-                &city,
-                &players,
-                &options,
-                times,
-            );
+            let what = format!("players, {occluders} occluders");
+            compare(&what, &city, &players, &options, times);
         }
+    }
+}
+
+/// A look and the casters of a sun in four cascades.
+fn casters(city: &Scene, view: &View, times: bool) {
+    let mut city = city.clone();
+    let shape = LightShape::Sun {
+        direction: [0.4, -0.8, 0.45],
+    };
+    let sun = Light {
+        shape,
+        ..Light::point(SectorId(0), [0.0; 3], [1.0; 3], f32::INFINITY)
+    };
+    let sun = city.add_light(sun).expect("a valid light");
+    let (mut viewer, mut shadows) = (Viewer::new(), ShadowCasters::new());
+    viewer.options.parallel = false;
+    shadows.options.parallel = false;
+    shadows.cascades = vec![10.0, 30.0, 80.0, 200.0];
+    let mut least = [f64::INFINITY; 2];
+    let mut counts = Vec::new();
+    for _ in 0..if times { 100 } else { 2 } {
+        let start = Instant::now();
+        let set = viewer.look(&city, view);
+        least[0] = least[0].min(start.elapsed().as_secs_f64() * 1e3);
+        let maps = shadows.find(&city, sun, set);
+        least[1] = least[1].min(start.elapsed().as_secs_f64() * 1e3);
+        counts = maps.iter().map(|map| map.casters.items().len()).collect();
+    }
+    println!("casters of a sun in 4 cascades: {counts:?}");
+    if times {
+        println!(
+            "  look {:.3} ms, with casters {:.3} ms, on one thread",
+            least[0], least[1]
+        );
     }
 }
 
@@ -67,7 +98,7 @@ fn city(side: u32) -> Scene {
 /// A camera over the roofs, and the cascades of a sun, each around a slice of what the camera may see.
 fn with_cascades(side: u32) -> Vec<View> {
     const SUN: [f64; 3] = [0.4, -0.8, 0.45];
-    const SLICES: [f64; 5] = [0.1, 20.0, 60.0, 180.0, 540.0];
+    const SLICES: [f64; 5] = [0.1, 10.0, 30.0, 80.0, 200.0];
     let middle = (f64::from(side / 2) + 0.5) * BLOCK;
     let (eye, ahead) = ([middle, 12.0, middle], [0.4, -0.06, 0.9]);
     let toward = [0, 1, 2].map(|axis| eye[axis] + ahead[axis]);

@@ -1,12 +1,16 @@
-//! Cost of many views at once: a city of 10,000 boxes from a camera and four shadow cascades, and a town of 10,000 items from
-//! 64 players, beside single looks.
+//! Cost of many views at once: a city of 10,000 boxes from a camera and four shadow cascades; that city and an office from
+//! 64 players of a server.
 //!
-//! Sets are compared with those of single looks. With `cargo test` the scenes are a tenth as large, and nothing is timed.
+//! Sets are compared with those of single looks. The players look at 256x144, by a strict method; from 100 places of each, none
+//! may miss an item that a z-buffer shows at 1280x720. With `cargo test` the city is a tenth as large, with a few places,
+//! and nothing is timed.
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
+
+mod common;
 
 use enfilade::{
     GeometryBuilder, Light, LightShape, Material, MaterialId, Mesh, Method, Scene, SectorId, ShadowCasters,
-    Transform, View, Viewer, ViewerOptions, Viewers, VisibleSet,
+    Transform, View, Viewer, ViewerOptions, Viewers, VisibleSet, survey,
 };
 use std::hint::black_box;
 use std::time::Instant;
@@ -29,20 +33,66 @@ fn main() {
     compare("camera", &city, &views[..1], &usual, times);
     compare("4 cascades without occlusion", &city, &views[1..], &plain, times);
     casters(&city, &views[0], times);
-    let players = players(side, if times { 64 } else { 8 });
-    compare("players", &city, &players, &usual, times);
-    for method in [Method::Svbsp, Method::Mobsp] {
-        println!("{method}");
-        let city = city.with_method(method, u64::MAX).expect("a small city");
-        for occluders in [16, 32] {
-            let options = ViewerOptions {
-                occluders: Some(occluders),
-                ..usual
-            };
-            let what = format!("players, {occluders} occluders");
-            compare(&what, &city, &players, &options, times);
+    let rounds = if times { PLACES } else { 1 };
+    serve("city", &city, &players(side, PLAYERS * rounds), times);
+    let Some(folder) = common::folder() else { return };
+    let office = common::open(&folder, "ifc_office_a.glb").scene;
+    let places = survey(&office, PLAYERS * rounds).views;
+    let views: Vec<View> = places
+        .iter()
+        .map(|at| View::new(at.eye, at.toward, PLAYERS_SIZE).expect("a valid view"))
+        .collect();
+    serve("office", &office, &views, times);
+}
+
+/// Players, and how often they change their places.
+const PLAYERS: usize = 64;
+const PLACES: usize = 100;
+/// Resolution of the looks of players, and of their screens.
+const PLAYERS_SIZE: [u32; 2] = [256, 144];
+const SCREEN: [u32; 2] = [1280, 720];
+
+/// Looks of 64 players, and a check of all places.
+fn serve(what: &str, scene: &Scene, views: &[View], times: bool) {
+    for (method, occluders) in [(Method::Mobsp, 16), (Method::Svbsp, 32)] {
+        let seen_by = |method: Method| scene.with_method(method, u64::MAX).expect("a small scene");
+        let scene = seen_by(method);
+        let options = ViewerOptions {
+            occluders: Some(occluders),
+            ..ViewerOptions::default()
+        };
+        println!("{what}, {method} with {occluders} occluders");
+        compare("64 players", &scene, &views[..PLAYERS], &options, times);
+        let exact = seen_by(Method::ZBuffer);
+        let (mut players, mut screens) = (Viewers::with_options(options), Viewers::new());
+        let (mut found, mut shown) = (0, 0);
+        for views in views.chunks(PLAYERS) {
+            let on_screen: Vec<View> = views.iter().map(at_screen).collect();
+            let sets = players.look_many(&scene, views);
+            let exact = screens.look_many(&exact, &on_screen);
+            for (set, exact) in sets.iter().zip(exact) {
+                let missed = exact.items().iter().find(|seen| {
+                    let sector = exact.passage(seen.passage).sector;
+                    !set.sees(sector, seen.item)
+                });
+                assert_eq!(missed, None, "{what}, {method}: a player misses an item");
+                found += set.items().len();
+                shown += exact.items().len();
+            }
         }
+        let views = views.len() as f64;
+        println!(
+            "  {views} views: {:.1} items each, of which a z-buffer shows {:.1}",
+            found as f64 / views,
+            shown as f64 / views
+        );
+        assert!(shown > 0 && found < 20 * shown, "{what}: {found} of {shown}");
     }
+}
+
+/// Returns the view of a player at the resolution of the screen.
+fn at_screen(view: &View) -> View {
+    View::new(view.eye(), view.toward(), SCREEN).expect("a valid view")
 }
 
 /// A look and the casters of a sun in four cascades.
@@ -130,7 +180,7 @@ fn with_cascades(side: u32) -> Vec<View> {
 }
 
 /// Players in the streets, who look along them.
-fn players(side: u32, count: u32) -> Vec<View> {
+fn players(side: u32, count: usize) -> Vec<View> {
     let of = |number: u32| {
         let place = |salt: u32| {
             let hash = (number + 1)
@@ -143,9 +193,9 @@ fn players(side: u32, count: u32) -> Vec<View> {
         let along = place(2) * f64::from(side - 1);
         let eye = [across * BLOCK, 1.7, along * BLOCK];
         let (sin, cos) = (place(3) * std::f64::consts::TAU).sin_cos();
-        View::new(eye, [eye[0] + sin, 1.7, eye[2] + cos], [256, 144]).expect("a valid view")
+        View::new(eye, [eye[0] + sin, 1.7, eye[2] + cos], PLAYERS_SIZE).expect("a valid view")
     };
-    (0..count).map(of).collect()
+    (0..count as u32).map(of).collect()
 }
 
 /// Looks of all views at once, by one thread and by all of the pool, beside single looks.

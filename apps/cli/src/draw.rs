@@ -35,8 +35,13 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             args.output.display()
         );
     }
-    if args.shadows && args.show != Show::Image {
-        bail!("--shadows works with --show image only; leave out one of the two");
+    for (option, given) in [
+        ("--shadows", args.shadows),
+        ("--ambient-occlusion", args.ambient_occlusion > 0),
+    ] {
+        if given && args.show != Show::Image {
+            bail!("{option} works with --show image only; leave out one of the two");
+        }
     }
     if args.samples > 1 && args.show != Show::Image {
         bail!(
@@ -91,6 +96,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     }
     let mut settings = settings(args.show);
     settings.shadows = args.shadows;
+    settings.ambient_occlusion = args.ambient_occlusion;
     settings.exposure = Exposure::Eye(args.exposure);
     if args.samples == 4 {
         settings.samples = Samples::Four;

@@ -172,6 +172,13 @@ pub(crate) fn samples(text: &str) -> Result<u32, String> {
     }
 }
 
+/// Parses the number of rays of ambient occlusion, 0 to 1024.
+pub(crate) fn rays(text: &str) -> Result<u32, String> {
+    let rays: Option<u32> = text.parse().ok();
+    rays.filter(|&rays| rays <= 1024)
+        .ok_or_else(|| "expected a number of rays from 0 to 1024, such as 32".to_owned())
+}
+
 /// Parses stops of exposure; each doubles the light.
 pub(crate) fn stops(text: &str) -> Result<f32, String> {
     const MAX_STOPS: f32 = 30.0;

@@ -1,5 +1,6 @@
 //! A [`Canvas`] that renders a picture. It collects spans and shades them in batches on all cores.
 
+use crate::ambient::{Ambient, directions};
 use crate::cover::CoverPicture;
 use crate::face::{Face, Rays};
 use crate::lamps::PassageLight;
@@ -50,6 +51,8 @@ pub struct Painter<'a> {
     others: Option<SampleCache>,
     /// Hash of the current passage's sector and transform.
     passage: u64,
+    /// The rays of ambient occlusion, over a surface with the normal +z.
+    over_surfaces: Vec<Vec3>,
     /// What casts shadows, if they are wanted.
     pub(crate) shadows: Option<Shadows>,
 }
@@ -87,8 +90,21 @@ impl<'a> Painter<'a> {
             shaded: 0,
             others: None,
             passage: 0,
+            over_surfaces: match show {
+                Show::Image => directions(settings.ambient_occlusion),
+                _ => Vec::new(),
+            },
             shadows: None,
         }
+    }
+
+    /// Keeps every `of`-th of the rays of ambient occlusion, from the one numbered `part` on.
+    pub(crate) fn with_part_of_rays(mut self, part: usize, of: usize) -> Painter<'a> {
+        let rays = std::mem::take(&mut self.over_surfaces);
+        // At least one ray.
+        let first = part.min(rays.len().saturating_sub(1));
+        self.over_surfaces = rays.into_iter().skip(first).step_by(of).collect();
+        self
     }
 
     /// Lets lights cast shadows in a picture of [`Show::Image`]. `visible` is the set of a look of the same view.
@@ -151,7 +167,9 @@ impl<'a> Painter<'a> {
     fn flush(&mut self) {
         let mut pending = std::mem::take(&mut self.pending);
         if !pending.is_empty() {
+            let ambient = Ambient::new(self.scene, self.sector, self.rays.eye, &self.over_surfaces);
             let light = Illumination {
+                ambient: (!self.over_surfaces.is_empty()).then_some(&ambient),
                 rays: &self.rays,
                 lights: &self.near,
                 daylight: &self.daylight,
@@ -236,7 +254,7 @@ impl<'a> Painter<'a> {
                     }
                     None => Face::plain(&surface, light.rays),
                 };
-                if made.is_plain() {
+                if made.is_plain() && light.ambient.is_none() {
                     Paint::Plain(Row::new(&made, light, 0).at(0))
                 } else {
                     Paint::Varied(Box::new(made))

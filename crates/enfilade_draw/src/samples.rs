@@ -1,5 +1,5 @@
 //! Four samples per pixel: renders four pictures with different sample positions and averages them. Each face is shaded
-//! once per pixel.
+//! once per pixel; with shadows or ambient occlusion at each sample, so that these are as smooth as edges.
 //!
 //! Each sample is a separate look with [`View::sample`] set, so no order, cover or method supports multisampling, and
 //! every contract holds for each sample. The visible set for four samples is the union of those of four looks.
@@ -64,10 +64,12 @@ pub(crate) fn draw(
         pixels: vec![PixelCache::default(); count],
     };
     let mut total: Option<Picture> = None;
-    for sample in View::FOUR_SAMPLES {
+    for (number, sample) in View::FOUR_SAMPLES.into_iter().enumerate() {
         let view = view.at_sample(sample).expect("a position in the pixel");
         let mut painter = stage.painter(viewer, scene, &view, settings);
-        if !settings.shadows {
+        if settings.shadows || settings.ambient_occlusion > 0 {
+            painter = painter.with_part_of_rays(number, View::FOUR_SAMPLES.len());
+        } else {
             painter = painter.beside(others);
         }
         viewer.draw(scene, &view, &mut painter);

@@ -1,5 +1,6 @@
 //! Shading of samples along one row of a face.
 
+use crate::ambient::Ambient;
 use crate::face::{Face, LinearRow, Rays, Varying};
 use crate::lamps::{CutBy, PassageLight};
 use crate::light::{Daylight, Tone};
@@ -11,6 +12,7 @@ pub(crate) struct Illumination<'a> {
     pub(crate) rays: &'a Rays,
     pub(crate) lights: &'a [PassageLight],
     pub(crate) daylight: &'a Daylight,
+    pub(crate) ambient: Option<&'a Ambient<'a>>,
     pub(crate) tone: &'a Tone,
 }
 
@@ -132,8 +134,12 @@ impl<'a, 's> Row<'a, 's> {
         };
         let light = self.light;
         let mut sum = light.daylight.at(normal, light.rays.back);
+        let slopes = [self.facing.right, self.facing.down];
+        if let Some(ambient) = light.ambient {
+            let (point, _) = light.rays.point(face, [x, self.y], per_facing, slopes);
+            sum *= ambient.at(point, face.normal);
+        }
         if !face.lights.is_empty() {
-            let slopes = [self.facing.right, self.facing.down];
             let (point, steps) = light.rays.point(face, [x, self.y], per_facing, slopes);
             let at = |&(number, cut): &(u16, CutBy)| {
                 if self.is_dark(number, x) {

@@ -25,12 +25,13 @@ pub(crate) struct SmoothRow {
 }
 
 impl SmoothRow {
-    /// Returns `None` if anything but the normal varies, or a light reaches the face.
+    /// Returns `None` if anything but the normal varies, or a light reaches the face, or with ambient occlusion.
     pub(crate) fn of(face: &Face, light: &Illumination, y: u16) -> Option<SmoothRow> {
         let normals = face.normals.as_ref()?;
         let only_normals = face.uv.is_none() && face.colors.is_none() && face.lights.is_empty();
         let is_opaque_and_lit = !face.glass && !face.unlit && face.cutoff.is_none();
-        (only_normals && is_opaque_and_lit && !light.tone.soft).then(|| SmoothRow {
+        let is_plain = only_normals && is_opaque_and_lit && !light.tone.soft;
+        (is_plain && light.ambient.is_none()).then(|| SmoothRow {
             own: Vec3::new(face.color[0], face.color[1], face.color[2]),
             emission: face.emission,
             normal: face.normal,
@@ -151,6 +152,7 @@ mod tests {
                 rays: &rays,
                 lights: &[],
                 daylight: &daylight,
+                ambient: None,
                 tone: &tone,
             };
             for y in [0, 11, 24, 47] {

@@ -94,6 +94,9 @@ pub(crate) struct DrawArgs {
     /// Let lights cast hard shadows. A scene without lights gets a sun
     #[arg(long)]
     pub(crate) shadows: bool,
+    /// Darken corners (ambient occlusion) by N rays per pixel, up to 1024; 32 show them, 128 are smooth. Takes long
+    #[arg(long, value_name = "N", default_value = "0", value_parser = values::rays)]
+    pub(crate) ambient_occlusion: u32,
     /// Brighten lit surfaces by this many stops of exposure; below 0 darkens them
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops, allow_negative_numbers = true)]
     pub(crate) exposure: f32,

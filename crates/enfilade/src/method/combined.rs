@@ -108,8 +108,8 @@ impl<M: Combination> Combined<M> {
 /// Whether occlusion is not wanted, or a margin is set that the method cannot keep: its occluders would hide what a renderer
 /// within the margin shows.
 fn culls_by_clip_region_alone<M: Combination>(options: &ViewerOptions) -> bool {
-    let keeps_margin = M::TAKES_COVER_SIZE || options.margin() == 0.0;
-    !M::COVER.is_empty() && !(options.occlusion && keeps_margin)
+    let loses_margin = !M::TAKES_COVER_SIZE && options.margin() > 0.0;
+    !M::COVER.is_empty() && (loses_margin || !options.occlusion)
 }
 
 impl<M: Combination> Sector for Combined<M> {

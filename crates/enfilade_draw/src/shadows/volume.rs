@@ -88,7 +88,9 @@ impl<'a> Caster<'a> {
         let facing = normal.dot(toward);
         let is_front = (facing > 0.0) != mirrored;
         let length = normal.length();
-        if !(facing.abs() > 1e-12 * length * toward.length()) || !(is_front || double_sided) {
+        // Edge-on faces, and what is not finite, cast none.
+        let is_seen = facing.abs() > 1e-12 * length * toward.length();
+        if !is_seen || !(is_front || double_sided) {
             return None;
         }
         if facing < 0.0 {

@@ -1,4 +1,5 @@
 //! Pictures with the casters found equal those with all items as casters.
+#![allow(clippy::print_stdout, reason = "a long test says how much it tested")]
 
 use super::*;
 use crate::painter::Painter;

@@ -182,7 +182,6 @@ fn lamplight_falls_through_doors_mirrors_and_teleports_as_far_as_they_let_it() {
             (0..3).for_each(|i| sum[i] += counts[i]);
         }
     }
-    println!("{sum:?}");
     let [[compared, lit, through], [_, in_sight, _]] = sum;
     assert!(compared > 50_000 && lit > 20_000, "{compared}, {lit} lit");
     assert!(through > 500, "{through} in rooms without a lamp");

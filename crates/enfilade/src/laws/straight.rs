@@ -98,8 +98,8 @@ impl Line {
     }
 
     /// Calls `hit` with each opaque face, as its sector, item and index, that keeps light from going along the line: one that is
-    /// seen from its start, but not the one that it leads to. Closed openings block it too, and so do open ones that are not of the chain. `Err` if rounding
-    /// decides about any, or an alpha test.
+    /// seen from its start, but not the one that it leads to. Closed openings block it too, and so do open ones that are not of
+    /// the chain. `Err` if rounding decides about any, or an alpha test.
     fn blockers(
         &self,
         scene: &Scene,

@@ -4,7 +4,8 @@ use super::{Scene, SceneError};
 use crate::geom::is_in_range;
 use crate::ids::{LightId, SectorId};
 
-/// Point, spot or directional light in a sector. Its light passes open portals. What casts shadows of it: [`ShadowCasters`](crate::ShadowCasters).
+/// Point, spot or directional light in a sector. Its light passes open portals.
+/// [`ShadowCasters`](crate::ShadowCasters) finds what casts shadows.
 #[doc(alias = "lamp")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {

@@ -110,8 +110,8 @@ impl ShadowCasters {
     /// light, up to six for a point light. A view without receivers is left out, so the result is empty if the light reaches
     /// nothing visible.
     ///
-    /// Limits of distance and size of items ([`ItemOptions`](crate::ItemOptions)) do not apply. Caster sets and view are in the
-    /// space of the light's sector.
+    /// Limits of distance and size of items ([`ItemOptions`](crate::ItemOptions)) do not apply. The views are in the space of
+    /// the light's sector.
     ///
     /// # Panics
     /// If the light is not of the scene, or the set was not looked at in it.

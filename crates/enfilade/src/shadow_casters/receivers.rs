@@ -166,27 +166,16 @@ impl ClipRegion<'_> {
                 corners.extend(side);
             }
         }
-        let rays = self
-            .corners
-            .map(|corner| self.passage.ray(corner).map(DVec3::from));
-        let entry = self.passage.entry_plane().map(DVec4::from);
-        for [origin, direction] in rays {
-            let crossing = entry
-                .map(|plane| -(plane.truncate().dot(origin) + plane.w) / plane.truncate().dot(direction));
-            for distance in [Some(range[0]), Some(range[1]), crossing].into_iter().flatten() {
-                let corner = origin + direction * distance;
-                let is_inside = |plane: &DVec4| {
-                    plane.truncate().dot(corner) + plane.w >= -slack(plane, size.max(corner.abs()))
-                };
-                if corner.is_finite()
-                    && corner.cmpge(min).all()
-                    && corner.cmple(max).all()
-                    && planes.iter().all(is_inside)
-                {
-                    corners.push(corner);
-                }
-            }
-        }
+        let is_inside = |corner: &DVec3| {
+            let above = |plane: &DVec4| {
+                plane.truncate().dot(*corner) + plane.w >= -slack(plane, size.max(corner.abs()))
+            };
+            corner.is_finite()
+                && corner.cmpge(min).all()
+                && corner.cmple(max).all()
+                && planes.iter().all(above)
+        };
+        corners.extend(self.own_corners(range).filter(is_inside));
         let first = *corners.first()?;
         let [low, high] = corners.iter().fold([first; 2], |[low, high], corner| {
             [low.min(*corner), high.max(*corner)]
@@ -200,6 +189,26 @@ impl ClipRegion<'_> {
             max: high.as_vec3().to_array().map(f32::next_up),
         };
         Some((bounds, [near, far]))
+    }
+}
+
+impl ClipRegion<'_> {
+    /// Iterates over the corners of the frustum between two distances, and the points where its edges cross the entry plane.
+    fn own_corners(&self, range: [f64; 2]) -> impl Iterator<Item = DVec3> {
+        let rays = self
+            .corners
+            .map(|corner| self.passage.ray(corner).map(DVec3::from));
+        let sides = range.map(|distance| rays.map(|[origin, direction]| origin + direction * distance));
+        let entry = self.passage.entry_plane().map(DVec4::from);
+        let crossing = move |start: DVec3, toward: DVec3| {
+            entry.map(|plane| {
+                start - toward * ((plane.truncate().dot(start) + plane.w) / plane.truncate().dot(toward))
+            })
+        };
+        let along = rays.map(|[origin, direction]| crossing(origin, direction));
+        let across = sides.map(|side| [0, 1, 2, 3].map(|i| crossing(side[i], side[(i + 1) % 4] - side[i])));
+        let crossings = along.into_iter().chain(across.into_iter().flatten());
+        sides.into_iter().flatten().chain(crossings.flatten())
     }
 }
 

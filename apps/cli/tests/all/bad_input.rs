@@ -51,6 +51,16 @@ fn what_is_mistyped_is_met_with_the_nearest() {
         &["available: ", "z-buffer", "hierarchical-z"],
     );
     refused(&folder, "draw -o a.png --show imgae", &["did you mean image?"]);
+    refused(
+        &folder,
+        "draw -o a.png --shadows --show order",
+        &["--shadows works with --show image only"],
+    );
+    refused(
+        &folder,
+        "draw -o a.png --ambient-occlusion 9999",
+        &["0 to 1024", "32"],
+    );
     refused(&folder, "draw -o a.png --samples 3", &["1 or 4 samples"]);
     refused(
         &folder,

@@ -66,6 +66,34 @@ fn four_samples_smooth_edges_and_stops_brighten_what_lamps_light() {
     );
 }
 
+/// Mean of all channels.
+fn brightness(picture: &[[u8; 3]]) -> f64 {
+    let sum: u64 = picture.iter().flatten().map(|&value| u64::from(value)).sum();
+    sum as f64 / picture.len() as f64
+}
+
+#[test]
+fn shadows_and_ambient_occlusion_darken_a_picture() {
+    let folder = Folder::new();
+    let colours = |options: &str| {
+        let run = folder.run(&format!("draw @mirrors -o a.png --size 80x45 {options}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        brightness(&pixels(&folder, "a.png"))
+    };
+    let plain = colours("");
+    let [shadows, corners] = ["--shadows", "--ambient-occlusion 8"].map(colours);
+    assert!(
+        shadows < plain && corners < plain,
+        "{shadows}, {corners} of {plain}"
+    );
+    let both = colours("--shadows --ambient-occlusion 8 --samples 4");
+    assert!(both < shadows.min(corners), "{both} with both");
+    // A scene without lights gets a sun.
+    drawn(&folder, "-o sun.png --shadows");
+    drawn(&folder, "-o plain.png");
+    assert_ne!(pixels(&folder, "sun.png"), pixels(&folder, "plain.png"));
+}
+
 /// Returns the methods whose covers can be shown, with the shape of each.
 fn shapes() -> impl Iterator<Item = (Method, CoverShape)> {
     let all = Method::ALL.into_iter();

@@ -1,7 +1,8 @@
 //! Software renderer for Enfilade scenes, and diagnostic pictures of the visibility methods.
 //!
 //! It supports mipmapped textures, smooth normals, point, spot and directional lights that shine through portals, hard
-//! shadows, ambient occlusion, alpha test, alpha blending, and one or four samples per pixel. [`Show`] lists the diagnostic pictures.
+//! shadows, ambient occlusion, alpha test, alpha blending, and one or four samples per pixel. [`Show`] lists the
+//! diagnostic pictures.
 //!
 //! ```
 //! use enfilade::{GeometryBuilder, Material, Mesh, Method, SceneBuilder, Transform, View, Viewer};

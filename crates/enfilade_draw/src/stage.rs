@@ -30,11 +30,13 @@ pub struct Settings {
     /// Exposure of lights.
     pub exposure: Exposure,
     /// Samples per pixel: 1, or 4 ([`View::FOUR_SAMPLES`]) for antialiased edges. With 4, each face is shaded once per
-    /// pixel, at the first sample it covers (multisampling), or at each sample with shadows or ambient occlusion. Applies to [`Show::Image`] only.
+    /// pixel, at the first sample it covers (multisampling), or at each sample with shadows or ambient occlusion. Applies to
+    /// [`Show::Image`] only.
     pub samples: Samples,
     /// Whether lights cast hard shadows. Applies to [`Show::Image`] only. Items of custom sectors cast none.
     pub shadows: bool,
-    /// Rays per pixel that measure how open a surface is to ambient light, at least one per sample; 0 for none. Applies to [`Show::Image`] only.
+    /// Rays per pixel that measure how open a surface is to ambient light, at least one per sample; 0 for none. Applies to
+    /// [`Show::Image`] only.
     #[doc(alias = "ambient occlusion")]
     pub ambient_occlusion: u32,
 }

@@ -2,8 +2,8 @@
 //!
 //! Idea: look from the light for what casts shadows on something visible ([`ShadowCasters`]). Each face of these keeps light from
 //!     a volume behind it: a pyramid from the light over its edges, or a prism in the direction of a sun. The samples of a
-//!     picture are grouped in blocks, with a tree of boxes, which each volume descends. No shadow map is
-//!     involved, so edges are as exact as the picture.
+//!     picture are grouped in blocks, with a tree of boxes, which each volume descends. No shadow map is involved, so edges
+//!     are as exact as the picture.
 //! Source: Sintorn, Olsson, Assarsson, An Efficient Alias-free Shadow Algorithm for Opaque and Transparent Objects using
 //!     per-triangle Shadow Volumes, SIGGRAPH Asia 2011.
 //! Cost: per light O(faces of casters · log samples), and for each volume the blocks that its sides cut.

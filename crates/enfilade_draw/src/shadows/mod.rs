@@ -157,10 +157,11 @@ impl Shadows {
     /// Tests all casters of a light against the samples that it may reach.
     fn cast(&self, (scene, stage): (&Scene, &Stage), eye: DVec3, light: &PassageLight, strips: &mut [Strip]) {
         let (number, beam) = light.beam;
-        let casters = &self.lights[number];
-        if casters.reach.is_empty() {
+        // A light without casters has no beams here, and one that the stage does not know in its present state may lack some.
+        let casters = self.lights.get(number);
+        let Some(casters) = casters.filter(|casters| beam < casters.reach.len()) else {
             return;
-        }
+        };
         let around = Bounds::around(strips.iter().map(Strip::bounds));
         let (legs, chain) = casters.legs(scene, beam, eye);
         for (number, leg) in legs.iter().enumerate() {

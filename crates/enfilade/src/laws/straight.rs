@@ -3,8 +3,9 @@
 
 use crate::geometry::Alpha;
 use crate::ids::{ItemIndex, LightId, PortalId, SectorId};
-use crate::query::Location;
+use crate::query::{Location, RayEnd};
 use crate::scene::{Light, LightShape, Scene};
+use crate::sector::Ray;
 use glam::{DAffine3, DVec3};
 
 /// Returns all chains of at most `most` open portals that start in a sector, and the sector each leads to.
@@ -234,6 +235,39 @@ pub struct SurfacePoint {
     pub normal: [f64; 3],
     /// Item and index of the face.
     pub face: (ItemIndex, u32),
+}
+
+impl SurfacePoint {
+    /// Returns the point that a ray, as its origin and direction, meets first, through portals. `None` if it meets no face, a
+    /// transparent one, or one from behind.
+    pub fn first_along(
+        scene: &Scene,
+        from: SectorId,
+        [origin, direction]: [[f64; 3]; 2],
+    ) -> Option<SurfacePoint> {
+        let [origin, direction] = [origin, direction].map(DVec3::from);
+        let ray = Ray {
+            origin: origin.as_vec3().into(),
+            direction: direction.as_vec3().into(),
+        };
+        let cast = scene.cast(from, &ray);
+        let RayEnd::Face(hit) = cast.end else { return None };
+        let surface = scene.sector(cast.sector).surface(hit.item.index, hit.face);
+        // One-sided faces are invisible from behind, and the ray passes through glass.
+        if hit.from_behind || surface.alpha != Alpha::Opaque {
+            return None;
+        }
+        let there = cast.there_from_here.0;
+        let [start, point] =
+            [origin, origin + direction * cast.distance].map(|at| there.transform_point3(at));
+        let normal = DVec3::from(surface.normal.map(f64::from));
+        Some(SurfacePoint {
+            sector: cast.sector,
+            point: point.into(),
+            normal: (normal * normal.dot(start - point).signum()).into(),
+            face: (hit.item.index, hit.face),
+        })
+    }
 }
 
 /// A face that keeps the light of a lamp from a point: its sector, and its item and index, or `None` for an opening.

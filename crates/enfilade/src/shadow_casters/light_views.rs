@@ -50,15 +50,16 @@ pub(super) fn of_light(
 
 /// Returns the view of a lamp in a direction of unit length.
 fn of_lamp(scene: &Scene, light: &Light, onwards: DVec3, fov_y: f32, viewport: Viewport) -> Option<View> {
-    /// Near plane, relative to the range or the size of the sector.
-    const NEAR: f32 = 1e-5;
+    /// Near plane, relative to the range or the size of the sector. Only an item that is all within this distance of the lamp
+    /// would be lost.
+    const NEAR: f32 = 1e-6;
     let eye = DVec3::from(light.position.map(f64::from));
     let size = scene.bounds(light.sector).longest_side();
     let z_near = NEAR * light.range.min(size);
     let camera = Camera {
         up: if onwards.y.abs() > 0.9 { DVec3::Z } else { DVec3::Y }.into(),
         fov_y,
-        z_near: Some(z_near.clamp(1e-6, 1.0)),
+        z_near: Some(z_near.clamp(1e-6, 1e-4)),
         ..Camera::new(eye.to_array(), (eye + onwards).to_array())
     };
     camera.view(viewport).ok()

@@ -124,28 +124,18 @@ impl ShadowCasters {
         };
         self.receivers.resize_with(ends.len(), Vec::new);
         let (mut views, mut start) = (Vec::new(), 0.0);
-        for ((cascade, &end), receivers) in (0_usize..).zip(ends).zip(&mut self.receivers) {
+        for ((cascade, &end), receivers) in (0..).zip(ends).zip(&mut self.receivers) {
             receivers.clear();
             receivers::gather(scene, visible, [start, end], receivers);
             start = end;
             let of_light = light_views::of_light(scene, light, receivers, size, &self.options.limits);
-            views.extend(of_light.into_iter().map(|(face, view)| (cascade, face, view)));
+            views.extend(of_light.into_iter().map(|(face, view)| Request {
+                number: cascade as u32 + face,
+                view,
+                cascade,
+            }));
         }
-        let numbered = views
-            .iter()
-            .map(|&(cascade, face, view)| (cascade as u32 + face, view));
-        self.look(scene, numbered);
-        for (map, &(cascade, ..)) in self.maps.iter_mut().zip(&views) {
-            keep_casters(
-                scene,
-                map,
-                &self.receivers[cascade],
-                range_of(lamp),
-                &mut self.mask,
-            );
-        }
-        self.maps.retain(|map| !map.casters.items().is_empty());
-        &self.maps
+        self.look(scene, lamp, &views)
     }
 
     /// Finds what casts shadows of a light on the items of a visible set, in views that the renderer has chosen. They are taken
@@ -167,23 +157,21 @@ impl ShadowCasters {
         self.receivers.resize_with(1, Vec::new);
         self.receivers[0].clear();
         receivers::gather(scene, visible, [0.0, f64::INFINITY], &mut self.receivers[0]);
-        self.look(
-            scene,
-            (0..).zip(views.iter().map(|view| view.of_light(lamp.sector))),
-        );
-        for map in &mut self.maps {
-            keep_casters(scene, map, &self.receivers[0], range_of(lamp), &mut self.mask);
-        }
-        self.maps.retain(|map| !map.casters.items().is_empty());
-        &self.maps
+        let views = (0..).zip(views).map(|(number, view)| Request {
+            number,
+            view: view.of_light(lamp.sector),
+            cascade: 0,
+        });
+        let views: Vec<Request> = views.collect();
+        self.look(scene, lamp, &views)
     }
 
-    /// Looks from a light.
-    fn look(&mut self, scene: &Scene, views: impl Iterator<Item = (u32, View)>) {
+    /// Looks from a light, and keeps what is before a receiver of its cascade.
+    fn look(&mut self, scene: &Scene, lamp: &Light, views: &[Request]) -> &[LightView] {
         let mut sets: Vec<VisibleSet> = self.maps.drain(..).map(|map| map.casters).collect();
-        self.maps.extend(views.map(|(number, view)| LightView {
-            number,
-            view,
+        self.maps.extend(views.iter().map(|request| LightView {
+            number: request.number,
+            view: request.view,
             casters: sets.pop().unwrap_or_default(),
         }));
         self.kept.resize_with(self.maps.len(), KeptView::default);
@@ -196,7 +184,22 @@ impl ShadowCasters {
             })
             .collect();
         look_each(&mut self.viewers, &self.options, scene, &mut tasks);
+        for (map, request) in self.maps.iter_mut().zip(views) {
+            let receivers = &self.receivers[request.cascade];
+            keep_casters(scene, map, receivers, range_of(lamp), &mut self.mask);
+        }
+        self.maps.retain(|map| !map.casters.items().is_empty());
+        &self.maps
     }
+}
+
+/// A view to look from.
+struct Request {
+    /// [`LightView::number`].
+    number: u32,
+    view: View,
+    /// Number of the list of receivers.
+    cascade: usize,
 }
 
 /// Returns how far a light reaches, in units of its sector.

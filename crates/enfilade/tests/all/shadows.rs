@@ -1,9 +1,11 @@
 //! Shadow casters: what is found holds everything that blocks light on its way to a point that is seen.
 
 use enfilade::laws::{Lamplight, SurfacePoint};
-use enfilade::{LightId, RayEnd, Scene, ShadowCasters, View, Viewer, ViewerOptions, VisibleSet};
+use enfilade::{
+    LightId, LightShape, LightView, Scene, ShadowCasters, View, Viewer, ViewerOptions, VisibleItem,
+    VisibleSet,
+};
 use enfilade_scenes::{BuiltIn, Random, built_in, parallel_view, random_scene, with_random_lights};
-use glam::DVec3;
 use std::collections::HashSet;
 
 const SIZE: [u32; 2] = [32, 20];
@@ -14,27 +16,7 @@ fn seen_points(scene: &Scene, view: &View) -> Vec<SurfacePoint> {
     let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
     let along = |pixel: [u32; 2]| {
         let at = [0, 1].map(|axis| f64::from(pixel[axis]) + 0.5 + View::GENERIC_OFFSET[axis]);
-        let [origin, direction] = view.ray(at).map(DVec3::from);
-        let ray = enfilade::Ray {
-            origin: origin.as_vec3().into(),
-            direction: direction.as_vec3().into(),
-        };
-        let cast = scene.cast(sector, &ray);
-        let RayEnd::Face(hit) = cast.end else { return None };
-        let surface = scene.sector(cast.sector).surface(hit.item.index, hit.face);
-        if hit.from_behind || surface.alpha != enfilade::Alpha::Opaque {
-            return None;
-        }
-        let columns = cast.there_from_here.columns_f64().map(DVec3::from);
-        let moved = |p: DVec3| columns[0] * p.x + columns[1] * p.y + columns[2] * p.z + columns[3];
-        let [eye, point] = [moved(origin), moved(origin + direction * cast.distance)];
-        let normal = DVec3::from(surface.normal.map(f64::from));
-        Some(SurfacePoint {
-            sector: cast.sector,
-            point: point.into(),
-            normal: (normal * normal.dot(eye - point).signum()).into(),
-            face: (hit.item.index, hit.face),
-        })
+        SurfacePoint::first_along(scene, sector, view.ray(at))
     };
     pixels.filter_map(along).collect()
 }
@@ -42,13 +24,30 @@ fn seen_points(scene: &Scene, view: &View) -> Vec<SurfacePoint> {
 /// Returns the items that cast shadows, by light and sector.
 fn casters(scene: &Scene, set: &VisibleSet, shadows: &mut ShadowCasters) -> HashSet<(u32, u32, u32)> {
     let mut found = HashSet::new();
-    for light in 0..scene.lights().len() as u32 {
-        for map in shadows.find(scene, LightId(light), set) {
-            for seen in map.casters.items() {
-                let sector = map.casters.passage(seen.passage).sector;
-                found.insert((light, sector.0, seen.item.index.0));
-            }
+    for light in (0..scene.lights().len() as u32).map(LightId) {
+        let items = |maps: &[LightView]| {
+            let each = |map: &LightView| {
+                let items = map.casters.items().iter();
+                let of = |seen: &VisibleItem| {
+                    (
+                        light.0,
+                        map.casters.passage(seen.passage).sector.0,
+                        seen.item.index.0,
+                    )
+                };
+                items.map(of).collect::<Vec<_>>()
+            };
+            maps.iter().map(each).collect::<Vec<_>>()
+        };
+        let maps = shadows.find(scene, light, set);
+        let (here, views) = (items(maps), maps.iter().map(|map| map.view).collect::<Vec<_>>());
+        if shadows.cascades.is_empty() {
+            // The views found, handed in, have the same casters.
+            assert_eq!(here, items(shadows.find_in(scene, light, &views, set)));
+        } else if matches!(scene.lights()[light.0 as usize].shape, LightShape::Sun { .. }) {
+            assert!(here.len() <= shadows.cascades.len());
         }
+        found.extend(here.into_iter().flatten());
     }
     found
 }
@@ -65,6 +64,9 @@ fn check(name: &str, scene: &Scene, view: &View) -> [usize; 3] {
     });
     let set = viewer.look(scene, view);
     let found = casters(scene, set, &mut shadows);
+    // All distances of these scenes are in some cascade.
+    shadows.cascades = vec![2.0, 5.0, 1e6];
+    let in_cascades = casters(scene, set, &mut shadows);
     let lamplight = Lamplight::new(scene, usize::from(CROSSINGS)).with_shadows();
     let mut blocked = 0;
     let is_listed = |point: &SurfacePoint| {
@@ -75,8 +77,9 @@ fn check(name: &str, scene: &Scene, view: &View) -> [usize; 3] {
     for point in seen_points(scene, view).into_iter().filter(is_listed) {
         for (light, sector, face) in lamplight.blockers(&point).unwrap_or_default() {
             let Some((item, face)) = face else { continue };
+            let caster = (light.0, sector.0, item.0);
             assert!(
-                found.contains(&(light.0, sector.0, item.0)),
+                found.contains(&caster) && in_cascades.contains(&caster),
                 "@{name}: face {face} of item {} in sector {} casts a shadow of light {} on {point:?}, from {view:?}",
                 item.0,
                 sector.0,

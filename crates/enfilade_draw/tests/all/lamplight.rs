@@ -1,7 +1,7 @@
 //! Compares rendered lamplight with light traced along every chain of portals separately.
 
 use enfilade::laws::{Lamplight, SurfacePoint};
-use enfilade::{Camera, Light, LightId, Ray, RayEnd, Scene, SectorId, View, Viewer};
+use enfilade::{Camera, Light, LightId, Scene, SectorId, View, Viewer};
 use enfilade_draw::{RgbImage, Settings, Stage};
 use enfilade_scenes::{BuiltIn, Random, built_in, random_scene, with_random_lights};
 use glam::DVec3;
@@ -54,41 +54,11 @@ type Lit = (DVec3, [f32; 4], (u32, u32, u32));
 /// Traces a ray; returns the lamplight and the surface colour it meets, or `None` if the result is ambiguous.
 fn lamplight_along(scene: &Scene, lamplight: &Lamplight, view: &View, direction: DVec3) -> Option<Lit> {
     let sector = scene.sector_of(view).expect("a camera inside a sector");
-    let ray = Ray {
-        origin: view.eye().map(|value| value as f32),
-        direction: direction.as_vec3().into(),
-    };
-    let cast = scene.cast(sector, &ray);
-    let RayEnd::Face(hit) = cast.end else { return None };
-    let surface = scene.sector(cast.sector).surface(hit.item.index, hit.face);
-    // One-sided faces are invisible from behind, and the ray passes through glass.
-    if hit.from_behind || surface.alpha != enfilade::Alpha::Opaque {
-        return None;
-    }
-    let eye = DVec3::from(view.eye());
-    let columns = cast
-        .there_from_here
-        .columns()
-        .map(|c| DVec3::from(c.map(f64::from)));
-    let moved = |p: DVec3| columns[0] * p.x + columns[1] * p.y + columns[2] * p.z + columns[3];
-    let [eye, point] = [moved(eye), moved(eye + direction * cast.distance)];
-    let normal = DVec3::from(surface.normal.map(f64::from));
-    let normal = if normal.dot(eye - point) < 0.0 {
-        -normal
-    } else {
-        normal
-    };
-    let light = lamplight.at(&SurfacePoint {
-        sector: cast.sector,
-        point: point.into(),
-        normal: normal.into(),
-        face: (hit.item.index, hit.face),
-    })?;
-    Some((
-        light.into(),
-        surface.color,
-        (cast.sector.0, hit.item.index.0, hit.face),
-    ))
+    let onto = SurfacePoint::first_along(scene, sector, [view.eye(), direction.into()])?;
+    let (item, face) = onto.face;
+    let surface = scene.sector(onto.sector).surface(item, face);
+    let light = lamplight.at(&onto)?;
+    Some((light.into(), surface.color, (onto.sector.0, item.0, face)))
 }
 
 /// Returns the ray direction at an offset from a pixel's centre, in pixels.

@@ -1,6 +1,7 @@
 //! Light reach: the sectors that each light shines into, through which openings, and the indirect light and brightness
 //! of each sector.
 
+use crate::lighting::DirectLight;
 use enfilade::{Aabb, Light, LightId, LightReach, LightShape, Limits, Passage, Ray, Scene, SectorId};
 use glam::{DVec3, Vec3};
 
@@ -255,6 +256,30 @@ impl Lamp {
 }
 
 impl PassageLight {
+    /// Returns it in plain numbers.
+    pub(crate) fn plain(&self) -> DirectLight {
+        let is_sun = self.to_sun != Vec3::ZERO;
+        let plane = |plane: &BeamPlane| plane.normal.extend(plane.distance).into();
+        let (edges, others): (Vec<&BeamPlane>, Vec<&BeamPlane>) =
+            self.planes.iter().partition(|plane| plane.is_edge);
+        DirectLight {
+            light: LightId(self.beam.0 as u32),
+            beam: self.beam.1,
+            is_sun,
+            at: if is_sun { self.to_sun } else { self.at }.into(),
+            color: self.color.into(),
+            per_square: self.per_square,
+            per_range_square: if is_sun { 0.0 } else { self.per_range_square },
+            nearest_square: self.nearest_square,
+            cone: self.cone.map(|cone| (self.onwards.into(), cone)),
+            edge_planes: edges.len(),
+            planes: edges.into_iter().chain(others).map(plane).collect(),
+            opening: self
+                .opening
+                .map(|(normal, distance)| normal.extend(distance).into()),
+        }
+    }
+
     /// Returns the vector from a point, relative to the eye, to the lamp, or the direction to the sun.
     pub(crate) fn toward(&self, point: DVec3) -> DVec3 {
         if self.to_sun == Vec3::ZERO {

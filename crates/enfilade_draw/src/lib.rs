@@ -33,6 +33,7 @@ mod face;
 mod lamps;
 mod legend;
 mod light;
+mod lighting;
 mod mips;
 mod painter;
 mod palette;
@@ -48,6 +49,7 @@ mod stage;
 
 pub use clip::Clip;
 pub use legend::Legend;
+pub use lighting::{AmbientLight, DirectLight, PassageLighting};
 pub use painter::Painter;
 pub use show::Show;
 pub use stage::{Exposure, Picture, Samples, Settings, Stage};

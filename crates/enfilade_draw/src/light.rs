@@ -2,6 +2,7 @@
 //! keeps the corners of closed rooms from looking flat.
 
 use crate::lamps::Lamps;
+use crate::lighting::AmbientLight;
 use crate::stage::Exposure;
 use enfilade::SectorId;
 use glam::Vec3;
@@ -54,6 +55,17 @@ impl Daylight {
                     from_the_eye: 0.05,
                 }
             }
+        }
+    }
+
+    /// Returns it in plain numbers.
+    pub(crate) fn plain(&self) -> AmbientLight {
+        AmbientLight {
+            above: self.above.into(),
+            below: self.below.into(),
+            sun: self.sun.into(),
+            to_sun: SUN.into(),
+            from_the_eye: self.from_the_eye,
         }
     }
 

@@ -78,6 +78,14 @@ impl Mips {
         }
     }
 
+    /// Returns the levels from full size down.
+    pub(crate) fn levels(&self) -> impl Iterator<Item = ([u32; 2], &[[u8; 4]])> {
+        (0..=self.smaller.len()).map(|level| {
+            let image = self.image(level);
+            (image.size, image.texels)
+        })
+    }
+
     fn image(&self, level: usize) -> Image<'_> {
         match level.checked_sub(1).and_then(|level| self.smaller.get(level)) {
             Some(level) => level.image(),

@@ -133,11 +133,14 @@ impl Stage {
 
     /// Returns the mip chain of a texture.
     pub(crate) fn mips(&self, geometry: &Geometry, texture: Option<TextureId>) -> Option<&Mips> {
-        let texture = geometry.textures().get(texture?.0 as usize)?;
+        self.mips_of(geometry.textures().get(texture?.0 as usize)?)
+    }
+
+    pub(crate) fn mips_of(&self, texture: &Texture) -> Option<&Mips> {
         self.mips.get(&address(texture))
     }
 }
 
-fn address(texture: &Arc<Texture>) -> usize {
-    Arc::as_ptr(texture).addr()
+fn address(texture: &Texture) -> usize {
+    std::ptr::from_ref(texture).addr()
 }

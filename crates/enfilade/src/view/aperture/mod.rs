@@ -281,6 +281,11 @@ impl Aperture {
         &self.outline
     }
 
+    /// Returns the exact samples, if the method knows them.
+    pub fn rows(&self) -> Option<&Rows> {
+        self.rows.as_ref()
+    }
+
     /// Takes the rows out for reuse.
     pub(crate) fn take_rows(&mut self) -> Option<Rows> {
         self.rows.take()

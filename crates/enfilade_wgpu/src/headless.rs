@@ -107,9 +107,13 @@ impl Headless {
                 view_formats: &[],
             }),
         };
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let on = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let stats = self.renderer.draw(&mut encoder, &on, of, (view, visible), exposure);
+        let stats = self
+            .renderer
+            .draw(&mut encoder, &on, of, (view, visible), exposure);
         self.queue.submit([encoder.finish()]);
         let picture = read(&self.device, &self.queue, &target)?;
         self.target = Some(target);
@@ -167,9 +171,15 @@ pub fn read(device: &Device, queue: &Queue, texture: &Texture) -> Result<RgbaIma
         .map_err(|error| failed(&error))?;
     let mapped = receiver.recv().map_err(|error| failed(&error))?;
     mapped.map_err(|error| failed(&error))?;
-    let bytes = buffer.slice(..).get_mapped_range().map_err(|error| failed(&error))?;
+    let bytes = buffer
+        .slice(..)
+        .get_mapped_range()
+        .map_err(|error| failed(&error))?;
     let mut picture = RgbaImage::new(width, height);
-    for (row, to) in bytes.chunks(row as usize).zip(picture.chunks_exact_mut(4 * width as usize)) {
+    for (row, to) in bytes
+        .chunks(row as usize)
+        .zip(picture.chunks_exact_mut(4 * width as usize))
+    {
         to.copy_from_slice(&row[..4 * width as usize]);
     }
     Ok(picture)

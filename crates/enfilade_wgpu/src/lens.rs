@@ -1,6 +1,6 @@
 //! The projection on the GPU: that of the view, with reversed depth and the view's sample positions.
 
-use enfilade::{Passage, View};
+use enfilade::{Passage, Scene, Transform, View, VisibleSet};
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
 /// The projection of a view, from eye space to clip space.
@@ -15,16 +15,24 @@ pub(crate) struct Lens {
 }
 
 impl Lens {
-    /// Returns the projection of a view. `far` is the greatest distance from the near plane of a parallel view at which
-    /// anything is drawn.
-    pub(crate) fn new(view: &View, far: f64) -> Lens {
+    /// Returns the projection of a view. `visible` is the set of its look.
+    pub(crate) fn new(scene: &Scene, view: &View, visible: &VisibleSet) -> Lens {
         let own = DMat4::from_cols_array_2d(&view.clip_from_eye());
         let [x, y, w] = [own.row(0), own.row(1), own.row(3)];
         let z = if view.is_parallel() {
             let distance = distance_from_near(view, &own);
-            DVec4::new(0.0, 0.0, 0.0, 1.0) - distance / far
+            let passages = visible.passages().iter();
+            let corners = passages.flat_map(|passage| {
+                let eye_from_sector = matrix(&passage.eye_from_sector());
+                let corners = scene.bounds(passage.sector).corners();
+                corners.map(|corner| eye_from_sector * point(corner.map(f64::from)))
+            });
+            let farthest = corners
+                .map(|at| distance.dot(at))
+                .fold(f64::MIN_POSITIVE, f64::max);
+            DVec4::W - distance / (2.0 * farthest)
         } else {
-            DVec4::new(0.0, 0.0, 0.0, f64::from(view.z_near()))
+            DVec4::W * f64::from(view.z_near())
         };
         // The GPU's samples are at pixel centres, those of the view a little off.
         let off = |axis: usize| {
@@ -44,26 +52,24 @@ impl Lens {
 
     /// Returns the map from the space of a passage's sector to clip space.
     pub(crate) fn clip_from_sector(&self, passage: &Passage) -> DMat4 {
-        let [x, y, z, moved] = passage
-            .eye_from_sector()
-            .columns_f64()
-            .map(DVec3::from);
-        let eye_from_sector =
-            DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), moved.extend(1.0));
-        self.clip_from_eye * eye_from_sector
+        self.clip_from_eye * matrix(&passage.eye_from_sector())
     }
 }
 
 /// Returns the function of the position in eye space that is the distance from the near plane of a parallel view.
 fn distance_from_near(view: &View, clip_from_eye: &DMat4) -> DVec4 {
-    let [origin, direction] = view.ray([0.0, 0.0]);
-    let [origin, ahead] = [
-        DVec3::from(origin),
-        DVec3::from(origin) + DVec3::from(direction),
-    ];
-    let [x, y, z, moved] = view.eye_from_sector().columns_f64().map(DVec3::from);
-    let eye = |at: DVec3| (x * at.x + y * at.y + z * at.z + moved).extend(1.0);
+    let [origin, direction] = view.ray([0.0, 0.0]).map(DVec3::from);
+    let eye_from_sector = matrix(&view.eye_from_sector());
     let depth = clip_from_eye.row(2);
-    let [near, next] = [eye(origin), eye(ahead)].map(|at| depth.dot(at));
-    (depth - DVec4::new(0.0, 0.0, 0.0, near)) / (next - near)
+    let [near, next] = [origin, origin + direction].map(|at| depth.dot(eye_from_sector * point(at.into())));
+    (depth - DVec4::W * near) / (next - near)
+}
+
+fn point([x, y, z]: [f64; 3]) -> DVec4 {
+    DVec4::new(x, y, z, 1.0)
+}
+
+pub(crate) fn matrix(transform: &Transform) -> DMat4 {
+    let [x, y, z, moved] = transform.columns_f64().map(DVec3::from);
+    DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), moved.extend(1.0))
 }

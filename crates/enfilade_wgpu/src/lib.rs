@@ -13,5 +13,5 @@ mod plan;
 mod renderer;
 
 #[cfg(feature = "headless")]
-pub use headless::{Headless, HeadlessError, read};
+pub use headless::{Headless, HeadlessError, device_options, read};
 pub use renderer::{DrawStats, Renderer, RendererOptions};

@@ -43,7 +43,10 @@ pub(crate) struct Piece {
 impl Piece {
     /// Returns the part of a range of the mesh's indices that is in this piece, as a range of the page's.
     pub(crate) fn part(&self, range: &Range<u32>) -> Option<Range<u32>> {
-        let [start, end] = [range.start.max(self.of_mesh.start), range.end.min(self.of_mesh.end)];
+        let [start, end] = [
+            range.start.max(self.of_mesh.start),
+            range.end.min(self.of_mesh.end),
+        ];
         let moved = |at: u32| at - self.of_mesh.start + self.start;
         (start < end).then(|| moved(start)..moved(end))
     }
@@ -83,7 +86,10 @@ impl Meshes {
 
     /// Returns the bytes on the GPU.
     pub(crate) fn bytes(&self) -> u64 {
-        self.pages.iter().map(|page| page.vertices.size() + page.indices.size()).sum()
+        self.pages
+            .iter()
+            .map(|page| page.vertices.size() + page.indices.size())
+            .sum()
     }
 
     fn upload(&mut self, device: &Device, queue: &Queue, mesh: &Mesh) -> Vec<Piece> {
@@ -138,7 +144,7 @@ impl Meshes {
     /// Returns a page with room for some vertices and indices.
     fn page_for(&mut self, device: &Device, vertices: usize, indices: usize) -> usize {
         let has_room = |page: &Page| {
-                        ((page.vertices_used + vertices) * size_of::<Vertex>()) as u64 <= page.vertices.size()
+            ((page.vertices_used + vertices) * size_of::<Vertex>()) as u64 <= page.vertices.size()
                 && ((page.indices_used + indices) * size_of::<u32>()) as u64 <= page.indices.size()
         };
         // Only the last pages: earlier ones are nearly full.
@@ -160,7 +166,11 @@ impl Meshes {
                 vertices.max(VERTICES) * size_of::<Vertex>(),
                 BufferUsages::VERTEX,
             ),
-            indices: buffer("indices", indices.max(INDICES) * size_of::<u32>(), BufferUsages::INDEX),
+            indices: buffer(
+                "indices",
+                indices.max(INDICES) * size_of::<u32>(),
+                BufferUsages::INDEX,
+            ),
             vertices_used: 0,
             indices_used: 0,
         });
@@ -170,7 +180,11 @@ impl Meshes {
 
 fn middle(mesh: &Mesh) -> [f32; 3] {
     let bounds = mesh.bounds();
-    if bounds.is_empty() { [0.0; 3] } else { bounds.center() }
+    if bounds.is_empty() {
+        [0.0; 3]
+    } else {
+        bounds.center()
+    }
 }
 
 fn vertex(mesh: &Mesh, at: usize) -> Vertex {

@@ -127,7 +127,8 @@ mod tests {
         let area = triangles
             .chunks_exact(3)
             .map(|corners| {
-                let [a, b, c] = [0, 1, 2].map(|i| DVec3::new(corners[i][0].into(), corners[i][1].into(), 0.0));
+                let [a, b, c] =
+                    [0, 1, 2].map(|i| DVec3::new(corners[i][0].into(), corners[i][1].into(), 0.0));
                 0.5 * (b - a).cross(c - a).z
             })
             .sum();

@@ -4,8 +4,8 @@ use crate::meshes::{VERTEX_ATTRIBUTES, Vertex};
 use crate::plan::{INSTANCE_ATTRIBUTES, Instance, OpeningStep};
 use std::collections::HashMap;
 use wgpu::{
-    BindGroupLayout, CompareFunction, Device, RenderPipeline, ShaderModule, StencilFaceState, StencilOperation,
-    TextureFormat, VertexBufferLayout,
+    BindGroupLayout, CompareFunction, Device, RenderPipeline, ShaderModule, StencilFaceState,
+    StencilOperation, TextureFormat, VertexBufferLayout,
 };
 
 /// What tells pipelines of items apart.
@@ -122,7 +122,11 @@ impl Pipelines {
             })
         };
         let items = [
-            buffer(size_of::<Vertex>() as u64, wgpu::VertexStepMode::Vertex, &VERTEX_ATTRIBUTES[..]),
+            buffer(
+                size_of::<Vertex>() as u64,
+                wgpu::VertexStepMode::Vertex,
+                &VERTEX_ATTRIBUTES[..],
+            ),
             buffer(
                 size_of::<Instance>() as u64,
                 wgpu::VertexStepMode::Instance,
@@ -149,7 +153,11 @@ impl Pipelines {
                 layout: &self.items,
                 entries: ["item", "shade"],
                 buffers: &items,
-                front: if kind.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
+                front: if kind.mirrored {
+                    wgpu::FrontFace::Cw
+                } else {
+                    wgpu::FrontFace::Ccw
+                },
                 cull: match kind.sides {
                     Sides::Front => Some(wgpu::Face::Back),
                     Sides::Back => Some(wgpu::Face::Front),

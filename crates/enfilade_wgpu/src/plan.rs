@@ -11,15 +11,17 @@
 //! So a passage is restricted to exactly the pixels of its openings, however they overlap, and glass is in front of what
 //! is behind the openings.
 
-use crate::lens::Lens;
+use crate::lens::{Lens, matrix};
 use crate::materials::Materials;
 use crate::meshes::Meshes;
 use crate::openings;
 use crate::pipelines::{ItemKind, Sides};
 use bytemuck::{Pod, Zeroable};
-use enfilade::{Alpha, DrawRun, Geometry, Material, Passage, PassageId, Scene, Transform, View, VisibleItem, VisibleSet};
+use enfilade::{
+    Alpha, DrawRun, Geometry, Material, Passage, PassageId, Scene, Transform, View, VisibleItem, VisibleSet,
+};
 use enfilade_draw::{DirectLight, Exposure, PassageLighting, Stage};
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DVec3, DVec4};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -90,7 +92,11 @@ pub(crate) enum OpeningStep {
 #[derive(Clone, Debug)]
 pub(crate) enum Step {
     /// What follows belongs to a passage, by its index in [`Plan::passages`].
-    Passage { number: u32, scissor: [u32; 4], level: u32 },
+    Passage {
+        number: u32,
+        scissor: [u32; 4],
+        level: u32,
+    },
     /// Draws items at the level of the passage.
     Items(ItemDraw),
     /// Draws triangles of [`Plan::triangles`].
@@ -150,14 +156,18 @@ impl Plan {
         self.known.clear();
         self.complete = true;
         let passages = of.visible.passages();
-        let lens = Lens::new(of.view, far(of));
+        let lens = Lens::new(of.scene, of.view, of.visible);
         self.mirrored = lens.mirrors;
         self.list_children(passages);
         self.glass.clear();
         if of.visible.items().iter().any(|item| item.blends) {
             self.glass = of.visible.blend_order(of.scene);
         }
-        let roots: Vec<u32> = (0..).zip(passages).filter(|(_, p)| p.parent.is_none()).map(|(n, _)| n).collect();
+        let roots: Vec<u32> = (0..)
+            .zip(passages)
+            .filter(|(_, p)| p.parent.is_none())
+            .map(|(n, _)| n)
+            .collect();
         if let [root] = roots[..] {
             self.add_passages(of, &lens, store, root, 0);
             return;
@@ -245,7 +255,8 @@ impl Plan {
                         scissor: passages[child as usize].scissor(),
                         level: entered.level,
                     });
-                    self.steps.push(Step::Opening(OpeningStep::Raise, opening.clone()));
+                    self.steps
+                        .push(Step::Opening(OpeningStep::Raise, opening.clone()));
                     self.steps.push(Step::Opening(OpeningStep::Clear, opening));
                     begin = Some((child, level));
                 }
@@ -269,8 +280,13 @@ impl Plan {
         for light in &lighting.lights {
             add_light(light, &mut self.lights);
         }
-        self.passages.push(PassageBits::new(lens, passage, &lighting, first));
-        self.steps.push(Step::Passage { number, scissor, level });
+        self.passages
+            .push(PassageBits::new(lens, passage, &lighting, first));
+        self.steps.push(Step::Passage {
+            number,
+            scissor,
+            level,
+        });
         number
     }
 
@@ -282,7 +298,10 @@ impl Plan {
         let mut sorted = std::mem::take(&mut self.sorted);
         for (mesh, items) in of.visible.instances(id, geometry, &mut sorted) {
             let mesh = &geometry.meshes()[mesh.0 as usize];
-            let own = store.meshes.get(store.device, store.queue, mesh).mesh_from_vertices;
+            let own = store
+                .meshes
+                .get(store.device, store.queue, mesh)
+                .mesh_from_vertices;
             let is_whole = |item: &VisibleItem| {
                 let clusters = of.visible.clusters(item).len();
                 clusters == 0 || clusters == mesh.clusters().len()
@@ -300,7 +319,13 @@ impl Plan {
                     self.runs.clear();
                     whole(mesh, &mut self.runs);
                     let instances = [start, self.instances.len() as u32];
-                    self.add_runs((of, store), (geometry, mesh), (passage, mirrored), instances, false);
+                    self.add_runs(
+                        (of, store),
+                        (geometry, mesh),
+                        (passage, mirrored),
+                        instances,
+                        false,
+                    );
                 }
                 continue;
             }
@@ -310,7 +335,13 @@ impl Plan {
                 self.instances.push(Instance::new(passage, transform * own));
                 of.visible.draw_runs(item, mesh, &mut self.runs);
                 let mirrored = self.mirrored != (passage.mirrored() != transform.mirrors());
-                self.add_runs((of, store), (geometry, mesh), (passage, mirrored), [start, start + 1], false);
+                self.add_runs(
+                    (of, store),
+                    (geometry, mesh),
+                    (passage, mirrored),
+                    [start, start + 1],
+                    false,
+                );
             }
         }
         self.sorted = sorted;
@@ -329,12 +360,21 @@ impl Plan {
             let index = item.item.index;
             let mesh = &geometry.meshes()[geometry.item(index).mesh.0 as usize];
             let transform = geometry.item(index).transform();
-            let own = store.meshes.get(store.device, store.queue, mesh).mesh_from_vertices;
+            let own = store
+                .meshes
+                .get(store.device, store.queue, mesh)
+                .mesh_from_vertices;
             let start = self.instances.len() as u32;
             self.instances.push(Instance::new(passage, transform * own));
             of.visible.draw_runs(item, mesh, &mut self.runs);
             let mirrored = self.mirrored != (passage.mirrored() != transform.mirrors());
-            self.add_runs((of, store), (geometry, mesh), (passage, mirrored), [start, start + 1], true);
+            self.add_runs(
+                (of, store),
+                (geometry, mesh),
+                (passage, mirrored),
+                [start, start + 1],
+                true,
+            );
             self.steps.extend(self.opaque.drain(..).map(Step::Items));
         }
         self.glass = glass;
@@ -371,7 +411,10 @@ impl Plan {
                 (true, true) => &[Sides::Back, Sides::Front],
             };
             let pieces = &store.meshes.get(store.device, store.queue, mesh).pieces;
-            for (&sides, piece) in sides.iter().flat_map(|sides| pieces.iter().map(move |piece| (sides, piece))) {
+            for (&sides, piece) in sides
+                .iter()
+                .flat_map(|sides| pieces.iter().map(move |piece| (sides, piece)))
+            {
                 if let Some(indices) = piece.part(&run.indices) {
                     self.opaque.push(ItemDraw {
                         kind: ItemKind {
@@ -421,16 +464,29 @@ impl Plan {
                 // With the eye in its plane the opening is a line on the screen, or covers all of it.
                 openings::add_aperture(&behind.aperture, behind.size, 1.0, &mut self.triangles);
             } else {
-                openings::add(&clip_from_sector, outline.corners(), entry, near, &mut self.triangles);
+                openings::add(
+                    &clip_from_sector,
+                    outline.corners(),
+                    entry,
+                    near,
+                    &mut self.triangles,
+                );
             }
             let triangles = start..self.triangles.len() as u32;
-            self.steps.push(Step::Opening(OpeningStep::Depth, triangles.clone()));
+            self.steps
+                .push(Step::Opening(OpeningStep::Depth, triangles.clone()));
             children.push(triangles);
         }
         let start = self.triangles.len() as u32;
         for (opening, _) in openings.iter().zip(&followed).filter(|(_, followed)| !**followed) {
             if is_front(&opening.outline, passage) {
-                openings::add(&clip_from_sector, opening.outline.corners(), entry, near, &mut self.triangles);
+                openings::add(
+                    &clip_from_sector,
+                    opening.outline.corners(),
+                    entry,
+                    near,
+                    &mut self.triangles,
+                );
             }
         }
         let end = self.triangles.len() as u32;
@@ -473,23 +529,6 @@ fn is_front(outline: &enfilade::geom::ConvexPolygon, passage: &Passage) -> bool 
     normal.dot(DVec3::from(passage.ray([0.0, 0.0])[1])) < 0.0
 }
 
-/// Returns the greatest distance from the near plane of a parallel view of anything visible; 1 in perspective.
-fn far(of: Subject) -> f64 {
-    if !of.view.is_parallel() {
-        return 1.0;
-    }
-    let mut far = f64::MIN_POSITIVE;
-    for passage in of.visible.passages() {
-        let bounds = of.scene.bounds(passage.sector);
-        let [origin, direction] = passage.ray([0.0, 0.0]).map(DVec3::from);
-        for corner in bounds.corners() {
-            let off = DVec3::from(corner.map(f64::from)) - origin;
-            far = far.max(off.dot(direction) / direction.length_squared());
-        }
-    }
-    2.0 * far
-}
-
 impl Instance {
     fn new(passage: &Passage, sector_from_vertices: Transform) -> Instance {
         // Composed in 64 bits: coordinates far from the origin cancel here.
@@ -513,9 +552,7 @@ impl PassageBits {
         let back = DVec3::from(sector_from_eye.direction([0.0, 0.0, 1.0]).map(f64::from));
         let entry = passage.entry_plane().map_or(DVec4::ZERO, |plane| {
             // A plane transforms by the transpose of the inverse.
-            let [x, y, z, moved] = sector_from_eye.columns_f64().map(DVec3::from);
-            let there = DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), moved.extend(1.0));
-            there.transpose() * DVec4::from(plane)
+            matrix(&sector_from_eye).transpose() * DVec4::from(plane)
         });
         PassageBits {
             clip_from_eye: lens.clip_from_eye.as_mat4().to_cols_array_2d(),
@@ -525,12 +562,19 @@ impl PassageBits {
                 row(2, ambient.from_the_eye),
             ],
             entry: entry.as_vec4().into(),
-            back: back.normalize_or_zero().as_vec3().extend(flag(lens.is_parallel)).into(),
+            back: back
+                .normalize_or_zero()
+                .as_vec3()
+                .extend(flag(lens.is_parallel))
+                .into(),
             above: with(ambient.above, first_light as f32),
             below: with(ambient.below, lighting.lights.len() as f32),
             sun: with(ambient.sun, 0.0),
             to_sun: with(ambient.to_sun, 0.0),
-            ahead: DVec3::from(passage.ray([0.5, 0.5])[1]).as_vec3().extend(0.0).into(),
+            ahead: DVec3::from(passage.ray([0.5, 0.5])[1])
+                .as_vec3()
+                .extend(0.0)
+                .into(),
             unused: [0.0; 8],
         }
     }

@@ -9,8 +9,8 @@ use enfilade::{Scene, View, VisibleSet};
 use enfilade_draw::{Exposure, Stage};
 use glam::DVec3;
 use wgpu::{
-    BindGroup, BindGroupLayout, Buffer, BufferUsages, CommandEncoder, Device, Queue, RenderPass, TextureFormat,
-    TextureView,
+    BindGroup, BindGroupLayout, Buffer, BufferUsages, CommandEncoder, Device, Queue, RenderPass,
+    TextureFormat, TextureView,
 };
 
 /// Draws visible sets with wgpu.
@@ -461,7 +461,11 @@ fn frame_layout(device: &Device) -> BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("frame"),
         entries: &[
-            entry(0, wgpu::ShaderStages::FRAGMENT, uniform(false, size_of::<FrameBits>())),
+            entry(
+                0,
+                wgpu::ShaderStages::FRAGMENT,
+                uniform(false, size_of::<FrameBits>()),
+            ),
             entry(1, both, uniform(true, size_of::<PassageBits>())),
             entry(2, wgpu::ShaderStages::FRAGMENT, lights),
         ],

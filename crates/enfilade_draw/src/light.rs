@@ -37,15 +37,9 @@ impl Daylight {
     /// daylight would outshine them.
     pub(crate) fn of(lamps: &Lamps, sector: SectorId, exposure: Exposure, tone: &Tone) -> Daylight {
         const EVENING: f32 = 0.4;
-        let day = |part: f32| Daylight {
-            sun: SUNLIGHT * part,
-            above: ZENITH * part,
-            below: GROUND * part,
-            from_the_eye: FROM_THE_EYE * part,
-        };
         match exposure {
-            _ if lamps.is_empty() => day(1.0),
-            Exposure::Fixed(_) => day(EVENING),
+            _ if lamps.is_empty() => Daylight::day(1.0),
+            Exposure::Fixed(_) => Daylight::day(EVENING),
             Exposure::Eye(_) => {
                 let bounced = lamps.bounced(sector) * tone.exposure;
                 Daylight {
@@ -55,6 +49,16 @@ impl Daylight {
                     from_the_eye: 0.05,
                 }
             }
+        }
+    }
+
+    /// Returns a part of full daylight.
+    pub(crate) fn day(part: f32) -> Daylight {
+        Daylight {
+            sun: SUNLIGHT * part,
+            above: ZENITH * part,
+            below: GROUND * part,
+            from_the_eye: FROM_THE_EYE * part,
         }
     }
 

@@ -38,6 +38,13 @@ pub struct AmbientLight {
     pub from_the_eye: f32,
 }
 
+impl AmbientLight {
+    /// Returns the daylight of scenes without lights.
+    pub fn day() -> AmbientLight {
+        Daylight::day(1.0).plain()
+    }
+}
+
 /// A light that may reach what a passage shows, without exposure.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

@@ -1,6 +1,6 @@
 //! A device without a window, and pictures read back from it.
 
-use crate::renderer::{DrawStats, Renderer, RendererOptions};
+use crate::renderer::{DrawStats, Renderer, RendererOptions, device_options};
 use enfilade::{Scene, View, VisibleSet};
 use enfilade_draw::{Exposure, Stage};
 use image::RgbaImage;
@@ -118,17 +118,6 @@ impl Headless {
         let picture = read(&self.device, &self.queue, &target)?;
         self.target = Some(target);
         Ok((picture, stats))
-    }
-}
-
-/// Returns the options for a device that the renderer likes: of the adapter's limits, and with more exact depths where
-/// there are.
-pub fn device_options(adapter: &Adapter) -> wgpu::DeviceDescriptor<'static> {
-    wgpu::DeviceDescriptor {
-        label: Some("enfilade"),
-        required_features: adapter.features() & wgpu::Features::DEPTH32FLOAT_STENCIL8,
-        required_limits: adapter.limits(),
-        ..wgpu::DeviceDescriptor::default()
     }
 }
 

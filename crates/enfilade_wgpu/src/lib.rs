@@ -13,5 +13,6 @@ mod plan;
 mod renderer;
 
 #[cfg(feature = "headless")]
-pub use headless::{Headless, HeadlessError, device_options, read};
-pub use renderer::{DrawStats, Renderer, RendererOptions};
+pub use headless::{Headless, HeadlessError, read};
+pub use plan::PlacedItem;
+pub use renderer::{DrawStats, Renderer, RendererOptions, device_options};

@@ -18,9 +18,10 @@ use crate::openings;
 use crate::pipelines::{ItemKind, Sides};
 use bytemuck::{Pod, Zeroable};
 use enfilade::{
-    Alpha, DrawRun, Geometry, Material, Passage, PassageId, Scene, Transform, View, VisibleItem, VisibleSet,
+    Alpha, DrawRun, Geometry, ItemIndex, Material, Mesh, Passage, PassageId, Scene, SectorId, Transform,
+    View, VisibleItem, VisibleSet,
 };
-use enfilade_draw::{DirectLight, Exposure, PassageLighting, Stage};
+use enfilade_draw::{AmbientLight, DirectLight, Exposure, PassageLighting, Stage};
 use glam::{DVec3, DVec4};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -119,7 +120,7 @@ pub(crate) struct Plan {
     mirrored: bool,
     runs: Vec<DrawRun>,
     sorted: Vec<VisibleItem>,
-    opaque: Vec<ItemDraw>,
+    batches: Vec<ItemDraw>,
     /// Bind groups of materials, by the geometry's address, the material, and whether the mesh has texture coordinates.
     known: HashMap<(usize, u32, bool), (u32, Material)>,
     /// For each passage its first child and its next sibling.
@@ -137,6 +138,40 @@ pub(crate) struct Subject<'a> {
     pub(crate) exposure: Exposure,
 }
 
+/// An item at a place of its own, for [`Renderer::draw_placed`](crate::Renderer::draw_placed).
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedItem {
+    /// The sector of the item.
+    pub sector: SectorId,
+    /// The item.
+    pub item: ItemIndex,
+    /// Maps the space of the sector to that of the view's sector.
+    pub root_from_sector: Transform,
+    /// An entry of the visible set: these clusters are drawn as they look in daylight.
+    pub visible: Option<VisibleItem>,
+    /// What is not drawn so is drawn in this translucent colour: linear red, green and blue, and coverage.
+    pub ghost: Option<[f32; 4]>,
+}
+
+/// Instances of a mesh that are drawn alike.
+struct Batch<'a> {
+    geometry: &'a Arc<Geometry>,
+    mesh: &'a Arc<Mesh>,
+    instances: [u32; 2],
+    mirrored: bool,
+    clips: bool,
+    style: Style,
+}
+
+/// The materials that are drawn, and how.
+#[derive(Clone, Copy, PartialEq)]
+enum Style {
+    Opaque,
+    Blended,
+    /// All materials, in one translucent colour.
+    Ghost([f32; 4]),
+}
+
 /// Where meshes and materials are uploaded.
 pub(crate) struct Store<'a> {
     pub(crate) device: &'a Device,
@@ -148,13 +183,7 @@ pub(crate) struct Store<'a> {
 impl Plan {
     /// Plans a picture.
     pub(crate) fn make(&mut self, of: Subject, store: &mut Store) {
-        self.instances.clear();
-        self.passages.clear();
-        self.lights.clear();
-        self.triangles.clear();
-        self.steps.clear();
-        self.known.clear();
-        self.complete = true;
+        self.clear();
         let passages = of.visible.passages();
         let lens = Lens::new(of.scene, of.view, of.visible);
         self.mirrored = lens.mirrors;
@@ -188,6 +217,16 @@ impl Plan {
             self.enter(of, &lens, passage, 0, passage.scissor());
             self.steps.push(Step::Opening(OpeningStep::Lower, part));
         }
+    }
+
+    fn clear(&mut self) {
+        self.instances.clear();
+        self.passages.clear();
+        self.lights.clear();
+        self.triangles.clear();
+        self.steps.clear();
+        self.known.clear();
+        self.complete = true;
     }
 
     fn list_children(&mut self, passages: &[Passage]) {
@@ -295,58 +334,46 @@ impl Plan {
         let Some(geometry) = of.scene.geometry(passage.sector) else {
             return;
         };
+        let (eye_from_sector, clips) = (passage.eye_from_sector(), passage.entry_plane().is_some());
         let mut sorted = std::mem::take(&mut self.sorted);
         for (mesh, items) in of.visible.instances(id, geometry, &mut sorted) {
             let mesh = &geometry.meshes()[mesh.0 as usize];
-            let own = store
-                .meshes
-                .get(store.device, store.queue, mesh)
-                .mesh_from_vertices;
             let is_whole = |item: &VisibleItem| {
                 let clusters = of.visible.clusters(item).len();
                 clusters == 0 || clusters == mesh.clusters().len()
             };
             // Instances of small meshes are drawn at once, even if one shows a cluster that another hides.
-            if items.len() > 1 && (mesh.clusters().len() <= 4 || items.iter().all(is_whole)) {
+            let at_once = items.len() > 1 && (mesh.clusters().len() <= 4 || items.iter().all(is_whole));
+            for items in items.chunks(if at_once { items.len() } else { 1 }) {
+                if at_once {
+                    whole(mesh, &mut self.runs);
+                } else {
+                    of.visible.draw_runs(&items[0], mesh, &mut self.runs);
+                }
                 for mirrored in [false, true] {
                     let start = self.instances.len() as u32;
                     for item in items {
-                        let transform = geometry.item(item.item.index).transform();
-                        if (self.mirrored != (passage.mirrored() != transform.mirrors())) == mirrored {
-                            self.instances.push(Instance::new(passage, transform * own));
-                        }
+                        self.add_instance(
+                            store,
+                            eye_from_sector,
+                            (geometry, item.item.index),
+                            Some(mirrored),
+                        );
                     }
-                    self.runs.clear();
-                    whole(mesh, &mut self.runs);
-                    let instances = [start, self.instances.len() as u32];
-                    self.add_runs(
-                        (of, store),
-                        (geometry, mesh),
-                        (passage, mirrored),
-                        instances,
-                        false,
-                    );
+                    let batch = Batch {
+                        geometry,
+                        mesh,
+                        instances: [start, self.instances.len() as u32],
+                        mirrored,
+                        clips,
+                        style: Style::Opaque,
+                    };
+                    self.add_runs(of.stage, store, &batch);
                 }
-                continue;
-            }
-            for item in items {
-                let transform = geometry.item(item.item.index).transform();
-                let start = self.instances.len() as u32;
-                self.instances.push(Instance::new(passage, transform * own));
-                of.visible.draw_runs(item, mesh, &mut self.runs);
-                let mirrored = self.mirrored != (passage.mirrored() != transform.mirrors());
-                self.add_runs(
-                    (of, store),
-                    (geometry, mesh),
-                    (passage, mirrored),
-                    [start, start + 1],
-                    false,
-                );
             }
         }
         self.sorted = sorted;
-        self.opaque.sort_unstable();
-        self.steps.extend(self.opaque.drain(..).map(Step::Items));
+        self.finish_batches(true);
     }
 
     /// Adds the blended items of a passage, back to front.
@@ -357,80 +384,176 @@ impl Plan {
         };
         let glass = std::mem::take(&mut self.glass);
         for item in glass.iter().filter(|item| item.passage == id) {
-            let index = item.item.index;
-            let mesh = &geometry.meshes()[geometry.item(index).mesh.0 as usize];
-            let transform = geometry.item(index).transform();
-            let own = store
-                .meshes
-                .get(store.device, store.queue, mesh)
-                .mesh_from_vertices;
-            let start = self.instances.len() as u32;
-            self.instances.push(Instance::new(passage, transform * own));
-            of.visible.draw_runs(item, mesh, &mut self.runs);
-            let mirrored = self.mirrored != (passage.mirrored() != transform.mirrors());
-            self.add_runs(
-                (of, store),
-                (geometry, mesh),
-                (passage, mirrored),
-                [start, start + 1],
-                true,
+            let place = (passage.eye_from_sector(), passage.entry_plane().is_some());
+            self.add_item(
+                (of.stage, store),
+                (geometry, item.item.index),
+                place,
+                Style::Blended,
+                |mesh, runs| {
+                    of.visible.draw_runs(item, mesh, runs);
+                },
             );
-            self.steps.extend(self.opaque.drain(..).map(Step::Items));
+            self.finish_batches(false);
         }
         self.glass = glass;
     }
 
-    /// Adds draws for the runs in `self.runs` that are blended, or are not.
-    fn add_runs(
+    /// Plans a picture of items at places of their own.
+    pub(crate) fn make_placed(&mut self, of: Subject, placed: &[PlacedItem], store: &mut Store) {
+        self.clear();
+        let lens = Lens::new(of.scene, of.view, of.visible);
+        self.mirrored = lens.mirrors;
+        let eye_from_root = of.view.eye_from_sector();
+        let root_from_eye = eye_from_root.inverse().unwrap_or(Transform::IDENTITY);
+        self.passages
+            .push(PassageBits::plain(&lens, &root_from_eye, &AmbientLight::day()));
+        let ([x, y], [width, height]) = (of.view.viewport().origin, of.view.size());
+        self.steps.push(Step::Passage {
+            number: 0,
+            scissor: [x, y, width, height],
+            level: 0,
+        });
+        let ghosts = placed.iter().filter_map(|item| item.ghost);
+        let mut colors: Vec<[f32; 4]> = ghosts.collect();
+        colors.sort_unstable_by(|a, b| a.map(f32::to_bits).cmp(&b.map(f32::to_bits)));
+        colors.dedup();
+        let solid = [Style::Opaque, Style::Blended];
+        for style in solid.into_iter().chain(colors.into_iter().map(Style::Ghost)) {
+            for item in placed {
+                let Some(geometry) = of.scene.geometry(item.sector) else {
+                    continue;
+                };
+                let place = (eye_from_root * item.root_from_sector, false);
+                let is_drawn = match style {
+                    Style::Ghost(color) => item.ghost == Some(color),
+                    _ => item.visible.is_some(),
+                };
+                if is_drawn {
+                    self.add_item(
+                        (of.stage, store),
+                        (geometry, item.item),
+                        place,
+                        style,
+                        |mesh, runs| match (&item.visible, style) {
+                            (Some(visible), Style::Opaque | Style::Blended) => {
+                                of.visible.draw_runs(visible, mesh, runs);
+                            }
+                            _ => whole(mesh, runs),
+                        },
+                    );
+                }
+            }
+            self.finish_batches(style == Style::Opaque);
+        }
+    }
+
+    /// Adds one item.
+    fn add_item(
         &mut self,
-        (of, store): (Subject, &mut Store),
-        (geometry, mesh): (&Arc<Geometry>, &Arc<enfilade::Mesh>),
-        (passage, mirrored): (&Passage, bool),
-        instances: [u32; 2],
-        blended: bool,
+        (stage, store): (&Stage, &mut Store),
+        (geometry, item): (&Arc<Geometry>, ItemIndex),
+        (eye_from_sector, clips): (Transform, bool),
+        style: Style,
+        list_runs: impl FnOnce(&Mesh, &mut Vec<DrawRun>),
     ) {
-        if instances[0] == instances[1] {
+        let mesh = &geometry.meshes()[geometry.item(item).mesh.0 as usize];
+        list_runs(mesh, &mut self.runs);
+        let start = self.instances.len() as u32;
+        let mirrored = self.add_instance(store, eye_from_sector, (geometry, item), None);
+        let batch = Batch {
+            geometry,
+            mesh,
+            instances: [start, start + 1],
+            mirrored,
+            clips,
+            style,
+        };
+        self.add_runs(stage, store, &batch);
+    }
+
+    /// Adds an instance of an item; if `only` is given, only if it is mirrored on the screen, or is not. Returns whether it
+    /// is.
+    fn add_instance(
+        &mut self,
+        store: &mut Store,
+        eye_from_sector: Transform,
+        (geometry, item): (&Geometry, ItemIndex),
+        only: Option<bool>,
+    ) -> bool {
+        let mesh = &geometry.meshes()[geometry.item(item).mesh.0 as usize];
+        let resident = store.meshes.get(store.device, store.queue, mesh);
+        let sector_from_item = geometry.item(item).transform();
+        let mirrored = self.mirrored != (eye_from_sector.mirrors() != sector_from_item.mirrors());
+        if only.is_none_or(|only| only == mirrored) {
+            let eye_from_vertices = eye_from_sector * sector_from_item * resident.mesh_from_vertices;
+            self.instances.push(Instance::new(eye_from_vertices));
+        }
+        mirrored
+    }
+
+    /// Adds draws of a batch for those of the runs in `self.runs` that have its style.
+    fn add_runs(&mut self, stage: &Stage, store: &mut Store, batch: &Batch) {
+        if batch.instances[0] == batch.instances[1] {
             return;
         }
-        let has_uv = !mesh.texture().is_empty();
+        let (mesh, has_uv) = (batch.mesh, !batch.mesh.texture().is_empty());
         let gpu = (store.device, store.queue);
-        for run in self.runs.drain(..).filter(|run| !run.indices.is_empty()) {
-            let key = (Arc::as_ptr(geometry).addr(), run.material.0, has_uv);
-            let (number, material) = *self.known.entry(key).or_insert_with(|| {
-                let material = geometry.materials()[run.material.0 as usize];
-                let number = store.materials.get(gpu, (geometry, of.stage), &material, has_uv);
-                (number, material)
+        for run in self.runs.iter().filter(|run| !run.indices.is_empty()) {
+            let of_scene = (&**batch.geometry, stage);
+            let key = (Arc::as_ptr(batch.geometry).addr(), run.material.0, has_uv);
+            let (mut number, material) = *self.known.entry(key).or_insert_with(|| {
+                let material = batch.geometry.materials()[run.material.0 as usize];
+                (store.materials.get(gpu, of_scene, &material, has_uv), material)
             });
-            if (material.alpha == Alpha::Blend) != blended {
-                continue;
-            }
-            let sides: &[Sides] = match (material.double_sided, blended) {
-                (false, _) => &[Sides::Front],
-                (true, false) => &[Sides::Both],
+            let blends = material.alpha == Alpha::Blend;
+            let sides: &[Sides] = match (batch.style, material.double_sided) {
+                (Style::Opaque, _) if blends => continue,
+                (Style::Blended, _) if !blends => continue,
+                (Style::Ghost(base_color), _) => {
+                    let ghost = Material {
+                        base_color,
+                        unlit: true,
+                        alpha: Alpha::Blend,
+                        ..Material::opaque([0.0; 3])
+                    };
+                    number = store.materials.get(gpu, of_scene, &ghost, false);
+                    &[Sides::Both]
+                }
+                (_, false) => &[Sides::Front],
+                (Style::Opaque, true) => &[Sides::Both],
                 // Of a convex body the back is behind the front.
-                (true, true) => &[Sides::Back, Sides::Front],
+                (Style::Blended, true) => &[Sides::Back, Sides::Front],
             };
             let pieces = &store.meshes.get(store.device, store.queue, mesh).pieces;
-            for (&sides, piece) in sides
+            let draws = sides
                 .iter()
-                .flat_map(|sides| pieces.iter().map(move |piece| (sides, piece)))
-            {
+                .flat_map(|&sides| pieces.iter().map(move |piece| (sides, piece)));
+            for (sides, piece) in draws {
                 if let Some(indices) = piece.part(&run.indices) {
-                    self.opaque.push(ItemDraw {
+                    self.batches.push(ItemDraw {
                         kind: ItemKind {
-                            blends: blended,
-                            clips: passage.entry_plane().is_some(),
+                            blends: batch.style != Style::Opaque,
+                            clips: batch.clips,
                             sides,
-                            mirrored,
+                            mirrored: batch.mirrored,
                         },
                         material: number,
                         page: piece.page,
                         indices: [indices.start, indices.end],
-                        instances,
+                        instances: batch.instances,
                     });
                 }
             }
         }
+    }
+
+    /// Adds the steps of the batches, sorted by state if their order does not matter.
+    fn finish_batches(&mut self, sort: bool) {
+        if sort {
+            self.batches.sort_unstable();
+        }
+        self.steps.extend(self.batches.drain(..).map(Step::Items));
     }
 
     /// Adds the depth of all openings of a passage. Returns the triangles of those that lead to its children, in order.
@@ -498,7 +621,8 @@ impl Plan {
 }
 
 /// Adds the runs of all clusters of a mesh.
-fn whole(mesh: &enfilade::Mesh, runs: &mut Vec<DrawRun>) {
+fn whole(mesh: &Mesh, runs: &mut Vec<DrawRun>) {
+    runs.clear();
     for (number, cluster) in mesh.clusters().iter().enumerate() {
         let indices = mesh.cluster_indices(number);
         match runs.last_mut() {
@@ -530,9 +654,8 @@ fn is_front(outline: &enfilade::geom::ConvexPolygon, passage: &Passage) -> bool 
 }
 
 impl Instance {
-    fn new(passage: &Passage, sector_from_vertices: Transform) -> Instance {
-        // Composed in 64 bits: coordinates far from the origin cancel here.
-        let eye_from_vertices = passage.eye_from_sector() * sector_from_vertices;
+    /// Creates an instance from its transform, composed in 64 bits: coordinates far from the origin cancel in it.
+    pub(crate) fn new(eye_from_vertices: Transform) -> Instance {
         let [x, y, z, moved] = eye_from_vertices.columns();
         Instance {
             rows: [0, 1, 2].map(|row| [x[row], y[row], z[row], moved[row]]),
@@ -542,48 +665,52 @@ impl Instance {
 
 impl PassageBits {
     fn new(lens: &Lens, passage: &Passage, lighting: &PassageLighting, first_light: usize) -> PassageBits {
-        let eye_from_sector = passage.eye_from_sector();
-        let sector_from_eye = eye_from_sector.inverse().unwrap_or(Transform::IDENTITY);
-        let [x, y, z, _] = sector_from_eye.columns();
-        let ambient = &lighting.ambient;
-        let row = |row: usize, last: f32| [x[row], y[row], z[row], last];
-        let with = |[x, y, z]: [f32; 3], last: f32| [x, y, z, last];
-        let flag = |set: bool| if set { 1.0 } else { 0.0 };
-        let back = DVec3::from(sector_from_eye.direction([0.0, 0.0, 1.0]).map(f64::from));
+        let sector_from_eye = passage.eye_from_sector().inverse().unwrap_or(Transform::IDENTITY);
         let entry = passage.entry_plane().map_or(DVec4::ZERO, |plane| {
             // A plane transforms by the transpose of the inverse.
             matrix(&sector_from_eye).transpose() * DVec4::from(plane)
         });
+        let mut bits = PassageBits::plain(lens, &sector_from_eye, &lighting.ambient);
+        bits.sector[0][3] = lighting.exposure;
+        bits.sector[1][3] = flag(lighting.compresses);
+        bits.entry = entry.as_vec4().into();
+        bits.above[3] = first_light as f32;
+        bits.below[3] = lighting.lights.len() as f32;
+        bits.ahead = DVec3::from(passage.ray([0.5, 0.5])[1])
+            .as_vec3()
+            .extend(0.0)
+            .into();
+        bits
+    }
+
+    /// Returns a passage with ambient light only, without an entry plane.
+    pub(crate) fn plain(lens: &Lens, sector_from_eye: &Transform, ambient: &AmbientLight) -> PassageBits {
+        let [x, y, z, _] = sector_from_eye.columns();
+        let row = |row: usize, last: f32| [x[row], y[row], z[row], last];
+        let with = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+        let back = DVec3::from(sector_from_eye.direction([0.0, 0.0, 1.0]).map(f64::from)).normalize_or_zero();
         PassageBits {
             clip_from_eye: lens.clip_from_eye.as_mat4().to_cols_array_2d(),
-            sector: [
-                row(0, lighting.exposure),
-                row(1, flag(lighting.compresses)),
-                row(2, ambient.from_the_eye),
-            ],
-            entry: entry.as_vec4().into(),
-            back: back
-                .normalize_or_zero()
-                .as_vec3()
-                .extend(flag(lens.is_parallel))
-                .into(),
-            above: with(ambient.above, first_light as f32),
-            below: with(ambient.below, lighting.lights.len() as f32),
-            sun: with(ambient.sun, 0.0),
-            to_sun: with(ambient.to_sun, 0.0),
-            ahead: DVec3::from(passage.ray([0.5, 0.5])[1])
-                .as_vec3()
-                .extend(0.0)
-                .into(),
+            sector: [row(0, 1.0), row(1, 0.0), row(2, ambient.from_the_eye)],
+            entry: [0.0; 4],
+            back: back.as_vec3().extend(flag(lens.is_parallel)).into(),
+            above: with(ambient.above),
+            below: with(ambient.below),
+            sun: with(ambient.sun),
+            to_sun: with(ambient.to_sun),
+            ahead: (-back).as_vec3().extend(0.0).into(),
             unused: [0.0; 8],
         }
     }
 }
 
+fn flag(set: bool) -> f32 {
+    if set { 1.0 } else { 0.0 }
+}
+
 /// Adds the texels of a light. The shader says what is where.
 fn add_light(light: &DirectLight, texels: &mut Vec<[f32; 4]>) {
     let with = |[x, y, z]: [f32; 3], last: f32| [x, y, z, last];
-    let flag = |set: bool| if set { 1.0 } else { 0.0 };
     let (onwards, [steepness, added]) = light.cone.unwrap_or_default();
     let first: [[f32; 4]; LIGHT_TEXELS] = [
         with(light.at, flag(light.is_sun)),

@@ -3,7 +3,9 @@
 use crate::materials::Materials;
 use crate::meshes::Meshes;
 use crate::pipelines::{Formats, Pipelines};
-use crate::plan::{ItemDraw, LIGHT_COLUMNS, OpeningStep, PassageBits, Plan, Step, Store, Subject};
+use crate::plan::{
+    ItemDraw, LIGHT_COLUMNS, OpeningStep, PassageBits, PlacedItem, Plan, Step, Store, Subject,
+};
 use bytemuck::{Pod, Zeroable};
 use enfilade::{Scene, View, VisibleSet};
 use enfilade_draw::{Exposure, Stage};
@@ -149,6 +151,37 @@ impl Renderer {
             materials: &mut self.materials,
         };
         self.plan.make(subject, &mut store);
+        self.finish(encoder, target, view)
+    }
+
+    /// Records a picture of items at places of their own, in daylight: a scene from outside, with all rooms at once.
+    /// `view` is a view in the space that they are mapped to, `visible` the set that their entries are from.
+    pub fn draw_placed(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        target: &TextureView,
+        (scene, stage): (&Scene, &Stage),
+        (view, visible): (&View, &VisibleSet),
+        items: &[PlacedItem],
+    ) -> DrawStats {
+        let subject = Subject {
+            stage,
+            scene,
+            view,
+            visible,
+            exposure: Exposure::Fixed(1.0),
+        };
+        let mut store = Store {
+            device: &self.device,
+            queue: &self.queue,
+            meshes: &mut self.meshes,
+            materials: &mut self.materials,
+        };
+        self.plan.make_placed(subject, items, &mut store);
+        self.finish(encoder, target, view)
+    }
+
+    fn finish(&mut self, encoder: &mut CommandEncoder, target: &TextureView, view: &View) -> DrawStats {
         self.upload(view);
         let size = target.texture().size();
         self.fit_targets([size.width, size.height]);
@@ -437,6 +470,17 @@ impl FrameBits {
             sky: steps.map(|step| step.as_vec3().extend(0.0).into()),
             origin: [x, y, 0.0, 0.0],
         }
+    }
+}
+
+/// Returns the options for a device that the renderer likes: of the adapter's limits, and with more exact depths where
+/// there are.
+pub fn device_options(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    wgpu::DeviceDescriptor {
+        label: Some("enfilade"),
+        required_features: adapter.features() & wgpu::Features::DEPTH32FLOAT_STENCIL8,
+        required_limits: adapter.limits(),
+        ..wgpu::DeviceDescriptor::default()
     }
 }
 

@@ -1,0 +1,591 @@
+//! The window: input, the picture of the scene, and the panels around it.
+
+use crate::floor_plan;
+use crate::history::{Frame, History};
+use crate::loading::{Loading, Opened};
+use crate::overlay::{self, Overlays};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::path;
+use crate::picture::{Diagnostic, Gpu, ScenePicture};
+use crate::session::Session;
+use crate::walker::Walker;
+use eframe::egui::{self, Color32, ComboBox, Key, RichText, Sense, Slider, Ui, Vec2};
+use enfilade::{Camera, Method, SectorId, View};
+use enfilade_draw::{Exposure, Show};
+use enfilade_wgpu::DrawStats;
+use web_time::Instant;
+
+/// The viewer.
+pub struct App {
+    gpu: Gpu,
+    picture: ScenePicture,
+    /// The walk through the scene, once there is one.
+    pub session: Option<Session>,
+    loading: Option<Loading>,
+    /// The last message, and whether it is an error.
+    pub message: Option<(String, bool)>,
+    /// What is drawn over the picture.
+    pub overlays: Overlays,
+    /// Whether the panels are shown.
+    pub panels: bool,
+    diagnostic: Option<Diagnostic>,
+    history: History,
+    drawn: DrawStats,
+    encode_ms: f64,
+    /// Metres per second.
+    speed: f64,
+    exposure_stops: f32,
+    recording: Option<Vec<Camera>>,
+    replay: Option<(Vec<Camera>, usize)>,
+    /// The last recorded or opened path.
+    path: Vec<Camera>,
+    /// Seconds to go on repainting.
+    awake: f64,
+}
+
+impl App {
+    /// Creates a viewer of a scene, which it begins to load.
+    pub fn new(gpu: Gpu, scene: Loading) -> App {
+        App {
+            picture: ScenePicture::new(&gpu, 4),
+            gpu,
+            session: None,
+            loading: Some(scene),
+            message: None,
+            overlays: Overlays::default(),
+            panels: true,
+            diagnostic: None,
+            history: History::default(),
+            drawn: DrawStats::default(),
+            encode_ms: 0.0,
+            speed: 2.0,
+            exposure_stops: 0.0,
+            recording: None,
+            replay: None,
+            path: Vec::new(),
+            awake: 0.0,
+        }
+    }
+
+    /// Shows a frame.
+    pub fn show(&mut self, ui: &mut Ui) {
+        self.take_scene(ui);
+        self.take_files(ui);
+        if self.panels {
+            egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+            if self.session.is_some() {
+                egui::Panel::left("scene").default_size(230.0).show(ui, |ui| {
+                    egui::ScrollArea::vertical().show(ui, |ui| self.scene_panel(ui));
+                });
+                egui::Panel::right("visibility")
+                    .default_size(300.0)
+                    .show(ui, |ui| {
+                        egui::ScrollArea::vertical().show(ui, |ui| self.visibility_panel(ui));
+                    });
+            }
+        }
+        egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui));
+        if self.awake > 0.0 || self.loading.is_some() || self.replay.is_some() {
+            ui.ctx().request_repaint();
+        }
+    }
+
+    fn take_scene(&mut self, ui: &Ui) {
+        let Some(loading) = &mut self.loading else { return };
+        match loading.poll() {
+            None => return,
+            Some(Ok(Opened::Path(path))) => {
+                self.message = Some((format!("{}: {} views", loading.name(), path.len()), false));
+                self.path = path;
+            }
+            Some(Ok(Opened::Scene(world))) => {
+                let world = *world;
+                self.message = world.warnings.first().map(|warning| (warning.clone(), false));
+                self.speed = 2.0;
+                self.session = Some(Session::new(world));
+                // Meshes and textures of the last scene go.
+                self.picture = ScenePicture::new(&self.gpu, self.picture.samples());
+                self.history = History::default();
+            }
+            Some(Err(why)) => self.message = Some((format!("{why:#}"), true)),
+        }
+        self.loading = None;
+        ui.ctx().request_repaint();
+    }
+
+    /// Opens a file that was dropped on the window.
+    fn take_files(&mut self, ui: &Ui) {
+        let dropped = ui.input(|input| input.raw.dropped_files.first().cloned());
+        if let Some(file) = dropped {
+            self.load(Loading::dropped(file));
+        }
+    }
+
+    /// Replaces the scene once the other one is loaded.
+    pub fn load(&mut self, loading: Loading) {
+        self.loading = Some(loading);
+    }
+
+    fn say(&mut self, message: &str) {
+        self.message = Some((message.to_owned(), false));
+    }
+
+    fn status(&mut self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            if let Some(loading) = &self.loading {
+                ui.spinner();
+                ui.label(format!("loading {} … {:.0} s", loading.name(), loading.seconds()));
+            }
+            match &self.message {
+                Some((message, true)) => ui.colored_label(Color32::from_rgb(255, 120, 100), message),
+                Some((message, false)) => ui.label(message),
+                None => ui.label("Drop a .glb, .gltf, .obj or .bsp file here to open it."),
+            };
+        });
+        ui.horizontal_wrapped(|ui| {
+            let keys = [
+                ("drag", "look around"),
+                ("W A S D Q E", "move"),
+                ("Shift", "faster"),
+                ("click", "why is it visible"),
+                ("F", "freeze and see from outside"),
+                ("right click", "open or close a door"),
+                ("G", "walk"),
+                ("Tab", "panels"),
+            ];
+            for (key, what) in keys {
+                ui.label(RichText::new(key).strong());
+                ui.label(RichText::new(what).weak());
+            }
+        });
+    }
+
+    fn scene_panel(&mut self, ui: &mut Ui) {
+        let Some(session) = &mut self.session else { return };
+        let scene = &session.world.scene;
+        ui.add_space(4.0);
+        ui.heading(session.world.name.rsplit('/').next().unwrap_or_default());
+        ui.label(format!(
+            "{} items, {} triangles, {} sectors, {} portals",
+            scene.item_count(),
+            grouped(scene.triangle_count()),
+            scene.sector_count(),
+            scene.portals().len()
+        ));
+        let mut built_in = None;
+        ComboBox::from_id_salt("built-in")
+            .selected_text("built-in scenes")
+            .show_ui(ui, |ui| {
+                for name in enfilade_scenes::NAMES {
+                    if ui.selectable_label(false, name).clicked() {
+                        built_in = Some(name);
+                    }
+                }
+            });
+        let mut camera = None;
+        ComboBox::from_id_salt("cameras")
+            .selected_text("cameras")
+            .show_ui(ui, |ui| {
+                for (number, known) in session.world.cameras.iter().enumerate() {
+                    let name = match known.name.as_str() {
+                        "" => format!("camera {}", number + 1),
+                        name => name.to_owned(),
+                    };
+                    if ui.selectable_label(false, name).clicked() {
+                        camera = Some(number);
+                    }
+                }
+            });
+        if let Some(number) = camera {
+            if session.frozen.is_some() {
+                session.toggle_frozen();
+            }
+            let world = &session.world;
+            session.walker = Walker::new(&world.scene, &world.cameras[number], world.metre);
+        }
+        ui.separator();
+        Self::methods(ui, session, &mut self.message);
+        ui.separator();
+        let mut options = session.viewer.options;
+        ui.checkbox(&mut options.occlusion, "occlusion culling");
+        ui.checkbox(&mut options.coherence, "temporal coherence");
+        ui.add(Slider::new(&mut options.limits.max_crossings, 0..=64).text("portals in a row"));
+        if options != session.viewer.options {
+            session.viewer.options = options;
+            session.look_again();
+            if let Some(diagnostic) = &mut self.diagnostic {
+                diagnostic.forget();
+            }
+        }
+        ui.separator();
+        let mut walks = session.walker.walks;
+        if ui.checkbox(&mut walks, "walk on the ground (G)").changed() && session.frozen.is_none() {
+            session.walker.set_walks(&session.world.scene, walks);
+            self.awake = 3.0;
+        }
+        ui.add(
+            Slider::new(&mut self.speed, 0.1..=200.0)
+                .logarithmic(true)
+                .text("m/s"),
+        );
+        if !session.world.scene.lights().is_empty() {
+            ui.add(Slider::new(&mut self.exposure_stops, -4.0..=4.0).text("exposure"));
+        }
+        let mut smooth = self.picture.samples() > 1;
+        if ui.checkbox(&mut smooth, "smooth edges").changed() {
+            self.picture = ScenePicture::new(&self.gpu, if smooth { 4 } else { 1 });
+        }
+        ui.separator();
+        self.path_controls(ui);
+        if let Some(name) = built_in {
+            self.load(Loading::file(&format!("@{name}")));
+        }
+    }
+
+    fn methods(ui: &mut Ui, session: &mut Session, message: &mut Option<(String, bool)>) {
+        let here = session
+            .viewer
+            .visible()
+            .passages()
+            .first()
+            .map(|passage| passage.sector);
+        let all: Vec<Option<Method>> = (session.world.scene.sectors())
+            .map(|id| session.world.scene.method(id))
+            .collect();
+        let same = all
+            .first()
+            .copied()
+            .flatten()
+            .filter(|&first| all.iter().all(|&other| other == Some(first)));
+        let mut wanted: Option<(Method, Option<SectorId>)> = None;
+        let mut pick = |ui: &mut Ui, label: &str, now: Option<Method>, only: Option<SectorId>| {
+            let text = now.map_or("several", Method::name);
+            ComboBox::from_label(label).selected_text(text).show_ui(ui, |ui| {
+                for method in Method::ALL {
+                    let line = format!("{} · {}", method.name(), method.contract());
+                    if ui.selectable_label(now == Some(method), line).clicked() {
+                        wanted = Some((method, only));
+                    }
+                }
+            });
+        };
+        pick(ui, "method", same, None);
+        if let Some(sector) = here.filter(|_| all.len() > 1) {
+            pick(
+                ui,
+                "in this sector",
+                session.world.scene.method(sector),
+                Some(sector),
+            );
+            ui.label(RichText::new(session.world.scene.sector_name(sector)).weak());
+        }
+        if let Some((method, only)) = wanted {
+            *message = match session.set_method(method, only) {
+                Ok(()) => None,
+                Err(why) => Some((why, true)),
+            };
+        }
+    }
+
+    fn path_controls(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| match self.recording.take() {
+            Some(recorded) => {
+                if ui.button(format!("■ stop ({} views)", recorded.len())).clicked() {
+                    self.path = recorded;
+                } else {
+                    self.recording = Some(recorded);
+                }
+            }
+            None => {
+                if ui.button("● record").clicked() {
+                    self.recording = Some(Vec::new());
+                }
+            }
+        });
+        if self.path.is_empty() {
+            ui.label(RichText::new("Record a camera path, or drop a .jsonl file of views.").weak());
+            return;
+        }
+        ui.horizontal(|ui| {
+            let label = if self.replay.is_some() {
+                "■ stop"
+            } else {
+                "▶ replay"
+            };
+            if ui
+                .button(format!("{label} ({} views)", self.path.len()))
+                .clicked()
+            {
+                self.replay = match self.replay.take() {
+                    Some(_) => None,
+                    None => Some((self.path.clone(), 0)),
+                };
+            }
+            #[cfg(not(target_arch = "wasm32"))]
+            if ui.button("save").clicked() {
+                let file = "camera-path.jsonl";
+                self.message = Some(match std::fs::write(file, path::write(&self.path)) {
+                    Ok(()) => (
+                        format!("wrote {file}; `enfilade look SCENE --path {file}` measures it"),
+                        false,
+                    ),
+                    Err(why) => (format!("{file}: {why}"), true),
+                });
+            }
+        });
+    }
+
+    fn visibility_panel(&mut self, ui: &mut Ui) {
+        let Some(session) = &mut self.session else { return };
+        let stats = session.stats;
+        ui.add_space(4.0);
+        egui::Grid::new("numbers")
+            .num_columns(3)
+            .striped(true)
+            .show(ui, |ui| {
+                ui.label("");
+                ui.label(RichText::new("visible").strong());
+                ui.label(RichText::new("in the frustum").weak());
+                ui.end_row();
+                ui.label("items");
+                ui.label(RichText::new(grouped(stats.items as u64)).strong());
+                ui.label(grouped(stats.items_in_frustum as u64));
+                ui.end_row();
+                ui.label("triangles");
+                ui.label(RichText::new(grouped(stats.triangles)).strong());
+                ui.label(grouped(stats.triangles_in_frustum));
+                ui.end_row();
+                ui.label("passages");
+                ui.label(grouped(stats.passages as u64));
+                ui.label(if stats.complete { "" } else { "limit reached" });
+                ui.end_row();
+                ui.label("draw calls");
+                ui.label(grouped(self.drawn.draw_calls.into()));
+                ui.end_row();
+            });
+        let (look, encode) = (Color32::from_rgb(120, 200, 255), Color32::from_rgb(255, 180, 90));
+        self.history.plot(
+            ui,
+            &[
+                ("look", look, |frame| frame.look_ms),
+                ("encode", encode, |frame| frame.encode_ms),
+            ],
+            "ms",
+        );
+        let (visible, others) = (Color32::from_rgb(90, 220, 120), Color32::from_gray(150));
+        self.history.plot(
+            ui,
+            &[
+                ("items", visible, |frame| frame.items),
+                ("in the frustum", others, |frame| frame.items_in_frustum),
+            ],
+            "",
+        );
+        ui.separator();
+        let label = if session.frozen.is_some() {
+            "unfreeze (F)"
+        } else {
+            "freeze the visible set (F)"
+        };
+        if ui.button(label).clicked() {
+            session.toggle_frozen();
+            self.awake = 0.5;
+        }
+        ui.horizontal_wrapped(|ui| {
+            let overlays = &mut self.overlays;
+            ui.checkbox(&mut overlays.frustum, "frustum");
+            ui.checkbox(&mut overlays.portals, "portals");
+            ui.checkbox(&mut overlays.apertures, "apertures");
+            ui.checkbox(&mut overlays.sectors, "sectors");
+            ui.checkbox(&mut overlays.boxes, "boxes");
+            if ui.checkbox(&mut session.ghosts, "ghosts").changed() {
+                session.place();
+            }
+        });
+        if let Some(frozen) = &session.frozen {
+            ui.label("Ghosts: red items are in view but hidden, blue ones are out of view.");
+            if frozen.left_out > 0 {
+                let text = format!("{} more ghosts are not drawn.", grouped(frozen.left_out as u64));
+                ui.label(RichText::new(text).weak());
+            }
+        }
+        ui.separator();
+        match &session.selected {
+            None => {
+                ui.label(RichText::new("Click an item to see why it is visible, or not.").weak());
+            }
+            Some(selected) => {
+                let explanation = &selected.explanation;
+                ui.label(RichText::new(&explanation.name).strong());
+                let (verdict, color) = match explanation.is_visible {
+                    true => ("visible", Color32::from_rgb(90, 220, 120)),
+                    false => ("not visible", Color32::from_rgb(255, 120, 100)),
+                };
+                ui.colored_label(color, verdict);
+                for reason in &explanation.reasons {
+                    ui.label(reason);
+                }
+            }
+        }
+        ui.separator();
+        let mut show = self.diagnostic.as_ref().map(|diagnostic| diagnostic.show);
+        let name = |show: Option<Show>| show.map_or("none", Show::name);
+        ComboBox::from_label("diagnostic picture")
+            .selected_text(name(show))
+            .show_ui(ui, |ui| {
+                ui.selectable_value(&mut show, None, "none");
+                for kind in Show::ALL.into_iter().filter(|&kind| kind != Show::Image) {
+                    ui.selectable_value(&mut show, Some(kind), kind.name());
+                }
+            });
+        if show != self.diagnostic.as_ref().map(|diagnostic| diagnostic.show) {
+            self.diagnostic = show.map(Diagnostic::new);
+        }
+        if let Some(diagnostic) = &mut self.diagnostic {
+            let width = ui.available_width();
+            let texture = diagnostic.draw(ui.ctx(), session, 320);
+            let size = Vec2::new(width, width * texture.size.y / texture.size.x);
+            ui.add(egui::Image::from_texture(texture).fit_to_exact_size(size));
+        }
+        egui::CollapsingHeader::new("floor plan")
+            .default_open(true)
+            .show(ui, |ui| floor_plan::show(ui, session));
+        let memory = format!(
+            "{:.0} MB on {}",
+            self.picture.bytes() as f64 / 1e6,
+            self.gpu.adapter
+        );
+        ui.label(RichText::new(memory).weak());
+    }
+
+    fn viewport(&mut self, ui: &mut Ui) {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        let Some(session) = &mut self.session else {
+            ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(18, 20, 26));
+            return;
+        };
+        let scale = ui.ctx().pixels_per_point();
+        let size = [rect.width(), rect.height()].map(|side| ((side * scale) as u32).clamp(1, 8192));
+        let seconds = ui.input(|input| f64::from(input.stable_dt.min(0.1)));
+        self.awake -= seconds;
+        let has_keys = !ui.ctx().egui_wants_keyboard_input();
+        let (mut freeze, mut panels, mut walk) = (false, false, false);
+        ui.input(|input| {
+            if has_keys {
+                freeze = input.key_pressed(Key::F);
+                panels = input.key_pressed(Key::Tab);
+                walk = input.key_pressed(Key::G);
+                let held = |key| f64::from(u8::from(input.key_down(key)));
+                let either = |a, b| held(a).max(held(b));
+                let way = [
+                    either(Key::D, Key::ArrowRight) - either(Key::A, Key::ArrowLeft),
+                    either(Key::E, Key::PageUp) - either(Key::Q, Key::PageDown),
+                    either(Key::W, Key::ArrowUp) - either(Key::S, Key::ArrowDown),
+                ];
+                let is_moving = way != [0.0; 3];
+                if is_moving {
+                    self.awake = 0.5;
+                }
+                if is_moving || session.walker.walks {
+                    let speed = self.speed * if input.modifiers.shift { 4.0 } else { 1.0 };
+                    session
+                        .walker
+                        .step(&session.world.scene, way.map(|part| part * speed), seconds);
+                }
+            }
+        });
+        if panels {
+            self.panels = !self.panels;
+        }
+        if freeze {
+            session.toggle_frozen();
+            self.awake = 0.5;
+        }
+        if walk && session.frozen.is_none() {
+            let walks = !session.walker.walks;
+            session.walker.set_walks(&session.world.scene, walks);
+            self.awake = 3.0;
+        }
+        if response.hovered() {
+            let scrolled = ui.input(|input| input.smooth_scroll_delta.y);
+            self.speed = (self.speed * f64::from(0.004 * scrolled).exp()).clamp(0.1, 200.0);
+        }
+        if response.dragged() {
+            let moved = response.drag_delta();
+            session
+                .walker
+                .turn(0.004 * f64::from(moved.x), -0.004 * f64::from(moved.y));
+            self.awake = 0.5;
+        }
+        if let Some((path, next)) = &mut self.replay {
+            match path.get(*next).filter(|_| session.frozen.is_none()) {
+                Some(camera) => {
+                    session.walker = Walker::new(&session.world.scene, camera, session.world.metre)
+                }
+                None => self.replay = None,
+            }
+            if let Some((_, next)) = &mut self.replay {
+                *next += 1;
+            }
+        }
+        let view = session.look(size);
+        if let Some(recorded) = self.recording.as_mut().filter(|_| session.frozen.is_none()) {
+            recorded.push(session.walker.camera(&session.world.scene));
+        }
+        let start = Instant::now();
+        let exposure = match session.world.scene.lights().is_empty() {
+            true => Exposure::Fixed(1.0),
+            false => Exposure::Eye(self.exposure_stops),
+        };
+        let (texture, drawn) = self.picture.draw(&self.gpu, session, &view, exposure);
+        self.encode_ms = start.elapsed().as_secs_f64() * 1e3;
+        self.drawn = drawn;
+        self.history.push(Frame {
+            look_ms: session.stats.look_ms,
+            encode_ms: self.encode_ms,
+            items: session.stats.items as f64,
+            items_in_frustum: session.stats.items_in_frustum as f64,
+        });
+        let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+        ui.painter().image(texture.id, rect, whole, Color32::WHITE);
+        overlay::draw(ui.painter(), rect, session, &view, self.overlays);
+        if let Some(at) = response.interact_pointer_pos() {
+            self.pointed(
+                &response,
+                &view,
+                [
+                    f64::from((at.x - rect.min.x) * scale),
+                    f64::from((at.y - rect.min.y) * scale),
+                ],
+            );
+        }
+    }
+
+    fn pointed(&mut self, response: &egui::Response, view: &View, at: [f64; 2]) {
+        let Some(session) = &mut self.session else { return };
+        if response.clicked() {
+            session.select(view, at);
+            self.awake = 0.1;
+        }
+        if response.secondary_clicked() {
+            let said = session.toggle_portal(view, at);
+            let said = said.unwrap_or_else(|| "No portal is there.".to_owned());
+            self.say(&said);
+            self.awake = 0.1;
+        }
+    }
+}
+
+/// Returns a number with its thousands apart.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place) % 3 == 0 {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}

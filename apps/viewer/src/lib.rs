@@ -1,0 +1,16 @@
+//! The interactive viewer of Enfilade: walk through a scene, freeze its visible set, and see why things are hidden.
+#![forbid(unsafe_code)]
+
+pub mod app;
+pub mod explain;
+mod floor_plan;
+mod history;
+pub mod loading;
+pub mod overlay;
+pub mod path;
+pub mod picture;
+pub mod places;
+pub mod session;
+pub mod walker;
+pub mod window;
+pub mod world;

@@ -1,0 +1,85 @@
+//! Recorded camera paths: JSON lines, one view each, as `--path` of the program reads them.
+
+use anyhow::{Context, Result, bail};
+use enfilade::Camera;
+use serde::{Deserialize, Serialize};
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Line {
+    eye: [f64; 3],
+    toward: [f64; 3],
+    #[serde(default = "upright")]
+    up: [f64; 3],
+    /// Degrees.
+    #[serde(default = "sixty")]
+    fov: f64,
+}
+
+fn upright() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+fn sixty() -> f64 {
+    60.0
+}
+
+/// Writes cameras as lines.
+pub fn write(cameras: &[Camera]) -> String {
+    let line = |camera: &Camera| {
+        let line = Line {
+            eye: camera.eye,
+            toward: camera.toward,
+            up: camera.up,
+            fov: f64::from(camera.fov_y.to_degrees()),
+        };
+        serde_json::to_string(&line).expect("numbers") + "\n"
+    };
+    cameras.iter().map(line).collect()
+}
+
+/// Reads cameras from lines.
+///
+/// # Errors
+/// If a line is no view, or there is none.
+pub fn read(text: &str) -> Result<Vec<Camera>> {
+    let lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty());
+    let mut cameras = Vec::new();
+    for (number, line) in lines {
+        let line: Line = serde_json::from_str(line).with_context(|| format!("line {}", number + 1))?;
+        cameras.push(Camera {
+            up: line.up,
+            fov_y: line.fov.to_radians() as f32,
+            ..Camera::new(line.eye, line.toward)
+        });
+    }
+    if cameras.is_empty() {
+        bail!("it has no views: lines of {{\"eye\":[x,y,z],\"toward\":[x,y,z]}}");
+    }
+    Ok(cameras)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_that_is_written_and_read_is_the_same() {
+        let cameras = [
+            Camera::new([1.0, 2.0, 3.0], [0.1, 0.2, 0.3]),
+            Camera::new([0.0; 3], [0.0, 0.0, -1.0]),
+        ];
+        let again = read(&write(&cameras)).expect("it reads what it writes");
+        assert_eq!(again.len(), 2);
+        assert_eq!(
+            (again[0].eye, again[0].toward),
+            (cameras[0].eye, cameras[0].toward)
+        );
+        assert!((again[1].fov_y - cameras[1].fov_y).abs() < 1e-6);
+        let error = format!("{:#}", read("\n{\"eye\":[1,2]}").expect_err("two numbers"));
+        assert!(error.starts_with("line 2"), "{error}");
+    }
+}

@@ -1,0 +1,355 @@
+//! A walk through a scene: the camera, the visible set of each frame, and the frozen one.
+
+use crate::explain::{Explanation, explain};
+use crate::places::{Place, placed_items, places};
+use crate::walker::Walker;
+use crate::world::World;
+use enfilade::{ItemIndex, Method, PortalId, Ray, RayEnd, Scene, SectorId, Transform, View, Viewer};
+use enfilade_wgpu::PlacedItem;
+use glam::DVec3;
+use web_time::Instant;
+
+/// The scene, who walks through it, and what is seen.
+pub struct Session {
+    /// The scene.
+    pub world: World,
+    /// The camera, or the one above a frozen scene.
+    pub walker: Walker,
+    /// Holds the visible set: of this frame, or the frozen one.
+    pub viewer: Viewer,
+    /// The view of the last look.
+    pub view: View,
+    /// What was frozen, if anything is.
+    pub frozen: Option<Frozen>,
+    /// The item that was clicked.
+    pub selected: Option<Selected>,
+    /// Whether ghosts are drawn of what is not visible.
+    pub ghosts: bool,
+    /// Numbers of the last look.
+    pub stats: LookStats,
+}
+
+/// A visible set that is looked at from outside.
+pub struct Frozen {
+    /// The camera to go back to.
+    pub walker: Walker,
+    /// Where sectors are.
+    pub places: Vec<Place>,
+    /// What is drawn.
+    pub items: Vec<PlacedItem>,
+    /// Number of ghosts that are not drawn, because there are too many.
+    pub left_out: usize,
+}
+
+/// An item that was clicked.
+pub struct Selected {
+    /// Its sector.
+    pub sector: SectorId,
+    /// The item.
+    pub item: ItemIndex,
+    /// Maps its sector to the space of the camera's.
+    pub root_from_sector: Transform,
+    /// Why it is drawn, or not.
+    pub explanation: Explanation,
+}
+
+/// Numbers of one look.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LookStats {
+    /// Time of the look, in milliseconds.
+    pub look_ms: f64,
+    /// Visible items.
+    pub items: usize,
+    /// Visible triangles.
+    pub triangles: u64,
+    /// Passages.
+    pub passages: usize,
+    /// Items that frustum culling alone would leave.
+    pub items_in_frustum: usize,
+    /// Their triangles.
+    pub triangles_in_frustum: u64,
+    /// Whether every visible open portal was followed.
+    pub complete: bool,
+}
+
+impl Session {
+    /// Starts at the first camera of a scene.
+    pub fn new(world: World) -> Session {
+        let walker = Walker::new(&world.scene, &world.cameras[0], world.metre);
+        let mut session = Session {
+            view: walker
+                .camera(&world.scene)
+                .view([64, 64])
+                .unwrap_or_else(|_| origin()),
+            walker,
+            world,
+            viewer: Viewer::new(),
+            frozen: None,
+            selected: None,
+            ghosts: true,
+            stats: LookStats::default(),
+        };
+        session.look([64, 64]);
+        session
+    }
+
+    /// Looks, unless the set is frozen. Returns the view to draw, of this size.
+    pub fn look(&mut self, size: [u32; 2]) -> View {
+        let camera = self.walker.camera(&self.world.scene);
+        let seen = camera.view(size).unwrap_or(self.view);
+        if self.frozen.is_none() {
+            self.view = seen;
+            self.look_again();
+        }
+        seen
+    }
+
+    /// Looks with the view of the last look, after the scene or the options have changed.
+    pub fn look_again(&mut self) {
+        let scene = &self.world.scene;
+        let start = Instant::now();
+        let set = self.viewer.look(scene, &self.view);
+        let look_ms = start.elapsed().as_secs_f64() * 1e3;
+        let (items_in_frustum, triangles_in_frustum) = set.in_frustum(scene);
+        self.stats = LookStats {
+            look_ms,
+            items: set.items().len(),
+            triangles: set.triangle_count(scene),
+            passages: set.passages().len(),
+            items_in_frustum,
+            triangles_in_frustum,
+            complete: set.complete(),
+        };
+        if self.frozen.is_some() {
+            self.place();
+        }
+        if let Some(Selected { sector, item, .. }) = self.selected {
+            self.explain(sector, item);
+        }
+    }
+
+    /// Freezes the visible set to look at it from outside, or goes back to where it was frozen.
+    pub fn toggle_frozen(&mut self) {
+        if let Some(frozen) = self.frozen.take() {
+            self.walker = frozen.walker;
+            return;
+        }
+        self.frozen = Some(Frozen {
+            walker: self.walker.clone(),
+            places: Vec::new(),
+            items: Vec::new(),
+            left_out: 0,
+        });
+        let scene = &self.world.scene;
+        self.walker.set_walks(scene, false);
+        self.walker.is_free = true;
+        self.place();
+    }
+
+    /// Places the items of the frozen set.
+    pub fn place(&mut self) {
+        let scene = &self.world.scene;
+        if let Some(frozen) = &mut self.frozen {
+            frozen.places = places(scene, &self.viewer, &self.view);
+            (frozen.items, frozen.left_out) = placed_items(scene, &self.viewer, &frozen.places, self.ghosts);
+        }
+    }
+
+    /// Selects the item at a pixel of a view that [`Session::look`] returned.
+    pub fn select(&mut self, view: &View, at: [f64; 2]) {
+        self.selected = None;
+        let [origin, direction] = view.ray(at);
+        if let Some((sector, item, root_from_sector)) = self.hit(view, origin, direction) {
+            self.selected = Some(Selected {
+                sector,
+                item,
+                root_from_sector,
+                explanation: Explanation {
+                    name: String::new(),
+                    is_visible: false,
+                    reasons: Vec::new(),
+                },
+            });
+            self.explain(sector, item);
+        }
+    }
+
+    fn explain(&mut self, sector: SectorId, item: ItemIndex) {
+        let explanation = explain(&self.world.scene, &self.view, self.viewer.visible(), sector, item);
+        if let Some(selected) = &mut self.selected {
+            selected.explanation = explanation;
+        }
+    }
+
+    fn hit(
+        &self,
+        view: &View,
+        origin: [f64; 3],
+        direction: [f64; 3],
+    ) -> Option<(SectorId, ItemIndex, Transform)> {
+        let scene = &self.world.scene;
+        let Some(frozen) = &self.frozen else {
+            let ray = ray(DVec3::from(origin), DVec3::from(direction));
+            let cast = scene.cast(scene.sector_of(view)?, &ray);
+            let RayEnd::Face(hit) = cast.end else { return None };
+            return Some((cast.sector, hit.item.index, cast.there_from_here.inverse()?));
+        };
+        // The nearest of all places.
+        let mut nearest: Option<(f64, SectorId, ItemIndex, Transform)> = None;
+        for place in &frozen.places {
+            let Some(sector_from_root) = place.root_from_sector.inverse() else {
+                continue;
+            };
+            let [from, to] = [DVec3::from(origin), DVec3::from(origin) + DVec3::from(direction)]
+                .map(|at| DVec3::from(sector_from_root.point(at.as_vec3().into()).map(f64::from)));
+            if let Some(hit) = scene.sector(place.sector).cast(&ray(from, to - from))
+                && nearest.is_none_or(|(distance, ..)| hit.distance < distance)
+            {
+                nearest = Some((hit.distance, place.sector, hit.item.index, place.root_from_sector));
+            }
+        }
+        nearest.map(|(_, sector, item, root_from_sector)| (sector, item, root_from_sector))
+    }
+
+    /// Opens or closes the nearest portal at a pixel, and the one that leads back. Returns its name.
+    pub fn toggle_portal(&mut self, view: &View, at: [f64; 2]) -> Option<String> {
+        let scene = &self.world.scene;
+        let [origin, direction] = view.ray(at).map(DVec3::from);
+        let sector = scene.sector_of(view).filter(|_| self.frozen.is_none())?;
+        let cast = scene.cast(sector, &ray(origin, direction));
+        let portal = match (cast.crossed.first(), cast.end) {
+            (Some(&first), _) => first,
+            (None, RayEnd::Closed(opening)) => scene.portal_of(cast.sector, opening)?,
+            _ => return None,
+        };
+        let open = !scene.portals()[portal.0 as usize].open;
+        let back = (0..scene.portals().len() as u32)
+            .map(PortalId)
+            .find(|&other| other != portal && scene.has_portal(other) && scene.leads_back(portal, other));
+        let name = opening_name(scene, portal).to_owned();
+        self.world.scene.set_open(portal, open);
+        if let Some(back) = back {
+            self.world.scene.set_open(back, open);
+        }
+        Some(format!("{} `{name}`", if open { "opened" } else { "closed" }))
+    }
+
+    /// Uses a method in one sector, or in all that can use it.
+    ///
+    /// # Errors
+    /// If the method does not suit the sector, or none.
+    pub fn set_method(&mut self, method: Method, only: Option<SectorId>) -> Result<(), String> {
+        let scene = &mut self.world.scene;
+        let sectors: Vec<SectorId> = scene
+            .sectors()
+            .filter(|id| only.is_none_or(|only| only == *id))
+            .collect();
+        let (mut done, mut error) = (0, String::new());
+        for sector in sectors {
+            if scene.geometry(sector).is_none() || scene.method(sector) == Some(method) {
+                continue;
+            }
+            match scene.set_method(sector, method) {
+                Ok(()) => done += 1,
+                Err(why) => error = why.to_string(),
+            }
+        }
+        self.look_again();
+        if done == 0 && !error.is_empty() {
+            Err(error)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Returns the name of the opening of a portal.
+pub fn opening_name(scene: &Scene, portal: PortalId) -> &str {
+    let portal = &scene.portals()[portal.0 as usize];
+    &scene.sector(portal.from).openings()[usize::from(portal.opening.0)].name
+}
+
+fn ray(origin: DVec3, direction: DVec3) -> Ray {
+    Ray {
+        origin: origin.as_vec3().into(),
+        direction: direction.as_vec3().into(),
+    }
+}
+
+/// Returns a view of a scene whose cameras are all invalid.
+fn origin() -> View {
+    View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 64]).expect("a valid view")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn palace() -> Session {
+        Session::new(World::open("@enfilade").expect("a built-in scene"))
+    }
+
+    #[test]
+    fn a_frozen_palace_shows_every_item_at_its_place_or_as_a_ghost() {
+        let mut session = palace();
+        session.look([320, 240]);
+        session.toggle_frozen();
+        let frozen = session.frozen.as_ref().expect("it is frozen");
+        let visible = frozen.items.iter().filter(|item| item.visible.is_some()).count();
+        assert_eq!(visible, session.stats.items);
+        let ghosts = frozen.items.iter().filter(|item| item.ghost.is_some()).count();
+        assert!(ghosts > session.world.scene.item_count() / 2, "{ghosts}");
+        // Flying does not change the set.
+        let before = session.view;
+        session.walker.step(&session.world.scene, [0.0, 1.0, 0.0], 5.0);
+        session.look([320, 240]);
+        assert_eq!(session.view, before);
+        session.toggle_frozen();
+        assert_eq!(session.look([320, 240]).eye(), before.eye());
+    }
+
+    #[test]
+    fn a_click_says_why_an_item_is_visible_and_why_one_behind_a_wall_is_not() {
+        let mut session = palace();
+        let view = session.look([320, 240]);
+        session.select(&view, [30.0, 200.0]);
+        let selected = session.selected.as_ref().expect("the floor");
+        assert!(selected.explanation.is_visible);
+        let scene = &session.world.scene;
+        let set = session.viewer.visible();
+        // Items of the camera's own sector that are not in the set.
+        let sector = set.passages()[0].sector;
+        let geometry = scene.geometry(sector).expect("no custom sector");
+        let mut said = 0;
+        for item in (0..geometry.items().len() as u32).map(ItemIndex) {
+            if !set.sees(sector, geometry.id_of(item)) {
+                let why = explain(scene, &session.view, set, sector, item);
+                assert!(!why.is_visible && !why.reasons.is_empty());
+                said += usize::from(why.reasons[0].contains("frustum"));
+            }
+        }
+        assert!(said > 10, "{said}");
+    }
+
+    #[test]
+    fn a_portal_that_is_clicked_closes_and_opens_again() {
+        let mut session = palace();
+        let view = session.look([320, 240]);
+        let open = |session: &Session| {
+            session
+                .world
+                .scene
+                .portals()
+                .iter()
+                .filter(|portal| portal.open)
+                .count()
+        };
+        let before = open(&session);
+        let said = session.toggle_portal(&view, [160.0, 130.0]).expect("a door");
+        assert!(said.starts_with("closed"), "{said}");
+        assert_eq!(open(&session), before - 2);
+        let said = session.toggle_portal(&view, [160.0, 130.0]).expect("a door");
+        assert!(said.starts_with("opened"), "{said}");
+        assert_eq!(open(&session), before);
+    }
+}

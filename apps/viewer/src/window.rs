@@ -1,0 +1,54 @@
+//! The viewer in a window of the system, or in a canvas of a page.
+
+use crate::app::App;
+use crate::loading::Loading;
+use crate::picture::Gpu;
+use eframe::egui_wgpu::{RenderState, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+use eframe::wgpu;
+use std::sync::Arc;
+
+/// What `eframe` drives.
+pub struct Window(App);
+
+impl Window {
+    /// Creates the viewer on the device of a window.
+    ///
+    /// # Errors
+    /// If the window has no device.
+    pub fn new(context: &eframe::CreationContext<'_>, scene: Loading) -> Result<Window, String> {
+        let state = context
+            .wgpu_render_state
+            .as_ref()
+            .ok_or("there is no graphics device")?;
+        Ok(Window(App::new(gpu(state), scene)))
+    }
+}
+
+impl eframe::App for Window {
+    fn ui(&mut self, ui: &mut eframe::egui::Ui, _frame: &mut eframe::Frame) {
+        self.0.show(ui);
+    }
+}
+
+fn gpu(state: &RenderState) -> Gpu {
+    let info = state.adapter.get_info();
+    let flags = state.adapter.get_downlevel_capabilities().flags;
+    Gpu {
+        device: state.device.clone(),
+        queue: state.queue.clone(),
+        renderer: Arc::clone(&state.renderer),
+        has_view_formats: flags.contains(wgpu::DownlevelFlags::VIEW_FORMATS),
+        adapter: format!("{} ({:?})", info.name, info.backend),
+    }
+}
+
+/// Returns how the device is made: with what the renderer likes.
+pub fn device() -> WgpuConfiguration {
+    WgpuConfiguration {
+        wgpu_setup: WgpuSetup::CreateNew(WgpuSetupCreateNew {
+            device_descriptor: Arc::new(enfilade_wgpu::device_options),
+            ..WgpuSetupCreateNew::without_display_handle()
+        }),
+        ..WgpuConfiguration::default()
+    }
+}

@@ -1,0 +1,111 @@
+//! A scene that is open in the viewer.
+
+use anyhow::{Context, Result, anyhow};
+use enfilade::{Camera, Method, Scene, survey};
+use enfilade_draw::Stage;
+use enfilade_import::ReadOptions;
+use std::path::Path;
+
+/// Limit of the memory for reading a file, and for what a method builds, in bytes.
+pub const MEMORY: u64 = 4_000_000_000;
+
+/// A scene with what the viewer needs of its file.
+pub struct World {
+    /// The name that the user gave.
+    pub name: String,
+    /// The scene.
+    pub scene: Scene,
+    /// Its light and textures.
+    pub stage: Stage,
+    /// Cameras to start at; at least one.
+    pub cameras: Vec<Camera>,
+    /// Scene units per metre, as the survey of the scene estimates them.
+    pub metre: f64,
+    /// Warnings of the reader.
+    pub warnings: Vec<String>,
+}
+
+impl World {
+    /// Opens a file, or a built-in scene by `@NAME`.
+    ///
+    /// # Errors
+    /// If the scene cannot be read or built. The message says why, and what to do.
+    pub fn open(name: &str) -> Result<World> {
+        if let Some(built_in) = name.strip_prefix('@') {
+            let found = enfilade_scenes::built_in(built_in).ok_or_else(|| {
+                let names: Vec<String> = enfilade_scenes::NAMES
+                    .iter()
+                    .map(|name| format!("@{name}"))
+                    .collect();
+                anyhow!("no built-in scene {name}; there are {}", names.join(", "))
+            })?;
+            return Ok(World::new(name, found.scene, found.cameras, Vec::new()));
+        }
+        let import = enfilade_import::read(Path::new(name), &options())?;
+        World::of_import(name, &import)
+    }
+
+    /// Opens a file of these bytes: one that needs no other files beside it.
+    ///
+    /// # Errors
+    /// As [`World::open`].
+    pub fn of_bytes(name: &str, bytes: &[u8]) -> Result<World> {
+        let import = enfilade_import::read_bytes(bytes, None, &options())?;
+        World::of_import(name, &import)
+    }
+
+    fn of_import(name: &str, import: &enfilade_import::Import) -> Result<World> {
+        let scene = import
+            .scene(Method::Masked, MEMORY)
+            .or_else(|_| import.scene(Method::FloatingHorizon, MEMORY))
+            .with_context(|| name.to_owned())?;
+        let warnings = import.warnings.iter().map(ToString::to_string).collect();
+        Ok(World::new(name, scene, import.cameras.clone(), warnings))
+    }
+
+    fn new(name: &str, scene: Scene, mut cameras: Vec<Camera>, warnings: Vec<String>) -> World {
+        let found = survey(&scene, if cameras.is_empty() { 4 } else { 1 });
+        if cameras.is_empty() {
+            cameras = (1..)
+                .zip(&found.views)
+                .map(|(number, view)| Camera {
+                    name: format!("survey {number}"),
+                    sector: Some(view.sector),
+                    ..Camera::new(view.eye, view.toward)
+                })
+                .collect();
+        }
+        if cameras.is_empty() {
+            cameras.push(outside(&scene));
+        }
+        World {
+            name: name.to_owned(),
+            stage: Stage::new(&scene),
+            scene,
+            cameras,
+            metre: found.metre,
+            warnings,
+        }
+    }
+}
+
+/// Returns a camera that sees all of a scene from outside.
+fn outside(scene: &Scene) -> Camera {
+    let bounds = scene
+        .sectors()
+        .map(|id| scene.bounds(id))
+        .fold(enfilade::Aabb::EMPTY, |all, bounds| all.union(&bounds));
+    let (center, size) = (bounds.center(), bounds.longest_side().max(1e-3));
+    let eye = [center[0] + size, center[1] + 0.6 * size, center[2] + size];
+    Camera {
+        name: "outside".to_owned(),
+        ..Camera::new(eye, center)
+    }
+}
+
+fn options() -> ReadOptions {
+    let mut options = ReadOptions::default();
+    options.limit_bytes = MEMORY;
+    options.skip_bad_portals = true;
+    options
+}

@@ -126,6 +126,11 @@ impl App {
         self.loading = Some(loading);
     }
 
+    /// Shows a diagnostic picture beside the scene, or none.
+    pub fn show_diagnostic(&mut self, show: Option<Show>) {
+        self.diagnostic = show.map(Diagnostic::new);
+    }
+
     fn say(&mut self, message: &str) {
         self.message = Some((message.to_owned(), false));
     }
@@ -290,28 +295,24 @@ impl App {
     fn path_controls(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| match self.recording.take() {
             Some(recorded) => {
-                if ui.button(format!("■ stop ({} views)", recorded.len())).clicked() {
+                if ui.button(format!("stop ({} views)", recorded.len())).clicked() {
                     self.path = recorded;
                 } else {
                     self.recording = Some(recorded);
                 }
             }
             None => {
-                if ui.button("● record").clicked() {
+                if ui.button("record a camera path").clicked() {
                     self.recording = Some(Vec::new());
                 }
             }
         });
         if self.path.is_empty() {
-            ui.label(RichText::new("Record a camera path, or drop a .jsonl file of views.").weak());
+            ui.label(RichText::new("Or drop a .jsonl file of views.").weak());
             return;
         }
         ui.horizontal(|ui| {
-            let label = if self.replay.is_some() {
-                "■ stop"
-            } else {
-                "▶ replay"
-            };
+            let label = if self.replay.is_some() { "stop" } else { "replay" };
             if ui
                 .button(format!("{label} ({} views)", self.path.len()))
                 .clicked()
@@ -387,10 +388,16 @@ impl App {
         } else {
             "freeze the visible set (F)"
         };
-        if ui.button(label).clicked() {
-            session.toggle_frozen();
-            self.awake = 0.5;
-        }
+        ui.horizontal(|ui| {
+            if ui.button(label).clicked() {
+                session.toggle_frozen();
+                self.awake = 0.5;
+            }
+            if session.frozen.is_some() && ui.button("from above").clicked() {
+                session.rise();
+                self.awake = 0.5;
+            }
+        });
         ui.horizontal_wrapped(|ui| {
             let overlays = &mut self.overlays;
             ui.checkbox(&mut overlays.frustum, "frustum");

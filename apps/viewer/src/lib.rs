@@ -2,10 +2,14 @@
 #![forbid(unsafe_code)]
 
 pub mod app;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod args;
 pub mod explain;
 mod floor_plan;
 mod history;
 pub mod loading;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod offscreen;
 pub mod overlay;
 pub mod path;
 pub mod picture;

@@ -1,32 +1,81 @@
-//! Opens a scene in a window.
+//! The program `enfilade-viewer`: opens a scene in a window, draws a screenshot, or serves the viewer as a web page.
 
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {
-    use enfilade_viewer::loading::Loading;
-    use enfilade_viewer::window::{Window, device};
-    let scene = std::env::args().nth(1).unwrap_or("@enfilade".to_owned());
-    let options = eframe::NativeOptions {
-        renderer: eframe::Renderer::Wgpu,
-        wgpu_options: device(),
-        viewport: eframe::egui::ViewportBuilder::default().with_inner_size([1280.0, 800.0]),
-        ..eframe::NativeOptions::default()
-    };
-    let made = eframe::run_native(
-        "Enfilade",
-        options,
-        Box::new(move |context| Ok(Box::new(Window::new(context, Loading::file(&scene))?))),
-    );
-    match made {
-        Ok(()) => std::process::ExitCode::SUCCESS,
-        Err(why) => {
-            #[expect(clippy::print_stderr)]
-            {
-                eprintln!("error: {why}");
-            }
-            std::process::ExitCode::FAILURE
-        }
-    }
+    native::main()
 }
 
+/// The web build is a library, started by its page.
 #[cfg(target_arch = "wasm32")]
 fn main() {}
+
+#[cfg(not(target_arch = "wasm32"))]
+mod native {
+    use anyhow::{Context, Result, anyhow};
+    use clap::Parser;
+    use eframe::egui::{PointerButton, ViewportBuilder};
+    use enfilade_viewer::args::Args;
+    use enfilade_viewer::loading::Loading;
+    use enfilade_viewer::offscreen::Offscreen;
+    use enfilade_viewer::window::{Window, device};
+    use std::path::Path;
+    use std::process::ExitCode;
+
+    pub(super) fn main() -> ExitCode {
+        match run(&Args::parse()) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(why) => {
+                #[expect(clippy::print_stderr, reason = "the program's own message")]
+                {
+                    eprintln!("error: {why:#}");
+                }
+                ExitCode::FAILURE
+            }
+        }
+    }
+
+    fn run(args: &Args) -> Result<()> {
+        match &args.screenshot {
+            Some(file) => screenshot(args, file),
+            None => window(args.clone()),
+        }
+    }
+
+    fn screenshot(args: &Args, file: &Path) -> Result<()> {
+        /// Frames after which the layout of the interface rests.
+        const SETTLED: u32 = 4;
+        let mut viewer = Offscreen::new(args.size, Loading::file(&args.scene))?;
+        args.apply(&mut viewer.app)?;
+        (0..SETTLED).for_each(|_| viewer.frame(Vec::new()));
+        if let Some(at) = args.click {
+            viewer.click(at, PointerButton::Primary);
+            (0..SETTLED).for_each(|_| viewer.frame(Vec::new()));
+        }
+        let picture = viewer.picture()?;
+        picture
+            .save(file)
+            .with_context(|| format!("cannot write {}", file.display()))
+    }
+
+    fn window(args: Args) -> Result<()> {
+        let [width, height] = args.size.map(|side| side as f32);
+        let options = eframe::NativeOptions {
+            renderer: eframe::Renderer::Wgpu,
+            wgpu_options: device(),
+            viewport: ViewportBuilder::default().with_inner_size([width, height]),
+            ..eframe::NativeOptions::default()
+        };
+        let scene = Loading::file(&args.scene);
+        let made = eframe::run_native(
+            "Enfilade",
+            options,
+            Box::new(move |context| Ok(Box::new(Window::new(context, scene, Some(args))?))),
+        );
+        made.map_err(|why| {
+            anyhow!(
+                "no window can be opened: {why}; without a display, --screenshot draws to a file, and --web serves a page. \
+                 Without a graphics driver, `apt-get install mesa-vulkan-drivers libvulkan1` installs one on Debian or Ubuntu"
+            )
+        })
+    }
+}

@@ -4,7 +4,7 @@ use crate::explain::{Explanation, explain};
 use crate::places::{Place, placed_items, places};
 use crate::walker::Walker;
 use crate::world::World;
-use enfilade::{ItemIndex, Method, PortalId, Ray, RayEnd, Scene, SectorId, Transform, View, Viewer};
+use enfilade::{Camera, ItemIndex, Method, PortalId, Ray, RayEnd, Scene, SectorId, Transform, View, Viewer};
 use enfilade_wgpu::PlacedItem;
 use glam::DVec3;
 use web_time::Instant;
@@ -144,6 +144,22 @@ impl Session {
         self.walker.set_walks(scene, false);
         self.walker.is_free = true;
         self.place();
+    }
+
+    /// Moves the camera above the frozen one, looking at what that sees.
+    pub fn rise(&mut self) {
+        let eye = DVec3::from(self.view.eye());
+        let ahead = (DVec3::from(self.view.toward()) - eye).normalize_or(DVec3::NEG_Z);
+        let up = DVec3::from(self.view.up()).normalize_or(DVec3::Y);
+        let size = 12.0 * self.world.metre;
+        let camera = Camera {
+            eye: (eye - 0.5 * size * ahead + size * up).into(),
+            toward: (eye + 0.6 * size * ahead).into(),
+            up: up.into(),
+            ..self.walker.camera(&self.world.scene)
+        };
+        self.walker = Walker::new(&self.world.scene, &camera, self.world.metre);
+        self.walker.is_free = self.frozen.is_some();
     }
 
     /// Places the items of the frozen set.

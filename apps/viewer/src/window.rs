@@ -8,25 +8,48 @@ use eframe::wgpu;
 use std::sync::Arc;
 
 /// What `eframe` drives.
-pub struct Window(App);
+pub struct Window {
+    app: App,
+    /// Options to apply once the scene is open.
+    #[cfg(not(target_arch = "wasm32"))]
+    args: Option<crate::args::Args>,
+}
 
 impl Window {
     /// Creates the viewer on the device of a window.
     ///
     /// # Errors
     /// If the window has no device.
-    pub fn new(context: &eframe::CreationContext<'_>, scene: Loading) -> Result<Window, String> {
+    pub fn new(
+        context: &eframe::CreationContext<'_>,
+        scene: Loading,
+        #[cfg(not(target_arch = "wasm32"))] args: Option<crate::args::Args>,
+    ) -> Result<Window, String> {
         let state = context
             .wgpu_render_state
             .as_ref()
             .ok_or("there is no graphics device")?;
-        Ok(Window(App::new(gpu(state), scene)))
+        Ok(Window {
+            app: App::new(gpu(state), scene),
+            #[cfg(not(target_arch = "wasm32"))]
+            args,
+        })
     }
 }
 
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut eframe::egui::Ui, _frame: &mut eframe::Frame) {
-        self.0.show(ui);
+        #[cfg(not(target_arch = "wasm32"))]
+        let had_scene = self.app.session.is_some();
+        self.app.show(ui);
+        // Applied after the first frame of the scene, which knows its size.
+        #[cfg(not(target_arch = "wasm32"))]
+        if had_scene
+            && let Some(args) = self.args.take()
+            && let Err(why) = args.apply(&mut self.app)
+        {
+            self.app.message = Some((format!("{why:#}"), true));
+        }
     }
 }
 

@@ -7,15 +7,22 @@ use image::RgbaImage;
 use thiserror::Error;
 use wgpu::{Adapter, Device, Queue, Texture, TextureFormat};
 
-/// A device without a window, and a renderer on it.
-#[doc(alias = "offscreen")]
-pub struct Headless {
-    /// Name of the adapter and its driver.
-    pub adapter: String,
+/// A device without a window.
+#[derive(Clone, Debug)]
+pub struct HeadlessDevice {
+    /// The adapter.
+    pub adapter: Adapter,
     /// The device.
     pub device: Device,
     /// Its queue.
     pub queue: Queue,
+}
+
+/// A device without a window, and a renderer on it.
+#[doc(alias = "offscreen")]
+pub struct Headless {
+    /// The device.
+    pub gpu: HeadlessDevice,
     /// The renderer.
     pub renderer: Renderer,
     target: Option<Texture>,
@@ -39,41 +46,58 @@ pub enum HeadlessError {
     Failed(String),
 }
 
-impl Headless {
+impl HeadlessDevice {
     /// Creates a device on the best adapter, software drivers included.
     ///
     /// # Errors
     /// [`HeadlessError::NoAdapter`] and [`HeadlessError::NoDevice`].
-    pub fn new(samples: u32) -> Result<Headless, HeadlessError> {
-        pollster::block_on(Headless::on_best_adapter(samples))
+    pub fn new() -> Result<HeadlessDevice, HeadlessError> {
+        pollster::block_on(async {
+            // OpenGL only where there is nothing better.
+            let mut adapters: Vec<Adapter> = Vec::new();
+            for backends in [wgpu::Backends::PRIMARY, wgpu::Backends::GL] {
+                let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+                    backends,
+                    ..wgpu::InstanceDescriptor::new_without_display_handle()
+                });
+                adapters = instance.enumerate_adapters(backends).await;
+                if !adapters.is_empty() {
+                    break;
+                }
+            }
+            let rank = |adapter: &Adapter| match adapter.get_info().device_type {
+                wgpu::DeviceType::DiscreteGpu => 0,
+                wgpu::DeviceType::IntegratedGpu => 1,
+                wgpu::DeviceType::VirtualGpu => 2,
+                wgpu::DeviceType::Cpu => 3,
+                wgpu::DeviceType::Other => 4,
+            };
+            adapters.sort_by_key(rank);
+            let adapter = adapters.into_iter().next().ok_or(HeadlessError::NoAdapter)?;
+            let (device, queue) = adapter.request_device(&device_options(&adapter)).await?;
+            Ok(HeadlessDevice {
+                adapter,
+                device,
+                queue,
+            })
+        })
     }
+}
 
-    async fn on_best_adapter(samples: u32) -> Result<Headless, HeadlessError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let mut adapters: Vec<Adapter> = instance.enumerate_adapters(wgpu::Backends::all()).await;
-        let rank = |adapter: &Adapter| match adapter.get_info().device_type {
-            wgpu::DeviceType::DiscreteGpu => 0,
-            wgpu::DeviceType::IntegratedGpu => 1,
-            wgpu::DeviceType::VirtualGpu => 2,
-            wgpu::DeviceType::Cpu => 3,
-            wgpu::DeviceType::Other => 4,
+impl Headless {
+    /// Creates a device on the best adapter, software drivers included, and a renderer with 1 or 4 samples per pixel.
+    ///
+    /// # Errors
+    /// As [`HeadlessDevice::new`].
+    pub fn new(samples: u32) -> Result<Headless, HeadlessError> {
+        let gpu = HeadlessDevice::new()?;
+        let options = RendererOptions {
+            format: TextureFormat::Rgba8UnormSrgb,
+            samples,
         };
-        adapters.sort_by_key(rank);
-        let adapter = adapters.first().ok_or(HeadlessError::NoAdapter)?;
-        let (device, queue) = adapter.request_device(&device_options(adapter)).await?;
-        let info = adapter.get_info();
         Ok(Headless {
-            adapter: format!("{}, {} {}", info.name, info.driver, info.driver_info),
-            renderer: Renderer::new(
-                &device,
-                &queue,
-                RendererOptions {
-                    format: TextureFormat::Rgba8UnormSrgb,
-                    samples,
-                },
-            ),
-            device,
-            queue,
+            renderer: Renderer::new(&gpu.device, &gpu.queue, options),
+            gpu,
             target: None,
         })
     }
@@ -92,7 +116,7 @@ impl Headless {
         let fits = |target: &Texture| [target.width(), target.height()] == [width, height];
         let target = match self.target.take().filter(fits) {
             Some(target) => target,
-            None => self.device.create_texture(&wgpu::TextureDescriptor {
+            None => self.gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("picture"),
                 size: wgpu::Extent3d {
                     width,
@@ -108,14 +132,15 @@ impl Headless {
             }),
         };
         let mut encoder = self
+            .gpu
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let on = target.create_view(&wgpu::TextureViewDescriptor::default());
         let stats = self
             .renderer
             .draw(&mut encoder, &on, of, (view, visible), exposure);
-        self.queue.submit([encoder.finish()]);
-        let picture = read(&self.device, &self.queue, &target)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        let picture = read(&self.gpu.device, &self.gpu.queue, &target)?;
         self.target = Some(target);
         Ok((picture, stats))
     }

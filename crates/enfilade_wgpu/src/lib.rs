@@ -13,6 +13,6 @@ mod plan;
 mod renderer;
 
 #[cfg(feature = "headless")]
-pub use headless::{Headless, HeadlessError, read};
+pub use headless::{Headless, HeadlessDevice, HeadlessError, read};
 pub use plan::PlacedItem;
 pub use renderer::{DrawStats, Renderer, RendererOptions, device_options};

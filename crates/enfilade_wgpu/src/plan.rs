@@ -414,38 +414,59 @@ impl Plan {
             scissor: [x, y, width, height],
             level: 0,
         });
-        let ghosts = placed.iter().filter_map(|item| item.ghost);
-        let mut colors: Vec<[f32; 4]> = ghosts.collect();
-        colors.sort_unstable_by(|a, b| a.map(f32::to_bits).cmp(&b.map(f32::to_bits)));
-        colors.dedup();
-        let solid = [Style::Opaque, Style::Blended];
-        for style in solid.into_iter().chain(colors.into_iter().map(Style::Ghost)) {
+        let place = |item: &PlacedItem| (eye_from_root * item.root_from_sector, false);
+        for style in [Style::Opaque, Style::Blended] {
             for item in placed {
-                let Some(geometry) = of.scene.geometry(item.sector) else {
-                    continue;
-                };
-                let place = (eye_from_root * item.root_from_sector, false);
-                let is_drawn = match style {
-                    Style::Ghost(color) => item.ghost == Some(color),
-                    _ => item.visible.is_some(),
-                };
-                if is_drawn {
-                    self.add_item(
-                        (of.stage, store),
-                        (geometry, item.item),
-                        place,
-                        style,
-                        |mesh, runs| match (&item.visible, style) {
-                            (Some(visible), Style::Opaque | Style::Blended) => {
-                                of.visible.draw_runs(visible, mesh, runs);
-                            }
-                            _ => whole(mesh, runs),
-                        },
-                    );
+                let Some(visible) = &item.visible else { continue };
+                if let Some(geometry) = of.scene.geometry(item.sector) {
+                    let runs =
+                        |mesh: &Mesh, runs: &mut Vec<DrawRun>| of.visible.draw_runs(visible, mesh, runs);
+                    self.add_item((of.stage, store), (geometry, item.item), place(item), style, runs);
                 }
             }
             self.finish_batches(style == Style::Opaque);
         }
+        self.add_ghosts(of, placed, store, eye_from_root);
+    }
+
+    /// Adds the ghosts, all instances of a mesh that have one colour at once.
+    fn add_ghosts(
+        &mut self,
+        of: Subject,
+        placed: &[PlacedItem],
+        store: &mut Store,
+        eye_from_root: Transform,
+    ) {
+        let mut ghosts: Vec<_> = placed
+            .iter()
+            .filter_map(|item| {
+                let geometry = of.scene.geometry(item.sector)?;
+                let mesh = &geometry.meshes()[geometry.item(item.item).mesh.0 as usize];
+                Some((item.ghost?, Arc::as_ptr(mesh).addr(), item, geometry, mesh))
+            })
+            .collect();
+        ghosts.sort_by_key(|(color, address, ..)| (color.map(f32::to_bits), *address));
+        for same in ghosts.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let &(color, _, _, geometry, mesh) = &same[0];
+            for mirrored in [false, true] {
+                let start = self.instances.len() as u32;
+                for (_, _, item, geometry, _) in same {
+                    let eye_from_sector = eye_from_root * item.root_from_sector;
+                    self.add_instance(store, eye_from_sector, (geometry, item.item), Some(mirrored));
+                }
+                whole(mesh, &mut self.runs);
+                let batch = Batch {
+                    geometry,
+                    mesh,
+                    instances: [start, self.instances.len() as u32],
+                    mirrored,
+                    clips: false,
+                    style: Style::Ghost(color),
+                };
+                self.add_runs(of.stage, store, &batch);
+            }
+        }
+        self.finish_batches(false);
     }
 
     /// Adds one item.
@@ -518,7 +539,12 @@ impl Plan {
                         ..Material::opaque([0.0; 3])
                     };
                     number = store.materials.get(gpu, of_scene, &ghost, false);
-                    &[Sides::Both]
+                    // From outside, walls of rooms do not hide what is inside.
+                    if material.double_sided {
+                        &[Sides::Both]
+                    } else {
+                        &[Sides::Front]
+                    }
                 }
                 (_, false) => &[Sides::Front],
                 (Style::Opaque, true) => &[Sides::Both],

@@ -1,0 +1,179 @@
+//! The command line.
+
+use crate::app::App;
+use crate::overlay::Overlays;
+use crate::session::Session;
+use crate::walker::Walker;
+use anyhow::{Context, Result, anyhow, bail};
+use clap::Parser;
+use enfilade::{Camera, Method};
+use enfilade_draw::Show;
+use std::path::PathBuf;
+
+/// Walks through a scene, freezes what is visible, and says why things are hidden.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "enfilade-viewer", version, max_term_width = 100)]
+pub struct Args {
+    /// A .glb, .gltf, .obj or .bsp file, or @NAME for a built-in scene
+    #[arg(default_value = "@enfilade")]
+    pub scene: String,
+    /// Start at this camera of the scene
+    #[arg(long, value_name = "NAME", conflicts_with = "eye")]
+    pub camera: Option<String>,
+    /// Start here, in scene units
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "toward")]
+    pub eye: Option<[f64; 3]>,
+    /// Look at this position
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
+    pub toward: Option<[f64; 3]>,
+    /// Use this method in all sectors that it suits
+    #[arg(long, value_name = "NAME", value_parser = method)]
+    pub method: Option<Method>,
+    /// Set the size of the window, in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = size)]
+    pub size: [u32; 2],
+    /// Write one frame to this file, without a window
+    #[arg(long, value_name = "FILE.png")]
+    pub screenshot: Option<PathBuf>,
+    /// Freeze the visible set
+    #[arg(long)]
+    pub freeze: bool,
+    /// Look at the frozen set from above
+    #[arg(long, requires = "freeze")]
+    pub above: bool,
+    /// Draw these over the picture, comma-separated: frustum, portals, apertures, sectors, boxes
+    #[arg(long, value_name = "LIST", value_parser = overlays)]
+    pub overlays: Option<Overlays>,
+    /// Click at this position of the window, in pixels, to explain what is there
+    #[arg(long, value_name = "X,Y", value_parser = pixel, requires = "screenshot")]
+    pub click: Option<[f32; 2]>,
+    /// Show a diagnostic picture: overdraw, items, sectors, order or cover
+    #[arg(long, value_name = "WHAT", value_parser = show)]
+    pub show: Option<Show>,
+    /// Show the picture of the scene alone, without panels
+    #[arg(long)]
+    pub no_panels: bool,
+    /// Serve the viewer as a web page on 127.0.0.1, with the scene
+    #[arg(long, conflicts_with = "screenshot")]
+    pub web: bool,
+    /// Port of the web page; 0 chooses a free one
+    #[arg(long, value_name = "PORT", default_value_t = 0, requires = "web")]
+    pub port: u16,
+}
+
+impl Args {
+    /// Applies the options to a viewer whose scene is open.
+    ///
+    /// # Errors
+    /// If the scene has no such camera, or the method suits no sector.
+    pub fn apply(&self, app: &mut App) -> Result<()> {
+        app.panels = !self.no_panels;
+        if let Some(overlays) = self.overlays {
+            app.overlays = overlays;
+        }
+        app.show_diagnostic(self.show);
+        let Some(session) = &mut app.session else {
+            return Ok(());
+        };
+        if let Some(camera) = self.start(session)? {
+            let world = &session.world;
+            session.walker = Walker::new(&world.scene, &camera, world.metre);
+        }
+        session.look(session.view.size());
+        if let Some(method) = self.method {
+            session.set_method(method, None).map_err(|why| anyhow!("{why}"))?;
+        }
+        if self.freeze {
+            session.toggle_frozen();
+            if self.above {
+                session.rise();
+            }
+        }
+        Ok(())
+    }
+
+    fn start(&self, session: &Session) -> Result<Option<Camera>> {
+        if let (Some(eye), Some(toward)) = (self.eye, self.toward) {
+            return Ok(Some(Camera::new(eye, toward)));
+        }
+        let Some(name) = &self.camera else { return Ok(None) };
+        let cameras = &session.world.cameras;
+        let found = cameras.iter().find(|camera| &camera.name == name).cloned();
+        let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        found.map(Some).with_context(|| {
+            format!(
+                "no camera `{name}` in {}; there are {}",
+                session.world.name,
+                names.join(", ")
+            )
+        })
+    }
+}
+
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N]> {
+    let parts: Vec<f64> = text
+        .split(',')
+        .map(|part| {
+            part.trim()
+                .parse()
+                .with_context(|| format!("`{part}` is no number"))
+        })
+        .collect::<Result<_>>()?;
+    let count = parts.len();
+    let numbers: [f64; N] = parts
+        .try_into()
+        .map_err(|_| anyhow!("{N} numbers are wanted, not {count}"))?;
+    if numbers.iter().any(|number| !number.is_finite()) {
+        bail!("it is not finite");
+    }
+    Ok(numbers)
+}
+
+fn point(text: &str) -> Result<[f64; 3]> {
+    numbers(text)
+}
+
+fn pixel(text: &str) -> Result<[f32; 2]> {
+    Ok(numbers(text)?.map(|number| number as f32))
+}
+
+fn size(text: &str) -> Result<[u32; 2]> {
+    let parse = |part: &str| part.parse().ok().filter(|side| (64..=8192).contains(side));
+    let sides = text
+        .split_once('x')
+        .and_then(|(width, height)| Some([parse(width)?, parse(height)?]));
+    sides.context("a size is WxH, such as 1280x800, with sides from 64 to 8192")
+}
+
+fn method(text: &str) -> Result<Method> {
+    let names: Vec<&str> = Method::ALL.iter().map(|method| method.name()).collect();
+    let found = Method::ALL.into_iter().find(|method| method.name() == text);
+    found.with_context(|| format!("there are {}", names.join(", ")))
+}
+
+fn show(text: &str) -> Result<Show> {
+    let found = Show::by_name(text).filter(|&show| show != Show::Image);
+    found.context("there are overdraw, items, sectors, order and cover")
+}
+
+fn overlays(text: &str) -> Result<Overlays> {
+    let mut overlays = Overlays {
+        frustum: false,
+        sectors: false,
+        portals: false,
+        apertures: false,
+        boxes: false,
+    };
+    for name in text.split(',').filter(|name| !name.is_empty()) {
+        let flag = match name {
+            "frustum" => &mut overlays.frustum,
+            "sectors" => &mut overlays.sectors,
+            "portals" => &mut overlays.portals,
+            "apertures" => &mut overlays.apertures,
+            "boxes" => &mut overlays.boxes,
+            _ => bail!("no overlay `{name}`; there are frustum, portals, apertures, sectors and boxes"),
+        };
+        *flag = true;
+    }
+    Ok(overlays)
+}

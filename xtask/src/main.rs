@@ -1,5 +1,5 @@
 //! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `targets`, `public-api`, `ci-long`, `charts`,
-//! `lines`, `rooms`, `web` and `scenes`.
+//! `lines`, `rooms`, `web`, `viewer` and `scenes`.
 #![forbid(unsafe_code)]
 
 mod charts;
@@ -12,6 +12,7 @@ mod rooms;
 mod scenes;
 mod targets;
 mod verify;
+mod viewer;
 mod web;
 
 use clap::Parser;
@@ -40,6 +41,8 @@ enum Task {
     Rooms(rooms::Args),
     /// Builds the npm package in `web/`, and tests it
     Web(web::Args),
+    /// Builds and tests the viewer in `apps/viewer/`, or its web page
+    Viewer(viewer::Args),
     /// Lists the real scenes, where they are published, and checks a folder of them
     Scenes(scenes::Args),
 }
@@ -59,6 +62,7 @@ fn main() -> anyhow::Result<()> {
         Task::Lines(args) => lines::run(&args),
         Task::Rooms(args) => rooms::run(&args),
         Task::Web(args) => web::run(&args),
+        Task::Viewer(args) => viewer::run(&args),
         Task::Scenes(args) => scenes::run(&args),
     }
 }

@@ -30,6 +30,7 @@ mod run_files;
 mod save;
 mod text;
 mod values;
+mod view;
 mod vis;
 mod welcome;
 
@@ -47,6 +48,8 @@ enum Outcome {
     Done,
     /// Exit code 1: a check found a false cull or a wrong pixel.
     CheckFailed,
+    /// Exit code 2: an error that the viewer has printed.
+    Failed,
 }
 
 impl Outcome {
@@ -76,11 +79,13 @@ fn main() -> ExitCode {
         Some(Verb::Vis(args)) => vis::run(args),
         Some(Verb::Portals(args)) => portals::run(&args),
         Some(Verb::Rooms(args)) => rooms::run(&args),
+        Some(Verb::View(args)) => view::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Ok(Outcome::Failed) => ExitCode::from(2),
         Err(error) => {
             out::error(&error);
             ExitCode::from(2)

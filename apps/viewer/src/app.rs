@@ -69,6 +69,7 @@ impl App {
 
     /// Shows a frame.
     pub fn show(&mut self, ui: &mut Ui) {
+        ui.ctx().set_theme(egui::Theme::Dark);
         self.take_scene(ui);
         self.take_files(ui);
         if self.panels {

@@ -14,7 +14,11 @@ pub mod overlay;
 pub mod path;
 pub mod picture;
 pub mod places;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod serve;
 pub mod session;
 pub mod walker;
+#[cfg(target_arch = "wasm32")]
+pub mod web;
 pub mod window;
 pub mod world;

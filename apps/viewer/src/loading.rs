@@ -31,11 +31,11 @@ enum Work {
     /// A built-in scene. Some frames pass before, so that the message is seen.
     BuiltIn(u32),
     /// The file is on its way.
-    Bytes(
-        std::rc::Rc<std::cell::RefCell<Option<Result<Vec<u8>, String>>>>,
-        u32,
-    ),
+    Bytes(Arrived, u32),
 }
+
+#[cfg(target_arch = "wasm32")]
+type Arrived = std::rc::Rc<std::cell::RefCell<Option<Result<Vec<u8>, String>>>>;
 
 impl Loading {
     /// Opens a file, or a built-in scene by `@NAME`.
@@ -97,7 +97,7 @@ impl Loading {
     /// Opens a file whose bytes arrive.
     #[cfg(target_arch = "wasm32")]
     pub fn arriving(name: &str, bytes: impl Future<Output = Result<Vec<u8>, String>> + 'static) -> Loading {
-        let arrived = std::rc::Rc::default();
+        let arrived = Arrived::default();
         let to = std::rc::Rc::clone(&arrived);
         wasm_bindgen_futures::spawn_local(async move {
             let bytes = bytes.await;

@@ -17,6 +17,7 @@ mod native {
     use enfilade_viewer::args::Args;
     use enfilade_viewer::loading::Loading;
     use enfilade_viewer::offscreen::Offscreen;
+    use enfilade_viewer::serve::Server;
     use enfilade_viewer::window::{Window, device};
     use std::path::Path;
     use std::process::ExitCode;
@@ -29,7 +30,7 @@ mod native {
                 {
                     eprintln!("error: {why:#}");
                 }
-                ExitCode::FAILURE
+                ExitCode::from(2)
             }
         }
     }
@@ -37,8 +38,18 @@ mod native {
     fn run(args: &Args) -> Result<()> {
         match &args.screenshot {
             Some(file) => screenshot(args, file),
+            None if args.web => serve(args),
             None => window(args.clone()),
         }
+    }
+
+    fn serve(args: &Args) -> Result<()> {
+        let server = Server::new(&args.scene, args.port)?;
+        #[expect(clippy::print_stdout, reason = "the address is the answer")]
+        {
+            println!("open {} in a browser; Ctrl+C ends it", server.address);
+        }
+        server.run()
     }
 
     fn screenshot(args: &Args, file: &Path) -> Result<()> {

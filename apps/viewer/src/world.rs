@@ -50,7 +50,7 @@ impl World {
     /// # Errors
     /// As [`World::open`].
     pub fn of_bytes(name: &str, bytes: &[u8]) -> Result<World> {
-        let import = enfilade_import::read_bytes(bytes, None, &options())?;
+        let import = enfilade_import::read_bytes(bytes, None, &options()).with_context(|| name.to_owned())?;
         World::of_import(name, &import)
     }
 

@@ -1,5 +1,25 @@
 //! Draws the visible sets of [Enfilade](enfilade) with wgpu: sectors behind portals, mirrors and teleports in one render
 //! pass, instanced, textured and lit as by [`enfilade_draw`].
+//!
+//! ```
+//! use enfilade::{Scene, View, VisibleSet};
+//! use enfilade_draw::{Exposure, Stage};
+//! use enfilade_wgpu::Renderer;
+//!
+//! fn frame(
+//!     renderer: &mut Renderer,
+//!     encoder: &mut wgpu::CommandEncoder,
+//!     target: &wgpu::TextureView,
+//!     (scene, stage): (&Scene, &Stage),
+//!     (view, visible): (&View, &VisibleSet),
+//! ) {
+//!     renderer.draw(encoder, target, (scene, stage), (view, visible), Exposure::Eye(0.0));
+//! }
+//! ```
+//!
+//! The stencil buffer counts the openings between the eye and a pixel. A passage is drawn where that number is its depth in
+//! the tree of passages, so it covers exactly the pixels of its openings; `plan.rs` has the steps. The picture equals that of
+//! [`enfilade_draw`], but for pixels at edges, faces in one plane, and glass that intersects other glass.
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "headless")]

@@ -60,8 +60,19 @@ pub(crate) enum Verb {
     Portals(PortalsArgs),
     /// Find the rooms, doors and windows of a building, and draw its floor plans
     Rooms(RoomsArgs),
+    /// Walk through a scene in a window, freeze what is visible, and see why things are hidden
+    #[command(disable_help_flag = true)]
+    View(ViewArgs),
     /// Print the contents of a scene file
     Info(InfoArgs),
+}
+
+/// Options of `view`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct ViewArgs {
+    /// A scene, and options of the viewer; `enfilade view --help` lists them
+    #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
+    pub(crate) arguments: Vec<OsString>,
 }
 
 /// Options of `draw`.

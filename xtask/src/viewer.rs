@@ -44,28 +44,17 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         return cargo(&["build", "--release"]);
     }
     let features = ["--features", "enfilade_wgpu/headless"];
+    let with = |first: &[&str], last: &[&str]| cargo(&[first, &features, last].concat());
     cargo(&["fmt", "--all", "--check"])?;
-    cargo(
-        &[
-            &["clippy", "--workspace", "--all-targets"],
-            &features[..],
-            &["--", "-D", "warnings"],
-        ]
-        .concat(),
-    )?;
     if args.quick {
-        cargo(&[&["test", "--test", "interface"], &features[..], &["keys"]].concat())?;
+        with(&["test", "--test", "interface"], &["keys"])?;
     } else {
-        let warnings = ["--", "-D", "warnings"];
-        cargo(&[&["clippy", "--workspace", "--all-targets"], &features[..], &warnings].concat())?;
-        cargo(&[&["test", "--workspace"], &features[..]].concat())?;
-        cargo(
-            &[
-                &["run", "-p", "enfilade_wgpu", "--example", "palace"],
-                &features[..],
-            ]
-            .concat(),
+        with(
+            &["clippy", "--workspace", "--all-targets"],
+            &["--", "-D", "warnings"],
         )?;
+        with(&["test", "--workspace"], &[])?;
+        with(&["run", "-p", "enfilade_wgpu", "--example", "palace"], &[])?;
     }
     cargo(&["build"])?;
     test_window(&workspace)

@@ -18,8 +18,8 @@ use crate::save::Destination;
 use crate::text::{count, ms, plural};
 use crate::values::Choice;
 use anyhow::{Result, bail};
-use enfilade::{ChoiceGoal, Light, LightShape, Method, Scene, SectorId, Viewer};
-use enfilade_draw::{Exposure, Legend, Samples, Show};
+use enfilade::{ChoiceGoal, Method, Scene, Viewer};
+use enfilade_draw::{Exposure, Legend, Samples, Show, with_sun};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -215,31 +215,6 @@ fn with_shapes(
 }
 
 /// Returns the output line of a picture:
-/// Returns a scene without lights with a sun: in the sectors that are open above, or else in the largest one.
-fn with_sun(scene: &Scene) -> Scene {
-    const DOWN: [f32; 3] = [-0.424, -0.755, -0.5];
-    const COLOR: [f32; 3] = [1.0, 0.95, 0.85];
-    let mut scene = scene.clone();
-    if !scene.lights().is_empty() {
-        return scene;
-    }
-    let mut sunny: Vec<SectorId> = scene.sectors().filter(|&id| scene.is_open_above(id)).collect();
-    if sunny.is_empty() {
-        let size = |id: &SectorId| scene.bounds(*id).volume();
-        sunny.extend(scene.sectors().max_by(|a, b| size(a).total_cmp(&size(b))));
-    }
-    for sector in sunny {
-        let shape = LightShape::Sun { direction: DOWN };
-        let sun = Light {
-            shape,
-            ..Light::point(sector, [0.0; 3], COLOR, f32::INFINITY)
-        };
-        // A sun is valid in every sector.
-        let _ = scene.add_light(sun);
-    }
-    scene
-}
-
 /// `a.png: 43 items, 34,120 triangles by hierarchical-z in 21.3 ms; 2 of 5 lights shine on them`.
 fn line(
     file: &Path,

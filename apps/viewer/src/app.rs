@@ -127,6 +127,18 @@ impl App {
         self.loading = Some(loading);
     }
 
+    /// Lets the sun of the scene cast shadows; a scene without lights gets one.
+    pub fn cast_shadows(&mut self) {
+        if let Some(session) = self
+            .session
+            .as_mut()
+            .filter(|session| session.world.scene.lights().is_empty())
+        {
+            session.world.add_sun();
+        }
+        self.picture.shadows = true;
+    }
+
     /// Shows a diagnostic picture beside the scene, or none.
     pub fn show_diagnostic(&mut self, show: Option<Show>) {
         self.diagnostic = show.map(Diagnostic::new);
@@ -172,11 +184,11 @@ impl App {
         ui.add_space(4.0);
         ui.heading(session.world.name.rsplit('/').next().unwrap_or_default());
         ui.label(format!(
-            "{} items, {} triangles, {} sectors, {} portals",
-            scene.item_count(),
-            grouped(scene.triangle_count()),
-            scene.sector_count(),
-            scene.portals().len()
+            "{}, {}, {}, {}",
+            counted(scene.item_count() as u64, "item"),
+            counted(scene.triangle_count(), "triangle"),
+            counted(scene.sector_count() as u64, "sector"),
+            counted(scene.portals().len() as u64, "portal")
         ));
         let mut built_in = None;
         ComboBox::from_id_salt("built-in")
@@ -237,9 +249,18 @@ impl App {
         if !session.world.scene.lights().is_empty() {
             ui.add(Slider::new(&mut self.exposure_stops, -4.0..=4.0).text("exposure"));
         }
+        let mut shadows = self.picture.shadows;
+        if ui.checkbox(&mut shadows, "shadows of the sun").changed() {
+            if session.world.scene.lights().is_empty() {
+                session.world.add_sun();
+                session.look_again();
+            }
+            self.picture.shadows = shadows;
+        }
         let mut smooth = self.picture.samples() > 1;
         if ui.checkbox(&mut smooth, "smooth edges").changed() {
             self.picture = ScenePicture::new(&self.gpu, if smooth { 4 } else { 1 });
+            self.picture.shadows = shadows;
         }
         ui.separator();
         self.path_controls(ui);
@@ -585,12 +606,21 @@ impl App {
     }
 }
 
+/// Returns a number of things: "1 item", "2 items".
+fn counted(number: u64, thing: &str) -> String {
+    format!(
+        "{} {thing}{}",
+        grouped(number),
+        if number == 1 { "" } else { "s" }
+    )
+}
+
 /// Returns a number with its thousands apart.
 fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place) % 3 == 0 {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
             text.push('\u{202f}');
         }
         text.push(digit);

@@ -47,6 +47,9 @@ pub struct Args {
     /// Click at this position of the window, in pixels, to explain what is there
     #[arg(long, value_name = "X,Y", value_parser = pixel, requires = "screenshot")]
     pub click: Option<[f32; 2]>,
+    /// Let the sun cast shadows. A scene without lights gets one
+    #[arg(long)]
+    pub shadows: bool,
     /// Show a diagnostic picture: overdraw, items, sectors, order or cover
     #[arg(long, value_name = "WHAT", value_parser = show)]
     pub show: Option<Show>,
@@ -72,6 +75,9 @@ impl Args {
             app.overlays = overlays;
         }
         app.show_diagnostic(self.show);
+        if self.shadows {
+            app.cast_shadows();
+        }
         let Some(session) = &mut app.session else {
             return Ok(());
         };

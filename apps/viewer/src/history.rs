@@ -15,6 +15,9 @@ pub(crate) struct Frame {
     pub(crate) items_in_frustum: f64,
 }
 
+/// A value of the frames to plot: its name, its colour, and where it is.
+pub(crate) type Series<'a> = (&'a str, Color32, fn(&Frame) -> f64);
+
 /// The last frames.
 #[derive(Default)]
 pub(crate) struct History {
@@ -29,8 +32,8 @@ impl History {
         self.frames.push_back(frame);
     }
 
-    /// Plots values of the frames over each other, each with a name and a colour.
-    pub(crate) fn plot(&self, ui: &mut Ui, series: &[(&str, Color32, fn(&Frame) -> f64)], unit: &str) {
+    /// Plots values of the frames over each other.
+    pub(crate) fn plot(&self, ui: &mut Ui, series: &[Series], unit: &str) {
         let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 62.0), Sense::hover());
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 3.0, Color32::from_rgb(18, 20, 26));

@@ -4,9 +4,9 @@ use crate::session::Session;
 use eframe::egui::{self, TextureId, load::SizedTexture};
 use eframe::egui_wgpu;
 use eframe::wgpu;
-use enfilade::{View, Viewer};
+use enfilade::{Light, LightId, LightShape, Scene, ShadowCasters, View, Viewer};
 use enfilade_draw::{Exposure, Settings, Show};
-use enfilade_wgpu::{DrawStats, Renderer, RendererOptions};
+use enfilade_wgpu::{DrawStats, Frame, Renderer, RendererOptions};
 use std::sync::Arc;
 
 /// The device, and the renderer of the interface.
@@ -29,6 +29,9 @@ pub(crate) struct ScenePicture {
     renderer: Renderer,
     target: Option<Target>,
     samples: u32,
+    /// Whether the first sun of the scene casts shadows.
+    pub(crate) shadows: bool,
+    casters: ShadowCasters,
 }
 
 struct Target {
@@ -42,10 +45,14 @@ impl ScenePicture {
         let mut options = RendererOptions::default();
         options.format = format(gpu);
         options.samples = samples;
+        let mut casters = ShadowCasters::new();
+        casters.map_size = 2048;
         ScenePicture {
             renderer: Renderer::new(&gpu.device, &gpu.queue, options),
             target: None,
             samples,
+            shadows: false,
+            casters,
         }
     }
 
@@ -75,16 +82,21 @@ impl ScenePicture {
         let mut encoder = gpu
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let of = (&session.world.scene, &session.world.stage);
-        let set = session.viewer.visible();
+        let (scene, stage) = (&session.world.scene, &session.world.stage);
+        let mut frame = Frame::new(scene, stage, view, session.viewer.visible());
+        frame.exposure = exposure;
         let stats = match &session.frozen {
-            None => self
-                .renderer
-                .draw(&mut encoder, &target.view, of, (view, set), exposure),
-            Some(frozen) => {
-                self.renderer
-                    .draw_placed(&mut encoder, &target.view, of, (view, set), &frozen.items)
+            None => {
+                if let Some(sun) = sun_of(scene).filter(|_| self.shadows) {
+                    let ends = [6.0, 20.0, 60.0, f64::INFINITY];
+                    self.casters.cascades = ends.map(|end| end * session.world.metre).to_vec();
+                    frame.sun = Some((sun, self.casters.find(scene, sun, session.viewer.visible())));
+                }
+                self.renderer.draw(&mut encoder, &target.view, &frame)
             }
+            Some(frozen) => self
+                .renderer
+                .draw_placed(&mut encoder, &target.view, &frame, &frozen.items),
         };
         gpu.queue.submit([encoder.finish()]);
         let [width, height] = size.map(|side| side as f32);
@@ -128,6 +140,16 @@ impl Target {
             id: renderer.register_native_texture(&gpu.device, &shown, wgpu::FilterMode::Nearest),
         }
     }
+}
+
+/// Returns the first sun of a scene.
+pub(crate) fn sun_of(scene: &Scene) -> Option<LightId> {
+    let is_sun = |light: &Light| matches!(light.shape, LightShape::Sun { .. });
+    scene
+        .lights()
+        .iter()
+        .position(is_sun)
+        .map(|number| LightId(number as u32))
 }
 
 fn format(gpu: &Gpu) -> wgpu::TextureFormat {

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, anyhow};
 use enfilade::{Camera, Method, Scene, survey};
-use enfilade_draw::Stage;
+use enfilade_draw::{Stage, with_sun};
 use enfilade_import::ReadOptions;
 use std::path::Path;
 
@@ -63,6 +63,12 @@ impl World {
         Ok(World::new(name, scene, import.cameras.clone(), warnings))
     }
 
+    /// Adds a sun to a scene without lights.
+    pub fn add_sun(&mut self) {
+        self.scene = with_sun(&self.scene);
+        self.stage = Stage::new(&self.scene);
+    }
+
     fn new(name: &str, scene: Scene, mut cameras: Vec<Camera>, warnings: Vec<String>) -> World {
         let found = survey(&scene, if cameras.is_empty() { 4 } else { 1 });
         if cameras.is_empty() {
@@ -104,8 +110,9 @@ fn outside(scene: &Scene) -> Camera {
 }
 
 fn options() -> ReadOptions {
-    let mut options = ReadOptions::default();
-    options.limit_bytes = MEMORY;
-    options.skip_bad_portals = true;
-    options
+    ReadOptions {
+        limit_bytes: MEMORY,
+        skip_bad_portals: true,
+        ..ReadOptions::default()
+    }
 }

@@ -2,7 +2,9 @@
 //! of each sector.
 
 use crate::lighting::DirectLight;
-use enfilade::{Aabb, Light, LightId, LightReach, LightShape, Limits, Passage, Ray, Scene, SectorId};
+use enfilade::{
+    Aabb, Light, LightId, LightReach, LightShape, Limits, Passage, Ray, Scene, SectorId, Transform,
+};
 use glam::{DVec3, Vec3};
 
 /// Maximum number of sector visits per light: two parallel mirrors would reflect forever.
@@ -48,6 +50,7 @@ struct Brightness {
 pub(crate) struct PassageLight {
     /// Number of the light, and of the beam among those of the light.
     pub(crate) beam: (usize, usize),
+    here_from_light: Transform,
     /// Position relative to the passage's eye, or direction to the sun.
     toward: DVec3,
     at: Vec3,
@@ -215,6 +218,7 @@ impl Lamp {
         });
         PassageLight {
             beam: (self.light, self.beam),
+            here_from_light: self.reach.there_from_here,
             toward: if is_sun { -self.onwards } else { at },
             at: at.as_vec3(),
             to_sun: if is_sun {
@@ -265,6 +269,7 @@ impl PassageLight {
         DirectLight {
             light: LightId(self.beam.0 as u32),
             beam: self.beam.1,
+            light_from_here: self.here_from_light.inverse().unwrap_or(Transform::IDENTITY),
             is_sun,
             at: if is_sun { self.to_sun } else { self.at }.into(),
             color: self.color.into(),

@@ -46,6 +46,7 @@ mod show;
 mod sky;
 mod smooth;
 mod stage;
+mod sun;
 
 pub use clip::Clip;
 pub use legend::Legend;
@@ -53,5 +54,6 @@ pub use lighting::{AmbientLight, DirectLight, PassageLighting};
 pub use painter::Painter;
 pub use show::Show;
 pub use stage::{Exposure, Picture, Samples, Settings, Stage};
+pub use sun::with_sun;
 
 pub use image::RgbImage;

@@ -2,7 +2,7 @@
 
 use crate::light::{Daylight, Tone};
 use crate::stage::{Exposure, Stage};
-use enfilade::{LightId, Passage, Scene, Texture, View};
+use enfilade::{LightId, Passage, Scene, Texture, Transform, View};
 
 /// The light in a passage: ambient light, direct light, and tone mapping. From [`Stage::lighting`].
 ///
@@ -53,6 +53,8 @@ pub struct DirectLight {
     pub light: LightId,
     /// Number among the entries of [`Scene::light_reach`] for this light.
     pub beam: usize,
+    /// Maps the space of the passage's sector to that of the light's own.
+    pub light_from_here: Transform,
     /// Whether it is a sun.
     pub is_sun: bool,
     /// Position of the lamp, or unit direction to the sun.

@@ -1,8 +1,9 @@
-//! Draws the palace with a device of one's own, and writes `palace.png`.
+//! Draws the palace with an application's own device, and writes `palace.png`.
+#![allow(clippy::print_stdout)]
 
 use enfilade::Viewer;
-use enfilade_draw::{Exposure, Stage};
-use enfilade_wgpu::{Renderer, RendererOptions, device_options, read};
+use enfilade_draw::Stage;
+use enfilade_wgpu::{Frame, Renderer, RendererOptions, device_options, read};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The application's own device and texture.
@@ -34,12 +35,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let view = palace.cameras[0].view([1280, 720])?;
     let visible = viewer.look(&palace.scene, &view);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let on = target.create_view(&wgpu::TextureViewDescriptor::default());
     let stats = renderer.draw(
         &mut encoder,
-        &target.create_view(&wgpu::TextureViewDescriptor::default()),
-        (&palace.scene, &stage),
-        (&view, visible),
-        Exposure::Eye(0.0),
+        &on,
+        &Frame::new(&palace.scene, &stage, &view, visible),
     );
     queue.submit([encoder.finish()]);
     println!("{stats:?}");

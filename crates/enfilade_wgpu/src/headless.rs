@@ -1,8 +1,7 @@
 //! A device without a window, and pictures read back from it.
 
+use crate::plan::Frame;
 use crate::renderer::{DrawStats, Renderer, RendererOptions, device_options};
-use enfilade::{Scene, View, VisibleSet};
-use enfilade_draw::{Exposure, Stage};
 use image::RgbaImage;
 use thiserror::Error;
 use wgpu::{Adapter, Device, Queue, Texture, TextureFormat};
@@ -106,13 +105,8 @@ impl Headless {
     ///
     /// # Errors
     /// [`HeadlessError::Failed`].
-    pub fn draw(
-        &mut self,
-        of: (&Scene, &Stage),
-        (view, visible): (&View, &VisibleSet),
-        exposure: Exposure,
-    ) -> Result<(RgbaImage, DrawStats), HeadlessError> {
-        let [width, height] = view.size();
+    pub fn draw(&mut self, frame: &Frame) -> Result<(RgbaImage, DrawStats), HeadlessError> {
+        let [width, height] = frame.view.size();
         let fits = |target: &Texture| [target.width(), target.height()] == [width, height];
         let target = match self.target.take().filter(fits) {
             Some(target) => target,
@@ -136,9 +130,7 @@ impl Headless {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let on = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let stats = self
-            .renderer
-            .draw(&mut encoder, &on, of, (view, visible), exposure);
+        let stats = self.renderer.draw(&mut encoder, &on, frame);
         self.gpu.queue.submit([encoder.finish()]);
         let picture = read(&self.gpu.device, &self.gpu.queue, &target)?;
         self.target = Some(target);

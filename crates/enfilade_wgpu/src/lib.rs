@@ -2,18 +2,11 @@
 //! pass, instanced, textured and lit as by [`enfilade_draw`].
 //!
 //! ```
-//! use enfilade::{Scene, View, VisibleSet};
-//! use enfilade_draw::{Exposure, Stage};
-//! use enfilade_wgpu::Renderer;
+//! use enfilade_wgpu::{Frame, Renderer};
 //!
-//! fn frame(
-//!     renderer: &mut Renderer,
-//!     encoder: &mut wgpu::CommandEncoder,
-//!     target: &wgpu::TextureView,
-//!     (scene, stage): (&Scene, &Stage),
-//!     (view, visible): (&View, &VisibleSet),
-//! ) {
-//!     renderer.draw(encoder, target, (scene, stage), (view, visible), Exposure::Eye(0.0));
+//! fn frame(renderer: &mut Renderer, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, frame: &Frame) {
+//!     // `frame` is Frame::new(&scene, &stage, &view, viewer.look(&scene, &view)).
+//!     renderer.draw(encoder, target, frame);
 //! }
 //! ```
 //!
@@ -34,5 +27,5 @@ mod renderer;
 
 #[cfg(feature = "headless")]
 pub use headless::{Headless, HeadlessDevice, HeadlessError, read};
-pub use plan::PlacedItem;
+pub use plan::{Frame, PlacedItem};
 pub use renderer::{DrawStats, Renderer, RendererOptions, device_options};

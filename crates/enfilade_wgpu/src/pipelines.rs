@@ -11,13 +11,25 @@ use wgpu::{
 /// What tells pipelines of items apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct ItemKind {
-    pub(crate) blends: bool,
+    pub(crate) pass: Pass,
     /// Whether fragments before the entry plane are discarded.
     pub(crate) clips: bool,
     pub(crate) sides: Sides,
     /// Whether faces that are counter-clockwise in the item are clockwise on the screen.
     pub(crate) mirrored: bool,
 }
+
+/// What is drawn of items.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) enum Pass {
+    Opaque,
+    Blended,
+    /// Depths alone, on a shadow map.
+    Depth,
+}
+
+/// Format of shadow maps.
+pub(crate) const SHADOW_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 
 /// The sides of faces that are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -46,6 +58,7 @@ pub(crate) struct Pipelines {
     formats: Formats,
     shader: ShaderModule,
     items: wgpu::PipelineLayout,
+    casters: wgpu::PipelineLayout,
     openings: wgpu::PipelineLayout,
     made: HashMap<Key, RenderPipeline>,
 }
@@ -53,6 +66,7 @@ pub(crate) struct Pipelines {
 /// Differences between pipelines.
 struct Differences<'a> {
     layout: &'a wgpu::PipelineLayout,
+    is_shadow: bool,
     entries: [&'static str; 2],
     buffers: &'a [Option<VertexBufferLayout<'a>>],
     front: wgpu::FrontFace,
@@ -69,8 +83,7 @@ impl Pipelines {
     pub(crate) fn new(
         device: &Device,
         formats: Formats,
-        frame: &BindGroupLayout,
-        material: &BindGroupLayout,
+        [frame, material, shadows]: [&BindGroupLayout; 3],
     ) -> Pipelines {
         let layout = |groups: &[Option<&BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -82,7 +95,8 @@ impl Pipelines {
         Pipelines {
             formats,
             shader: device.create_shader_module(wgpu::include_wgsl!("shader.wgsl")),
-            items: layout(&[Some(frame), Some(material)]),
+            items: layout(&[Some(frame), Some(material), Some(shadows)]),
+            casters: layout(&[Some(frame), Some(material)]),
             openings: layout(&[Some(frame)]),
             made: HashMap::new(),
         }
@@ -139,6 +153,7 @@ impl Pipelines {
         let differences = match key {
             Key::Sky => Differences {
                 layout: &self.openings,
+                is_shadow: false,
                 entries: ["everywhere", "sky"],
                 buffers: &[],
                 front: wgpu::FrontFace::Ccw,
@@ -150,8 +165,20 @@ impl Pipelines {
                 constants: &[encodes],
             },
             Key::Item(kind) => Differences {
-                layout: &self.items,
-                entries: ["item", "shade"],
+                layout: if kind.pass == Pass::Depth {
+                    &self.casters
+                } else {
+                    &self.items
+                },
+                is_shadow: kind.pass == Pass::Depth,
+                entries: [
+                    "item",
+                    if kind.pass == Pass::Depth {
+                        "caster"
+                    } else {
+                        "shade"
+                    },
+                ],
                 buffers: &items,
                 front: if kind.mirrored {
                     wgpu::FrontFace::Cw
@@ -163,8 +190,8 @@ impl Pipelines {
                     Sides::Back => Some(wgpu::Face::Front),
                     Sides::Both => None,
                 },
-                colors: [true, kind.blends],
-                writes_depth: !kind.blends,
+                colors: [kind.pass != Pass::Depth, kind.pass == Pass::Blended],
+                writes_depth: kind.pass != Pass::Blended,
                 // At equal depth the first face wins.
                 depth: CompareFunction::Greater,
                 stencil: keep,
@@ -172,6 +199,7 @@ impl Pipelines {
             },
             Key::Opening(step) => Differences {
                 layout: &self.openings,
+                is_shadow: false,
                 entries: match step {
                     OpeningStep::Clear => ["opening_far", "sky"],
                     OpeningStep::Closed => ["opening", "closed"],
@@ -208,6 +236,7 @@ impl Pipelines {
                 wgpu::ColorWrites::empty()
             },
         };
+        let targets = [Some(target)];
         let face = StencilFaceState {
             compare: CompareFunction::Equal,
             fail_op: StencilOperation::Keep,
@@ -234,26 +263,37 @@ impl Pipelines {
                 ..wgpu::PrimitiveState::default()
             },
             depth_stencil: Some(wgpu::DepthStencilState {
-                format: self.formats.depth,
+                format: if of.is_shadow {
+                    SHADOW_FORMAT
+                } else {
+                    self.formats.depth
+                },
                 depth_write_enabled: Some(of.writes_depth),
                 depth_compare: Some(of.depth),
-                stencil: wgpu::StencilState {
-                    front: face,
-                    back: face,
-                    read_mask: 0xff,
-                    write_mask: 0xff,
+                stencil: match of.is_shadow {
+                    true => wgpu::StencilState::default(),
+                    false => wgpu::StencilState {
+                        front: face,
+                        back: face,
+                        read_mask: 0xff,
+                        write_mask: 0xff,
+                    },
                 },
-                bias: wgpu::DepthBiasState::default(),
+                // Away from the light, where depth is less.
+                bias: wgpu::DepthBiasState {
+                    slope_scale: if of.is_shadow { -2.0 } else { 0.0 },
+                    ..wgpu::DepthBiasState::default()
+                },
             }),
             multisample: wgpu::MultisampleState {
-                count: self.formats.samples,
+                count: if of.is_shadow { 1 } else { self.formats.samples },
                 ..wgpu::MultisampleState::default()
             },
             fragment: Some(wgpu::FragmentState {
                 module: &self.shader,
                 entry_point: Some(fragment),
                 compilation_options: options,
-                targets: &[Some(target)],
+                targets: if of.is_shadow { &[] } else { &targets },
             }),
             multiview_mask: None,
             cache: None,

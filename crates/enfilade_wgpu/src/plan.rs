@@ -15,14 +15,14 @@ use crate::lens::{Lens, matrix};
 use crate::materials::Materials;
 use crate::meshes::Meshes;
 use crate::openings;
-use crate::pipelines::{ItemKind, Sides};
+use crate::pipelines::{ItemKind, Pass, Sides};
 use bytemuck::{Pod, Zeroable};
 use enfilade::{
-    Alpha, DrawRun, Geometry, ItemIndex, Material, Mesh, Passage, PassageId, Scene, SectorId, Transform,
-    View, VisibleItem, VisibleSet,
+    Alpha, DrawRun, Geometry, ItemIndex, LightId, LightView, Material, Mesh, Passage, PassageId, Scene,
+    SectorId, Transform, View, VisibleItem, VisibleSet,
 };
 use enfilade_draw::{AmbientLight, DirectLight, Exposure, PassageLighting, Stage};
-use glam::{DVec3, DVec4};
+use glam::{DMat4, DVec3, DVec4};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -114,6 +114,11 @@ pub(crate) struct Plan {
     /// Corners of openings, three each, in clip space.
     pub(crate) triangles: Vec<[f32; 4]>,
     pub(crate) steps: Vec<Step>,
+    /// For each view of the sun what is drawn of its casters.
+    pub(crate) shadow_steps: Vec<Vec<Step>>,
+    /// The maps from the light's sector to clip space of these views.
+    shadow_maps: Vec<DMat4>,
+    pub(crate) passages_drawn: u32,
     /// Whether all visible passages are drawn.
     pub(crate) complete: bool,
     /// Whether the projection mirrors.
@@ -130,12 +135,35 @@ pub(crate) struct Plan {
 
 /// What a picture is made of.
 #[derive(Clone, Copy)]
-pub(crate) struct Subject<'a> {
-    pub(crate) stage: &'a Stage,
-    pub(crate) scene: &'a Scene,
-    pub(crate) view: &'a View,
-    pub(crate) visible: &'a VisibleSet,
-    pub(crate) exposure: Exposure,
+#[non_exhaustive]
+pub struct Frame<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its light and textures.
+    pub stage: &'a Stage,
+    /// The view.
+    pub view: &'a View,
+    /// The set of a look of that view.
+    pub visible: &'a VisibleSet,
+    /// Exposure of lights. Default: automatic.
+    pub exposure: Exposure,
+    /// A sun that casts shadows, and the views that [`ShadowCasters::find`](enfilade::ShadowCasters::find) returned for it
+    /// and `visible`. Default: none.
+    pub sun: Option<(LightId, &'a [LightView])>,
+}
+
+impl<'a> Frame<'a> {
+    /// Creates a frame with defaults.
+    pub fn new(scene: &'a Scene, stage: &'a Stage, view: &'a View, visible: &'a VisibleSet) -> Frame<'a> {
+        Frame {
+            scene,
+            stage,
+            view,
+            visible,
+            exposure: Exposure::Eye(0.0),
+            sun: None,
+        }
+    }
 }
 
 /// An item at a place of its own, for [`Renderer::draw_placed`](crate::Renderer::draw_placed).
@@ -170,6 +198,8 @@ enum Style {
     Blended,
     /// All materials, in one translucent colour.
     Ghost([f32; 4]),
+    /// Depths of what is not blended.
+    Caster,
 }
 
 /// Where meshes and materials are uploaded.
@@ -182,11 +212,15 @@ pub(crate) struct Store<'a> {
 
 impl Plan {
     /// Plans a picture.
-    pub(crate) fn make(&mut self, of: Subject, store: &mut Store) {
+    pub(crate) fn make(&mut self, of: Frame, store: &mut Store) {
         self.clear();
+        for view in of.sun.map_or(&[][..], |(_, views)| views) {
+            self.add_shadow_view(of, view, store);
+        }
         let passages = of.visible.passages();
         let lens = Lens::new(of.scene, of.view, of.visible);
         self.mirrored = lens.mirrors;
+        self.passages_drawn = passages.len() as u32;
         self.list_children(passages);
         self.glass.clear();
         if of.visible.items().iter().any(|item| item.blends) {
@@ -225,6 +259,8 @@ impl Plan {
         self.lights.clear();
         self.triangles.clear();
         self.steps.clear();
+        self.shadow_steps.clear();
+        self.shadow_maps.clear();
         self.known.clear();
         self.complete = true;
     }
@@ -241,8 +277,45 @@ impl Plan {
         }
     }
 
+    /// Adds what a view of the sun draws: all opaque and alpha-tested casters, where they are through its passages.
+    fn add_shadow_view(&mut self, of: Frame, light: &LightView, store: &mut Store) {
+        let lens = Lens::new(of.scene, &light.view, &light.casters);
+        self.mirrored = lens.mirrors;
+        self.shadow_maps
+            .push(lens.clip_from_eye * matrix(&light.view.eye_from_sector()));
+        let [width, height] = light.view.size();
+        for (id, passage) in (0..).map(PassageId).zip(light.casters.passages()) {
+            let Some(geometry) = of.scene.geometry(passage.sector) else {
+                continue;
+            };
+            let sector_from_eye = passage.eye_from_sector().inverse().unwrap_or(Transform::IDENTITY);
+            let number = self.passages.len() as u32;
+            self.passages
+                .push(PassageBits::plain(&lens, &sector_from_eye, &AmbientLight::day()));
+            self.steps.push(Step::Passage {
+                number,
+                scissor: [0, 0, width, height],
+                level: 0,
+            });
+            for item in light.casters.items().iter().filter(|item| item.passage == id) {
+                let place = (passage.eye_from_sector(), false);
+                self.add_item(
+                    (of.stage, store),
+                    (geometry, item.item.index),
+                    place,
+                    Style::Caster,
+                    |mesh, runs| {
+                        light.casters.draw_runs(item, mesh, runs);
+                    },
+                );
+            }
+            self.finish_batches(true);
+        }
+        self.shadow_steps.push(std::mem::take(&mut self.steps));
+    }
+
     /// Adds a passage and all behind it, without recursion: chains may be long.
-    fn add_passages(&mut self, of: Subject, lens: &Lens, store: &mut Store, root: u32, level: u32) {
+    fn add_passages(&mut self, of: Frame, lens: &Lens, store: &mut Store, root: u32, level: u32) {
         /// A passage whose children are being drawn.
         struct Entered {
             passage: u32,
@@ -312,12 +385,14 @@ impl Plan {
     }
 
     /// Begins a passage. Returns its index in [`Plan::passages`].
-    fn enter(&mut self, of: Subject, lens: &Lens, passage: &Passage, level: u32, scissor: [u32; 4]) -> u32 {
+    fn enter(&mut self, of: Frame, lens: &Lens, passage: &Passage, level: u32, scissor: [u32; 4]) -> u32 {
         let number = self.passages.len() as u32;
         let lighting = of.stage.lighting(of.scene, of.view, passage, of.exposure);
         let first = self.lights.len();
         for light in &lighting.lights {
-            add_light(light, &mut self.lights);
+            let is_shaded = of.sun.is_some_and(|(sun, _)| sun == light.light);
+            let maps = if is_shaded { &self.shadow_maps[..] } else { &[] };
+            add_light(light, maps, passage, &mut self.lights);
         }
         self.passages
             .push(PassageBits::new(lens, passage, &lighting, first));
@@ -329,7 +404,7 @@ impl Plan {
         number
     }
 
-    fn add_opaque(&mut self, of: Subject, store: &mut Store, id: PassageId) {
+    fn add_opaque(&mut self, of: Frame, store: &mut Store, id: PassageId) {
         let passage = of.visible.passage(id);
         let Some(geometry) = of.scene.geometry(passage.sector) else {
             return;
@@ -377,7 +452,7 @@ impl Plan {
     }
 
     /// Adds the blended items of a passage, back to front.
-    fn add_glass(&mut self, of: Subject, store: &mut Store, id: PassageId) {
+    fn add_glass(&mut self, of: Frame, store: &mut Store, id: PassageId) {
         let passage = of.visible.passage(id);
         let Some(geometry) = of.scene.geometry(passage.sector) else {
             return;
@@ -400,7 +475,7 @@ impl Plan {
     }
 
     /// Plans a picture of items at places of their own.
-    pub(crate) fn make_placed(&mut self, of: Subject, placed: &[PlacedItem], store: &mut Store) {
+    pub(crate) fn make_placed(&mut self, of: Frame, placed: &[PlacedItem], store: &mut Store) {
         self.clear();
         let lens = Lens::new(of.scene, of.view, of.visible);
         self.mirrored = lens.mirrors;
@@ -430,13 +505,7 @@ impl Plan {
     }
 
     /// Adds the ghosts, all instances of a mesh that have one colour at once.
-    fn add_ghosts(
-        &mut self,
-        of: Subject,
-        placed: &[PlacedItem],
-        store: &mut Store,
-        eye_from_root: Transform,
-    ) {
+    fn add_ghosts(&mut self, of: Frame, placed: &[PlacedItem], store: &mut Store, eye_from_root: Transform) {
         let mut ghosts: Vec<_> = placed
             .iter()
             .filter_map(|item| {
@@ -529,7 +598,7 @@ impl Plan {
             });
             let blends = material.alpha == Alpha::Blend;
             let sides: &[Sides] = match (batch.style, material.double_sided) {
-                (Style::Opaque, _) if blends => continue,
+                (Style::Opaque | Style::Caster, _) if blends => continue,
                 (Style::Blended, _) if !blends => continue,
                 (Style::Ghost(base_color), _) => {
                     let ghost = Material {
@@ -547,7 +616,7 @@ impl Plan {
                     }
                 }
                 (_, false) => &[Sides::Front],
-                (Style::Opaque, true) => &[Sides::Both],
+                (Style::Opaque | Style::Caster, true) => &[Sides::Both],
                 // Of a convex body the back is behind the front.
                 (Style::Blended, true) => &[Sides::Back, Sides::Front],
             };
@@ -559,7 +628,11 @@ impl Plan {
                 if let Some(indices) = piece.part(&run.indices) {
                     self.batches.push(ItemDraw {
                         kind: ItemKind {
-                            blends: batch.style != Style::Opaque,
+                            pass: match batch.style {
+                                Style::Opaque => Pass::Opaque,
+                                Style::Blended | Style::Ghost(_) => Pass::Blended,
+                                Style::Caster => Pass::Depth,
+                            },
                             clips: batch.clips,
                             sides,
                             mirrored: batch.mirrored,
@@ -583,7 +656,7 @@ impl Plan {
     }
 
     /// Adds the depth of all openings of a passage. Returns the triangles of those that lead to its children, in order.
-    fn add_openings(&mut self, of: Subject, lens: &Lens, id: u32, level: u32) -> Vec<Range<u32>> {
+    fn add_openings(&mut self, of: Frame, lens: &Lens, id: u32, level: u32) -> Vec<Range<u32>> {
         let passages = of.visible.passages();
         let passage = &passages[id as usize];
         let openings = of.scene.sector(passage.sector).openings();
@@ -734,8 +807,8 @@ fn flag(set: bool) -> f32 {
     if set { 1.0 } else { 0.0 }
 }
 
-/// Adds the texels of a light. The shader says what is where.
-fn add_light(light: &DirectLight, texels: &mut Vec<[f32; 4]>) {
+/// Adds the texels of a light, and of its shadow maps. The shader says what is where.
+fn add_light(light: &DirectLight, maps: &[DMat4], passage: &Passage, texels: &mut Vec<[f32; 4]>) {
     let with = |[x, y, z]: [f32; 3], last: f32| [x, y, z, last];
     let (onwards, [steepness, added]) = light.cone.unwrap_or_default();
     let first: [[f32; 4]; LIGHT_TEXELS] = [
@@ -748,9 +821,14 @@ fn add_light(light: &DirectLight, texels: &mut Vec<[f32; 4]>) {
             light.planes.len() as f32,
             light.edge_planes as f32,
             flag(light.opening.is_some()),
-            0.0,
+            maps.len() as f32,
         ],
     ];
     texels.extend(first);
     texels.extend(&light.planes);
+    let light_from_here = matrix(&light.light_from_here) * DMat4::from_translation(passage.eye().into());
+    for clip_from_light in maps {
+        let clip_from_here = *clip_from_light * light_from_here;
+        texels.extend([0, 1, 2].map(|row| <[f32; 4]>::from(clip_from_here.row(row).as_vec4())));
+    }
 }

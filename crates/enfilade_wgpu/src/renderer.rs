@@ -2,13 +2,10 @@
 
 use crate::materials::Materials;
 use crate::meshes::Meshes;
-use crate::pipelines::{Formats, Pipelines};
-use crate::plan::{
-    ItemDraw, LIGHT_COLUMNS, OpeningStep, PassageBits, PlacedItem, Plan, Step, Store, Subject,
-};
+use crate::pipelines::{Formats, Pipelines, SHADOW_FORMAT};
+use crate::plan::{Frame, ItemDraw, LIGHT_COLUMNS, OpeningStep, PassageBits, PlacedItem, Plan, Step, Store};
 use bytemuck::{Pod, Zeroable};
-use enfilade::{Scene, View, VisibleSet};
-use enfilade_draw::{Exposure, Stage};
+use enfilade::View;
 use glam::DVec3;
 use wgpu::{
     BindGroup, BindGroupLayout, Buffer, BufferUsages, CommandEncoder, Device, Queue, RenderPass,
@@ -29,6 +26,8 @@ pub struct Renderer {
     materials: Materials,
     pipelines: Pipelines,
     frame_layout: BindGroupLayout,
+    shadow_layout: BindGroupLayout,
+    shadows: ShadowMaps,
     buffers: Option<Buffers>,
     targets: Option<Targets>,
     plan: Plan,
@@ -55,7 +54,7 @@ pub struct DrawStats {
     pub item_draw_calls: u32,
     /// Triangles of items.
     pub triangles: u64,
-    /// Passages that were drawn.
+    /// Passages that were drawn, those of shadow maps not included.
     pub passages: u32,
     /// Whether all passages of the set were drawn: the stencil buffer counts up to 255 openings in a row.
     pub complete: bool,
@@ -77,6 +76,67 @@ struct Targets {
     depth: TextureView,
     /// With several samples per pixel.
     color: Option<TextureView>,
+}
+
+/// Depths that a sun sees, a layer for each of its views.
+struct ShadowMaps {
+    layers: Vec<TextureView>,
+    side: u32,
+    group: BindGroup,
+}
+
+impl ShadowMaps {
+    fn new(device: &Device, layout: &BindGroupLayout, side: u32, layers: u32) -> ShadowMaps {
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("shadows"),
+            size: wgpu::Extent3d {
+                width: side,
+                height: side,
+                depth_or_array_layers: layers.max(1),
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: SHADOW_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let view = |first: u32, dimension, count| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(dimension),
+                base_array_layer: first,
+                array_layer_count: Some(count),
+                ..wgpu::TextureViewDescriptor::default()
+            })
+        };
+        let all = view(0, wgpu::TextureViewDimension::D2Array, layers.max(1));
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            // Lit where the caster is not nearer to the sun.
+            compare: Some(wgpu::CompareFunction::GreaterEqual),
+            ..wgpu::SamplerDescriptor::default()
+        });
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        ShadowMaps {
+            layers: (0..layers)
+                .map(|layer| view(layer, wgpu::TextureViewDimension::D2, 1))
+                .collect(),
+            side,
+            group: device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("shadows"),
+                layout,
+                entries: &[
+                    entry(0, wgpu::BindingResource::TextureView(&all)),
+                    entry(1, wgpu::BindingResource::Sampler(&sampler)),
+                ],
+            }),
+        }
+    }
+
+    fn fits(&self, side: u32, layers: u32) -> bool {
+        layers == 0 || (self.side == side && self.layers.len() as u32 >= layers)
+    }
 }
 
 /// A view in the shader's layout. The fields are documented there.
@@ -105,13 +165,20 @@ impl Renderer {
         };
         let materials = Materials::new(device, queue);
         let frame_layout = frame_layout(device);
+        let shadow_layout = shadow_layout(device);
         let formats = Formats {
             color: options.format,
             depth: depth_format,
             samples: options.samples,
         };
         Renderer {
-            pipelines: Pipelines::new(device, formats, &frame_layout, materials.layout()),
+            pipelines: Pipelines::new(
+                device,
+                formats,
+                [&frame_layout, materials.layout(), &shadow_layout],
+            ),
+            shadows: ShadowMaps::new(device, &shadow_layout, 1, 1),
+            shadow_layout,
             device: device.clone(),
             queue: queue.clone(),
             options,
@@ -125,67 +192,54 @@ impl Renderer {
         }
     }
 
-    /// Records a picture of a visible set on `target`, whose format is that of the options: sky, items and openings of all
-    /// passages, in one render pass. `stage` is that of the scene, `visible` the set of a look of `view`.
+    /// Records a picture on `target`, whose format is that of the options: sky, items and openings of all passages, in one
+    /// render pass, after one for each shadow map.
     ///
     /// The parts of the target beside the view's viewport are cleared.
-    pub fn draw(
-        &mut self,
-        encoder: &mut CommandEncoder,
-        target: &TextureView,
-        (scene, stage): (&Scene, &Stage),
-        (view, visible): (&View, &VisibleSet),
-        exposure: Exposure,
-    ) -> DrawStats {
-        let subject = Subject {
-            stage,
-            scene,
-            view,
-            visible,
-            exposure,
-        };
+    pub fn draw(&mut self, encoder: &mut CommandEncoder, target: &TextureView, frame: &Frame) -> DrawStats {
         let mut store = Store {
             device: &self.device,
             queue: &self.queue,
             meshes: &mut self.meshes,
             materials: &mut self.materials,
         };
-        self.plan.make(subject, &mut store);
-        self.finish(encoder, target, view)
+        self.plan.make(*frame, &mut store);
+        self.finish(encoder, target, frame)
     }
 
-    /// Records a picture of items at places of their own, in daylight: a scene from outside, with all rooms at once.
-    /// `view` is a view in the space that they are mapped to, `visible` the set that their entries are from.
+    /// Records a picture of items at places of their own, in daylight: a scene from outside, with all rooms at once. The
+    /// view is one in the space that they are mapped to, `frame.visible` the set that their entries are from.
     pub fn draw_placed(
         &mut self,
         encoder: &mut CommandEncoder,
         target: &TextureView,
-        (scene, stage): (&Scene, &Stage),
-        (view, visible): (&View, &VisibleSet),
+        frame: &Frame,
         items: &[PlacedItem],
     ) -> DrawStats {
-        let subject = Subject {
-            stage,
-            scene,
-            view,
-            visible,
-            exposure: Exposure::Fixed(1.0),
-        };
         let mut store = Store {
             device: &self.device,
             queue: &self.queue,
             meshes: &mut self.meshes,
             materials: &mut self.materials,
         };
-        self.plan.make_placed(subject, items, &mut store);
-        self.finish(encoder, target, view)
+        self.plan.make_placed(*frame, items, &mut store);
+        self.finish(encoder, target, frame)
     }
 
-    fn finish(&mut self, encoder: &mut CommandEncoder, target: &TextureView, view: &View) -> DrawStats {
-        self.upload(view);
+    fn finish(&mut self, encoder: &mut CommandEncoder, target: &TextureView, frame: &Frame) -> DrawStats {
+        self.upload(frame.view);
         let size = target.texture().size();
         self.fit_targets([size.width, size.height]);
-        self.record(encoder, target, view)
+        let views = frame.sun.map_or(&[][..], |(_, views)| views);
+        let side = views.first().map_or(1, |view| view.view.size()[0]);
+        if !self.shadows.fits(side, views.len() as u32) {
+            self.shadows = ShadowMaps::new(&self.device, &self.shadow_layout, side, views.len() as u32);
+        }
+        let mut stats = DrawStats::default();
+        for (steps, map) in self.plan.shadow_steps.iter().zip(&self.shadows.layers) {
+            self.record_shadows(encoder, steps, map, &mut stats);
+        }
+        self.record(encoder, target, frame.view, stats)
     }
 
     /// Returns the bytes of meshes and textures on the GPU.
@@ -240,7 +294,7 @@ impl Renderer {
         }
         let mut kinds: Vec<_> = Vec::new();
         let mut openings: Vec<_> = Vec::new();
-        for step in &plan.steps {
+        for step in plan.shadow_steps.iter().flatten().chain(&plan.steps) {
             match step {
                 Step::Items(draw) => kinds.push(draw.kind),
                 Step::Opening(step, _) => openings.push(*step),
@@ -280,12 +334,50 @@ impl Renderer {
         });
     }
 
-    fn record(&self, encoder: &mut CommandEncoder, target: &TextureView, view: &View) -> DrawStats {
-        let mut stats = DrawStats {
-            passages: 0,
-            complete: self.plan.complete,
-            ..DrawStats::default()
-        };
+    fn record_shadows(
+        &self,
+        encoder: &mut CommandEncoder,
+        steps: &[Step],
+        map: &TextureView,
+        stats: &mut DrawStats,
+    ) {
+        let Some(buffers) = &self.buffers else { return };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("enfilade shadows"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: map,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        let mut state = State::default();
+        for step in steps {
+            match step {
+                Step::Passage { number, .. } => {
+                    let offset = number * size_of::<PassageBits>() as u32;
+                    pass.set_bind_group(0, &buffers.group, &[offset]);
+                }
+                Step::Items(draw) => {
+                    self.record_items(&mut pass, &mut state, buffers, draw);
+                    stats.draw_calls += 1;
+                }
+                Step::Opening(..) => {}
+            }
+        }
+    }
+
+    fn record(
+        &self,
+        encoder: &mut CommandEncoder,
+        target: &TextureView,
+        view: &View,
+        mut stats: DrawStats,
+    ) -> DrawStats {
+        stats.complete = self.plan.complete;
         let (Some(buffers), Some(targets)) = (&self.buffers, &self.targets) else {
             return stats;
         };
@@ -326,6 +418,7 @@ impl Renderer {
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
         pass.set_pipeline(self.pipelines.sky());
         pass.set_bind_group(0, &buffers.group, &[0]);
+        pass.set_bind_group(2, &self.shadows.group, &[]);
         pass.set_stencil_reference(0);
         pass.draw(0..3, 0..1);
         stats.draw_calls += 1;
@@ -341,7 +434,6 @@ impl Renderer {
                     let offset = number * size_of::<PassageBits>() as u32;
                     pass.set_bind_group(0, &buffers.group, &[offset]);
                     state.level = *level;
-                    stats.passages = stats.passages.max(number + 1);
                 }
                 Step::Items(draw) => {
                     self.record_items(&mut pass, &mut state, buffers, draw);
@@ -364,6 +456,7 @@ impl Renderer {
             }
         }
         stats.draw_calls += stats.item_draw_calls;
+        stats.passages = self.plan.passages_drawn;
         stats
     }
 
@@ -482,6 +575,32 @@ pub fn device_options(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static
         required_limits: adapter.limits(),
         ..wgpu::DeviceDescriptor::default()
     }
+}
+
+fn shadow_layout(device: &Device) -> BindGroupLayout {
+    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty,
+        count: None,
+    };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("shadows"),
+        entries: &[
+            entry(
+                0,
+                wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Depth,
+                    view_dimension: wgpu::TextureViewDimension::D2Array,
+                    multisampled: false,
+                },
+            ),
+            entry(
+                1,
+                wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
+            ),
+        ],
+    })
 }
 
 fn frame_layout(device: &Device) -> BindGroupLayout {

@@ -49,6 +49,9 @@ struct Material {
 @group(1) @binding(3) var glow_texture: texture_2d<f32>;
 @group(1) @binding(4) var glow_sampler: sampler;
 
+@group(2) @binding(0) var shadow_maps: texture_depth_2d_array;
+@group(2) @binding(1) var shadow_sampler: sampler_comparison;
+
 struct Corner {
     @location(0) position: vec3f,
     @location(1) normal: vec4f,
@@ -122,7 +125,7 @@ fn shade(in: Fragment) -> @location(0) vec4f {
     let long = length(normal);
     normal = select(own, normal / long, long > 1e-6);
     normal = select(normal, -normal, dot(normal, own) < 0.0);
-    let light = ambient(normal) + direct(p, normal, steps) * passage.sector_x.w;
+    let light = ambient(normal) + direct(p, normal, own, steps) * passage.sector_x.w;
     let emission = material.emission.rgb * glow;
     return shown(compressed(color.rgb * light + emission), coverage);
 }
@@ -159,8 +162,44 @@ fn light_texel(number: u32) -> vec4f {
     return textureLoad(lights, vec2u(number % width, number / width), 0);
 }
 
-// Returns the light of lamps and suns on a white surface, without exposure.
-fn direct(p: vec3f, normal: vec3f, steps: array<vec3f, 2>) -> vec3f {
+// Depths on a shadow map.
+@fragment
+fn caster(in: Fragment) {
+    let texel = textureSample(color_texture, color_sampler, in.uv);
+    if material.flags.y == 1.0 && material.color.a * in.color.a * texel.a < material.emission.w {
+        discard;
+    }
+}
+
+// Returns the part of a sun that reaches a point: 1 where no shadow map covers it. `first` is the first texel of the maps,
+// three each: the rows of the map from `p` to clip space.
+fn sunlit(p: vec3f, own: vec3f, first: u32, count: u32) -> f32 {
+    let size = f32(textureDimensions(shadow_maps).x);
+    for (var number = 0u; number < count; number += 1u) {
+        let x = light_texel(first + 3u * number);
+        let y = light_texel(first + 3u * number + 1u);
+        let z = light_texel(first + 3u * number + 2u);
+        // A point a texel or two in front of the surface, against shadows of a face on itself.
+        let texel = 2.0 / (length(x.xyz) * size);
+        let at = vec4f(p + own * (2.0 * texel), 1.0);
+        let clip = vec3f(dot(x, at), dot(y, at), dot(z, at));
+        let within = 1.0 - 4.0 / size;
+        if max(abs(clip.x), abs(clip.y)) > within || clip.z <= 0.0 || clip.z >= 1.0 {
+            continue;
+        }
+        let uv = vec2f(0.5 + 0.5 * clip.x, 0.5 - 0.5 * clip.y);
+        var lit = 0.0;
+        for (var tap = 0u; tap < 4u; tap += 1u) {
+            let off = (vec2f(f32(tap & 1u), f32(tap >> 1u)) - 0.5) / size;
+            lit += textureSampleCompareLevel(shadow_maps, shadow_sampler, uv + off, i32(number), clip.z);
+        }
+        return 0.25 * lit;
+    }
+    return 1.0;
+}
+
+// Returns the light of lamps and suns on a white surface, without exposure. `own` is the normal of the face.
+fn direct(p: vec3f, normal: vec3f, own: vec3f, steps: array<vec3f, 2>) -> vec3f {
     var sum = vec3f(0.0);
     var next = u32(passage.above.w);
     for (var number = 0u; number < u32(passage.below.w); number += 1u) {
@@ -171,7 +210,7 @@ fn direct(p: vec3f, normal: vec3f, steps: array<vec3f, 2>) -> vec3f {
         let t4 = light_texel(next + 4u);
         let t5 = light_texel(next + 5u);
         let planes = next + LIGHT_TEXELS;
-        next = planes + u32(t5.x);
+        next = planes + u32(t5.x) + 3u * u32(t5.w);
         let color = t1.rgb;
         if t0.w == 1.0 {
             let facing = dot(normal, t0.xyz);
@@ -181,7 +220,11 @@ fn direct(p: vec3f, normal: vec3f, steps: array<vec3f, 2>) -> vec3f {
                     // The angle at which the sun is seen, in radians.
                     penumbra = 0.0093 * abs(dot(t4.xyz, p) - t4.w);
                 }
-                sum += color * (facing * passing(p, planes, t5.xy, steps, penumbra));
+                var part = passing(p, planes, t5.xy, steps, penumbra);
+                if part > 0.0 && t5.w > 0.0 {
+                    part *= sunlit(p, own, planes + u32(t5.x), u32(t5.w));
+                }
+                sum += color * (facing * part);
             }
             continue;
         }

@@ -4,10 +4,10 @@
 //! side. And in shading: it halves the light of the last row of pixels before the edge of a beam, even where a face ends
 //! there. Of faces in one plane it may show the other. All else is equal within [`EQUAL`].
 
-use enfilade::{Scene, View, Viewer};
-use enfilade_draw::{Settings, Stage};
+use enfilade::{LightId, Scene, ShadowCasters, View, Viewer};
+use enfilade_draw::{Exposure, Settings, Stage, with_sun};
 use enfilade_scenes::{NAMES, Random, built_in, fuzz_scene, parallel_view, random_scene, with_random_lights};
-use enfilade_wgpu::Headless;
+use enfilade_wgpu::{Frame, Headless};
 use image::{Rgb, RgbImage};
 use std::path::Path;
 
@@ -37,9 +37,9 @@ fn compare(gpu: &mut Headless, name: &str, scene: &Scene, view: &View) -> Compar
     let settings = Settings::default();
     let software = stage.draw(&mut viewer, scene, view, &settings).image;
     let visible = viewer.look(scene, view);
-    let (picture, stats) = gpu
-        .draw((scene, &stage), (view, visible), settings.exposure)
-        .expect("a picture");
+    let mut frame = Frame::new(scene, &stage, view, visible);
+    frame.exposure = settings.exposure;
+    let (picture, stats) = gpu.draw(&frame).expect("a picture");
     assert!(stats.complete);
     let size = view.size();
     let mut difference = RgbImage::new(size[0], size[1]);
@@ -152,4 +152,50 @@ fn nearly_all_hard_views_look_as_in_software() {
 /// Number of random scenes; `SEEDS=1000` tries more.
 fn seeds() -> u64 {
     std::env::var("SEEDS").map_or(60, |seeds| seeds.parse().expect("a number"))
+}
+
+/// The software renderer's shadows are exact, those of the GPU have the resolution of shadow maps: they differ at edges.
+#[test]
+fn the_shadows_of_a_sun_fall_where_they_do_in_software() {
+    const MAY_DIFFER: f64 = 0.04;
+    let mut gpu = Headless::new(1).expect("an adapter");
+    let mut casters = ShadowCasters::new();
+    casters.map_size = 2048;
+    let mut shadowed = 0.0;
+    for name in ["crowd", "big-mesh", "house", "seams", "eye-in-things"] {
+        let built_in = built_in(name).expect("a built-in scene");
+        assert!(built_in.scene.lights().is_empty());
+        let scene = with_sun(&built_in.scene);
+        let stage = Stage::new(&scene);
+        for (number, camera) in built_in.cameras.iter().take(6).enumerate() {
+            let view = camera.view(SIZE).expect("a valid camera");
+            let mut viewer = Viewer::new();
+            let [mut lit, mut dark] = [Settings::default(); 2];
+            (lit.exposure, dark.exposure) = (Exposure::Eye(0.0), Exposure::Eye(0.0));
+            dark.shadows = true;
+            let [lit, dark] =
+                [lit, dark].map(|settings| stage.draw(&mut viewer, &scene, &view, &settings).image);
+            let visible = viewer.look(&scene, &view);
+            let mut frame = Frame::new(&scene, &stage, &view, visible);
+            let views = casters.find(&scene, LightId(0), visible);
+            frame.sun = Some((LightId(0), views));
+            let (picture, _) = gpu.draw(&frame).expect("a picture");
+            let part = |of: &dyn Fn(u32, u32) -> bool| {
+                let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
+                pixels.filter(|&(x, y)| of(x, y)).count() as f64 / f64::from(SIZE[0] * SIZE[1])
+            };
+            let off = |a: &[u8], b: &[u8]| (0..3).any(|i| a[i].abs_diff(b[i]) > EQUAL);
+            let different = part(&|x, y| off(&picture.get_pixel(x, y).0, &dark.get_pixel(x, y).0));
+            let in_shadow = part(&|x, y| off(&lit.get_pixel(x, y).0, &dark.get_pixel(x, y).0));
+            println!(
+                "{name} {number}: {:.2} % differ, {:.2} % in shadow, {} views of the sun",
+                100.0 * different,
+                100.0 * in_shadow,
+                views.len()
+            );
+            shadowed += in_shadow;
+            assert!(different <= MAY_DIFFER, "{name}, camera {number}");
+        }
+    }
+    assert!(shadowed > 0.5, "{shadowed}");
 }

@@ -157,12 +157,13 @@ fn seeds() -> u64 {
 /// The software renderer's shadows are exact, those of the GPU have the resolution of shadow maps: they differ at edges.
 #[test]
 fn the_shadows_of_a_sun_fall_where_they_do_in_software() {
-    const MAY_DIFFER: f64 = 0.04;
+    const MAY_DIFFER: f64 = 0.02;
     let mut gpu = Headless::new(1).expect("an adapter");
     let mut casters = ShadowCasters::new();
     casters.map_size = 2048;
+    casters.cascades = vec![8.0, 30.0, f64::INFINITY];
     let mut shadowed = 0.0;
-    for name in ["crowd", "big-mesh", "house", "seams", "eye-in-things"] {
+    for name in ["crowd", "big-mesh", "polygons", "seams", "cylinders-32"] {
         let built_in = built_in(name).expect("a built-in scene");
         assert!(built_in.scene.lights().is_empty());
         let scene = with_sun(&built_in.scene);
@@ -180,6 +181,11 @@ fn the_shadows_of_a_sun_fall_where_they_do_in_software() {
             let views = casters.find(&scene, LightId(0), visible);
             frame.sun = Some((LightId(0), views));
             let (picture, _) = gpu.draw(&frame).expect("a picture");
+            if let Some(folder) = std::env::var_os("PICTURES") {
+                let at = |kind: &str| Path::new(&folder).join(format!("sun-{name}-{number}-{kind}.png"));
+                picture.save(at("gpu")).expect("saved");
+                dark.save(at("software")).expect("saved");
+            }
             let part = |of: &dyn Fn(u32, u32) -> bool| {
                 let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
                 pixels.filter(|&(x, y)| of(x, y)).count() as f64 / f64::from(SIZE[0] * SIZE[1])
@@ -197,5 +203,5 @@ fn the_shadows_of_a_sun_fall_where_they_do_in_software() {
             assert!(different <= MAY_DIFFER, "{name}, camera {number}");
         }
     }
-    assert!(shadowed > 0.5, "{shadowed}");
+    assert!(shadowed > 0.4, "{shadowed}");
 }

@@ -1,4 +1,5 @@
 //! The program `enfilade-viewer`: opens a scene in a window, draws a screenshot, or serves the viewer as a web page.
+#![forbid(unsafe_code)]
 
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {

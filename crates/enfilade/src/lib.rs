@@ -174,6 +174,9 @@ pub use view::memory::Memory;
 pub use view::options::{Limits, Tightness, ViewerOptions};
 pub use view::passage::Passage;
 pub use view::region::{Region, Visibility};
+#[cfg(feature = "steps")]
+#[cfg_attr(docsrs, doc(cfg(feature = "steps")))]
+pub use view::step_log::LookStep;
 pub use view::viewer::Viewer;
 pub use view::viewers::Viewers;
 pub use view::visible::{VisibleItem, VisibleSet};

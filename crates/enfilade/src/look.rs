@@ -14,6 +14,8 @@ use crate::view::memory::Memory;
 use crate::view::options::ViewerOptions;
 use crate::view::passage::Passage;
 use crate::view::region::Region;
+#[cfg(feature = "steps")]
+use crate::view::step_log::{LookStep, StepLog};
 use crate::view::viewer::Viewer;
 use crate::view::visible::{VisibleItem, VisibleSet};
 
@@ -43,6 +45,31 @@ impl Viewer {
             self.paint(scene, view, canvas);
         }
         &self.set
+    }
+
+    /// Looks, and ends after `limit` steps, as if all that follows were hidden. Returns the steps, and emits the state of
+    /// the cover that the last of them left to [`Canvas::cover`]: that of the passage it belongs to.
+    ///
+    /// For teaching and debugging: one more step goes forwards, one fewer backwards. Uses one thread, covers of the screen's
+    /// size, and no coherence. The visible set of the viewer is that of the steps.
+    #[cfg(feature = "steps")]
+    #[cfg_attr(docsrs, doc(cfg(feature = "steps")))]
+    pub fn look_steps(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        limit: usize,
+        canvas: &mut dyn Canvas,
+    ) -> Vec<LookStep> {
+        let options = self.options;
+        (self.options.parallel, self.options.coherence) = (false, false);
+        self.options.cover_size = None;
+        self.memory.steps = Some(Box::new(StepLog::new(limit)));
+        self.run(scene, view, None);
+        self.options = options;
+        let log = self.memory.steps.take().unwrap_or_default();
+        log.emit_cover(canvas);
+        log.steps
     }
 
     /// Runs the traversal orders through the last look's passages again, without covers, to measure what the orders

@@ -180,6 +180,10 @@ impl<O: Order, C: Hides> Culled<O, C> {
             memory,
             seen,
         );
+        #[cfg(feature = "steps")]
+        if let Some(steps) = &mut memory.steps {
+            steps.keep_cover(passage, |canvas| cover.show(passage, canvas));
+        }
     }
 }
 

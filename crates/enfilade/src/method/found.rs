@@ -1,6 +1,7 @@
 //! Traversal with occlusion tests for covers that hold no picture: collects the clusters and openings that pass.
 
 use super::combined::takes;
+use super::visit::visit;
 use crate::cover::{FineNode, ItemTest};
 use crate::faces::{FaceSource, Faces};
 use crate::geom::Aabb;
@@ -101,7 +102,15 @@ pub(super) fn find<O: Order>(
         stats: &mut memory.stats,
         found: &mut found,
     };
-    order.visit(geometry, passage, &mut scratch, &mut walk);
+    visit(
+        order,
+        geometry,
+        passage,
+        &mut scratch,
+        &mut walk,
+        #[cfg(feature = "steps")]
+        memory.steps.as_deref_mut(),
+    );
     walk.report(seen);
     memory.put_back(scratch);
     memory.put_back(found);

@@ -14,6 +14,7 @@ mod paired;
 mod shares;
 mod strips;
 mod table;
+mod visit;
 
 pub use culled::Culled;
 pub use editable::EditStats;

@@ -2,6 +2,7 @@
 
 use super::combined::{Combination, takes};
 use super::strips::{self, look_in_strips};
+use super::visit::visit;
 use crate::contract::Contract;
 use crate::cover::Paints;
 use crate::faces::{FaceSource, Faces};
@@ -145,7 +146,15 @@ impl<O: Order, C: Paints> Paired<O, C> {
             canvas: reborrow(&mut canvas),
         };
         walk.prime();
-        order.visit(geometry, passage, &mut scratch, &mut walk);
+        visit(
+            order,
+            geometry,
+            passage,
+            &mut scratch,
+            &mut walk,
+            #[cfg(feature = "steps")]
+            memory.steps.as_deref_mut(),
+        );
         for (item, cluster) in work.waiting.drain(..) {
             let screen_from_item = passage.screen_from(&geometry.item(item).transform());
             let bounds = geometry.mesh_of(item).clusters()[cluster as usize].bounds;
@@ -171,6 +180,10 @@ impl<O: Order, C: Paints> Paired<O, C> {
         cover.finish(geometry, passage, seen, reborrow(&mut canvas));
         if let Some(canvas) = canvas.filter(|canvas| canvas.wants_cover()) {
             cover.show(passage, canvas);
+        }
+        #[cfg(feature = "steps")]
+        if let Some(steps) = &mut memory.steps {
+            steps.keep_cover(passage, |canvas| cover.show(passage, canvas));
         }
         memory.put_back(cover);
         memory.put_back(work);

@@ -2,6 +2,8 @@
 
 mod items;
 mod queue;
+#[cfg(feature = "steps")]
+mod recorder;
 
 #[cfg(feature = "classic")]
 pub(crate) use items::may_be_visible;
@@ -10,6 +12,8 @@ pub(crate) use items::{box_visibility, emit_item, emit_openings, emit_whole};
 pub(crate) use queue::{Queue, Tree, walk};
 #[cfg(feature = "terrain")]
 pub(crate) use queue::{begin, go_on};
+#[cfg(feature = "steps")]
+pub(crate) use recorder::Recorder;
 
 use crate::faces::Faces;
 use crate::geom::Aabb;

@@ -5,6 +5,8 @@ use crate::stats::Stats;
 use crate::view::aperture::Rows;
 use crate::view::collector::{GlassSample, ReportBuffers};
 use crate::view::passage::Passage;
+#[cfg(feature = "steps")]
+use crate::view::step_log::StepLog;
 use glam::DVec3;
 use std::any::{Any, TypeId};
 use std::sync::{Mutex, PoisonError};
@@ -29,6 +31,9 @@ pub struct Memory {
     pub stats: Stats,
     /// Whether the canvas wants the test counts of covers ([`Canvas::wants_work`](crate::Canvas::wants_work)).
     pub(crate) trace: bool,
+    /// The steps of the current look, if they are recorded.
+    #[cfg(feature = "steps")]
+    pub(crate) steps: Option<Box<StepLog>>,
 }
 
 impl Memory {

@@ -15,6 +15,8 @@ pub(crate) mod options;
 pub(crate) mod passage;
 pub(crate) mod region;
 pub(crate) mod screen_map;
+#[cfg(feature = "steps")]
+pub(crate) mod step_log;
 #[cfg(test)]
 mod tests;
 pub(crate) mod viewer;

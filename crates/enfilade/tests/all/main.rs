@@ -22,5 +22,6 @@ mod queries;
 mod scene_errors;
 mod send_sync;
 mod shadows;
+mod steps;
 mod tightness;
 mod without_occlusion;

@@ -8,6 +8,7 @@ use crate::overlay::{self, Overlays};
 use crate::path;
 use crate::picture::{Diagnostic, Gpu, ScenePicture};
 use crate::session::Session;
+use crate::steps::StepMode;
 use crate::walker::Walker;
 use eframe::egui::{self, Color32, ComboBox, Key, RichText, Sense, Slider, Ui, Vec2};
 use enfilade::{Camera, Method, SectorId, View};
@@ -29,6 +30,9 @@ pub struct App {
     /// Whether the panels are shown.
     pub panels: bool,
     diagnostic: Option<Diagnostic>,
+    /// The look that is stepped through, and the picture of its cover.
+    pub steps: Option<StepMode>,
+    cover: Option<egui::TextureHandle>,
     history: History,
     drawn: DrawStats,
     encode_ms: f64,
@@ -55,6 +59,8 @@ impl App {
             overlays: Overlays::default(),
             panels: true,
             diagnostic: None,
+            steps: None,
+            cover: None,
             history: History::default(),
             drawn: DrawStats::default(),
             encode_ms: 0.0,
@@ -476,6 +482,7 @@ impl App {
             let size = Vec2::new(width, width * texture.size.y / texture.size.x);
             ui.add(egui::Image::from_texture(texture).fit_to_exact_size(size));
         }
+        Self::step_controls(ui, session, &mut self.steps, &mut self.cover);
         egui::CollapsingHeader::new("floor plan")
             .default_open(true)
             .show(ui, |ui| floor_plan::show(ui, session));
@@ -485,6 +492,54 @@ impl App {
             self.gpu.adapter
         );
         ui.label(RichText::new(memory).weak());
+    }
+
+    /// Step mode: the number of steps done, what the last did, and the cover after it.
+    fn step_controls(
+        ui: &mut Ui,
+        session: &Session,
+        steps: &mut Option<StepMode>,
+        texture: &mut Option<egui::TextureHandle>,
+    ) {
+        if steps.as_ref().is_some_and(|mode| !mode.is_of(session)) {
+            *steps = None;
+        }
+        let mut wanted = steps.is_some();
+        ui.checkbox(&mut wanted, "step through the look (, and .)");
+        if wanted != steps.is_some() {
+            *steps = wanted.then(|| StepMode::new(session));
+            *texture = None;
+        }
+        let Some(mode) = steps else { return };
+        let (mut done, most) = (mode.done, mode.all.len());
+        ui.horizontal(|ui| {
+            if ui.button("<").clicked() {
+                done = done.saturating_sub(1);
+            }
+            if ui.button(">").clicked() {
+                done += 1;
+            }
+            ui.add(Slider::new(&mut done, 0..=most).text(format!("of {most}")));
+        });
+        let pressed = |key| ui.input(|input| input.num_presses(key));
+        done = (done + pressed(Key::Period))
+            .saturating_sub(pressed(Key::Comma))
+            .min(most);
+        if done != mode.done {
+            mode.go_to(session, done);
+            *texture = None;
+        }
+        ui.label(mode.text(session));
+        let texture = texture.get_or_insert_with(|| {
+            let size = [mode.cover.width() as usize, mode.cover.height() as usize];
+            let image = egui::ColorImage::from_rgb(size, mode.cover.as_raw());
+            ui.ctx()
+                .load_texture("cover", image, egui::TextureOptions::NEAREST)
+        });
+        let size = texture.size_vec2();
+        let width = ui.available_width();
+        let shown = egui::load::SizedTexture::new(texture.id(), size);
+        ui.add(egui::Image::from_texture(shown).fit_to_exact_size(Vec2::new(width, width * size.y / size.x)));
     }
 
     fn viewport(&mut self, ui: &mut Ui) {
@@ -579,6 +634,9 @@ impl App {
         let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
         ui.painter().image(texture.id, rect, whole, Color32::WHITE);
         overlay::draw(ui.painter(), rect, session, &view, self.overlays);
+        if let Some(steps) = self.steps.as_ref().filter(|_| session.frozen.is_none()) {
+            steps.draw(ui.painter(), rect);
+        }
         if let Some(at) = response.interact_pointer_pos() {
             self.pointed(
                 &response,

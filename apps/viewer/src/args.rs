@@ -3,6 +3,7 @@
 use crate::app::App;
 use crate::overlay::Overlays;
 use crate::session::Session;
+use crate::steps::StepMode;
 use crate::walker::Walker;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
@@ -53,6 +54,9 @@ pub struct Args {
     /// Show a diagnostic picture: overdraw, items, sectors, order or cover
     #[arg(long, value_name = "WHAT", value_parser = show)]
     pub show: Option<Show>,
+    /// Step through the look, with this many steps done
+    #[arg(long, value_name = "STEPS", requires = "screenshot")]
+    pub steps: Option<usize>,
     /// Show the picture of the scene alone, without panels
     #[arg(long)]
     pub no_panels: bool,
@@ -88,6 +92,11 @@ impl Args {
         session.look(session.view.size());
         if let Some(method) = self.method {
             session.set_method(method, None).map_err(|why| anyhow!("{why}"))?;
+        }
+        if let Some(done) = self.steps {
+            let mut mode = StepMode::new(session);
+            mode.go_to(session, done);
+            app.steps = Some(mode);
         }
         if self.freeze {
             session.toggle_frozen();

@@ -17,6 +17,7 @@ pub mod places;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod serve;
 pub mod session;
+pub mod steps;
 pub mod walker;
 #[cfg(target_arch = "wasm32")]
 pub mod web;

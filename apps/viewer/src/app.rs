@@ -43,6 +43,8 @@ pub struct App {
     replay: Option<(Vec<Camera>, usize)>,
     /// The last recorded or opened path.
     path: Vec<Camera>,
+    /// Part of the name of an item to find.
+    wanted: String,
     /// Seconds to go on repainting.
     awake: f64,
 }
@@ -69,6 +71,7 @@ impl App {
             recording: None,
             replay: None,
             path: Vec::new(),
+            wanted: String::new(),
             awake: 0.0,
         }
     }
@@ -445,6 +448,19 @@ impl App {
             }
         }
         ui.separator();
+        ui.horizontal(|ui| {
+            ui.label("find");
+            ui.text_edit_singleline(&mut self.wanted);
+        });
+        if !self.wanted.is_empty() {
+            for (sector, item, name) in session.find(&self.wanted, 8) {
+                let line = format!("{name} · {}", session.world.scene.sector_name(sector));
+                if ui.selectable_label(false, line).clicked() {
+                    session.select_item(sector, item);
+                    self.wanted.clear();
+                }
+            }
+        }
         match &session.selected {
             None => {
                 ui.label(RichText::new("Click an item to see why it is visible, or not.").weak());

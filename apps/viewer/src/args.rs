@@ -51,6 +51,9 @@ pub struct Args {
     /// Let the sun cast shadows. A scene without lights gets one
     #[arg(long)]
     pub shadows: bool,
+    /// Explain the first item whose name contains this text
+    #[arg(long, value_name = "NAME")]
+    pub explain: Option<String>,
     /// Show a diagnostic picture: overdraw, items, sectors, order or cover
     #[arg(long, value_name = "WHAT", value_parser = show)]
     pub show: Option<Show>,
@@ -92,6 +95,13 @@ impl Args {
         session.look(session.view.size());
         if let Some(method) = self.method {
             session.set_method(method, None).map_err(|why| anyhow!("{why}"))?;
+        }
+        if let Some(name) = &self.explain {
+            let found = session.find(name, 1);
+            let (sector, item, _) = found
+                .first()
+                .with_context(|| format!("no item is called `{name}`"))?;
+            session.select_item(*sector, *item);
         }
         if let Some(done) = self.steps {
             let mut mode = StepMode::new(session);

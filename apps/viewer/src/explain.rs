@@ -5,7 +5,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Why an item is in a visible set, or is not.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Explanation {
     /// Name of the item.
     pub name: String,
@@ -58,9 +58,14 @@ pub fn explain(
 
 /// Returns the name of an item, or its number if it has none.
 pub fn name(scene: &Scene, sector: SectorId, item: ItemIndex) -> String {
-    match scene.sector(sector).item_name(item) {
-        name if name.is_empty() => format!("item {}", item.0),
-        name => name,
+    let name = match scene.geometry(sector) {
+        Some(geometry) => geometry.name(item).to_owned(),
+        None => scene.sector(sector).item_name(item),
+    };
+    if name.is_empty() {
+        format!("item {}", item.0)
+    } else {
+        name
     }
 }
 

@@ -180,14 +180,40 @@ impl Session {
                 sector,
                 item,
                 root_from_sector,
-                explanation: Explanation {
-                    name: String::new(),
-                    is_visible: false,
-                    reasons: Vec::new(),
-                },
+                explanation: Explanation::default(),
             });
             self.explain(sector, item);
         }
+    }
+
+    /// Returns the first items whose name contains a text, whatever its case, at most `most`.
+    pub fn find(&self, text: &str, most: usize) -> Vec<(SectorId, ItemIndex, String)> {
+        let (scene, text) = (&self.world.scene, text.to_lowercase());
+        let geometries = scene.sectors().filter_map(|id| Some((id, scene.geometry(id)?)));
+        let items = geometries.flat_map(|(sector, geometry)| {
+            let items = (0..geometry.items().len() as u32).map(ItemIndex);
+            items
+                .filter(|&item| geometry.holds(item))
+                .map(move |item| (sector, item, geometry.name(item)))
+        });
+        let found = items.filter(|(.., name)| name.to_lowercase().contains(&text));
+        found
+            .take(most)
+            .map(|(sector, item, name)| (sector, item, name.to_owned()))
+            .collect()
+    }
+
+    /// Selects an item.
+    pub fn select_item(&mut self, sector: SectorId, item: ItemIndex) {
+        let places = places(&self.world.scene, &self.viewer, &self.view);
+        let place = places.iter().rev().find(|place| place.sector == sector);
+        self.selected = Some(Selected {
+            sector,
+            item,
+            root_from_sector: place.map_or(Transform::IDENTITY, |place| place.root_from_sector),
+            explanation: Explanation::default(),
+        });
+        self.explain(sector, item);
     }
 
     fn explain(&mut self, sector: SectorId, item: ItemIndex) {
@@ -332,6 +358,7 @@ mod tests {
         let selected = session.selected.as_ref().expect("the floor");
         assert!(selected.explanation.is_visible);
         let scene = &session.world.scene;
+        assert!(session.find("STATUE", 100).len() > 10);
         let set = session.viewer.visible();
         // Items of the camera's own sector that are not in the set.
         let sector = set.passages()[0].sector;

@@ -101,16 +101,25 @@ impl Headless {
         })
     }
 
-    /// Draws a visible set, and waits for the picture. Its size is that of the view.
-    ///
-    /// # Errors
-    /// [`HeadlessError::Failed`].
-    pub fn draw(&mut self, frame: &Frame) -> Result<(RgbaImage, DrawStats), HeadlessError> {
-        let [width, height] = frame.view.size();
+    /// Records a picture without drawing it, to measure what that takes.
+    pub fn encode(&mut self, frame: &Frame) -> DrawStats {
+        let target = self.target(frame.view.size());
+        let mut encoder = self
+            .gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let on = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let stats = self.renderer.draw(&mut encoder, &on, frame);
+        drop(encoder.finish());
+        self.target = Some(target);
+        stats
+    }
+
+    /// Takes the target, or makes one of a size.
+    fn target(&mut self, [width, height]: [u32; 2]) -> Texture {
         let fits = |target: &Texture| [target.width(), target.height()] == [width, height];
-        let target = match self.target.take().filter(fits) {
-            Some(target) => target,
-            None => self.gpu.device.create_texture(&wgpu::TextureDescriptor {
+        self.target.take().filter(fits).unwrap_or_else(|| {
+            self.gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("picture"),
                 size: wgpu::Extent3d {
                     width,
@@ -123,8 +132,16 @@ impl Headless {
                 format: TextureFormat::Rgba8UnormSrgb,
                 usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
                 view_formats: &[],
-            }),
-        };
+            })
+        })
+    }
+
+    /// Draws a visible set, and waits for the picture. Its size is that of the view.
+    ///
+    /// # Errors
+    /// [`HeadlessError::Failed`].
+    pub fn draw(&mut self, frame: &Frame) -> Result<(RgbaImage, DrawStats), HeadlessError> {
+        let target = self.target(frame.view.size());
         let mut encoder = self
             .gpu
             .device

@@ -18,7 +18,7 @@ use crate::save::Destination;
 use crate::text::{count, ms, plural};
 use crate::values::Choice;
 use anyhow::{Result, bail};
-use enfilade::{ChoiceGoal, Method, Scene, Viewer};
+use enfilade::{ChoiceGoal, Method, Viewer};
 use enfilade_draw::{Exposure, Legend, Samples, Show, with_sun};
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -50,7 +50,7 @@ pub(crate) struct StepLog {
     /// Passages begun.
     passages: u32,
     /// The cover of the passage in which the limit was reached, or of the last.
-    cover: Option<(Passage, Vec<(u16, Vec<CoverSpan>)>)>,
+    cover: Option<(Passage, Rows)>,
 }
 
 impl StepLog {
@@ -87,14 +87,14 @@ impl StepLog {
         }
         let mut rows = Rows::default();
         show(&mut rows);
-        self.cover = Some((passage.clone(), rows.0));
+        self.cover = Some((passage.clone(), rows));
     }
 
     /// Emits the cover that was kept.
     pub(crate) fn emit_cover(&self, canvas: &mut dyn Canvas) {
         if let Some((passage, rows)) = &self.cover {
             canvas.enter(self.passage(), passage);
-            for (y, spans) in rows {
+            for (y, spans) in &rows.0 {
                 canvas.cover(*y, spans);
             }
         }
@@ -110,8 +110,8 @@ impl LookStep {
     }
 }
 
-/// Keeps rows of a cover.
-#[derive(Default)]
+/// Rows of a cover, by number.
+#[derive(Debug, Default)]
 struct Rows(Vec<(u16, Vec<CoverSpan>)>);
 
 impl Canvas for Rows {

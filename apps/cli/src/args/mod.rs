@@ -69,6 +69,13 @@ pub(crate) enum Verb {
 
 /// Options of `view`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  enfilade view
+  enfilade view scene.glb
+  enfilade view scene.glb --screenshot picture.png --freeze --above
+  enfilade view scene.glb --web
+  enfilade view --help")]
 pub(crate) struct ViewArgs {
     /// A scene, and options of the viewer; `enfilade view --help` lists them
     #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
@@ -479,7 +486,7 @@ mod tests {
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");
         helps.extend(verbs.map(|verb| verb.render_help().to_string()));
-        assert_eq!(helps.len(), 11);
+        assert_eq!(helps.len(), 12);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
             assert!(

@@ -13,7 +13,7 @@ const TARGET: &str = "wasm32-unknown-unknown";
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Only what CI has time for: one test without a window, and a window in a virtual display
+    /// Only what CI has time for: one test, without a window
     #[arg(long)]
     quick: bool,
     /// Build the web page, and run its test

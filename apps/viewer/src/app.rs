@@ -355,13 +355,12 @@ impl App {
             }
             #[cfg(not(target_arch = "wasm32"))]
             if ui.button("save").clicked() {
-                let file = "camera-path.jsonl";
-                self.message = Some(match std::fs::write(file, path::write(&self.path)) {
-                    Ok(()) => (
+                self.message = Some(match path::save(&self.path) {
+                    Ok(file) => (
                         format!("wrote {file}; `enfilade look SCENE --path {file}` measures it"),
                         false,
                     ),
-                    Err(why) => (format!("{file}: {why}"), true),
+                    Err(why) => (format!("{why:#}"), true),
                 });
             }
         });

@@ -64,9 +64,14 @@ mod native {
             (0..SETTLED).for_each(|_| viewer.frame(Vec::new()));
         }
         let picture = viewer.picture()?;
-        picture
-            .save(file)
-            .with_context(|| format!("cannot write {}", file.display()))
+        // Written beside, then renamed, so that a failure leaves what was there.
+        let beside = file.with_extension("part.png");
+        let fails = || format!("cannot write {}", file.display());
+        picture.save(&beside).with_context(fails)?;
+        std::fs::File::open(&beside)
+            .and_then(|written| written.sync_all())
+            .and_then(|()| std::fs::rename(&beside, file))
+            .with_context(fails)
     }
 
     fn window(args: Args) -> Result<()> {

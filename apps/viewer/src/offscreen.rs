@@ -12,7 +12,7 @@ use image::RgbaImage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Seconds that pass from frame to frame, as the interface is told.
+/// Time step reported to the interface, in seconds per frame.
 const FRAME: f64 = 1.0 / 30.0;
 
 /// A viewer that draws on a texture.

@@ -119,7 +119,7 @@ pub(crate) fn draw(painter: &Painter, rect: Rect, session: &Session, view: &View
     if session.frozen.is_some() {
         draw_frozen(&pen, session, overlays);
     } else if overlays.apertures {
-        for passage in &session.viewer.visible().passages()[1..] {
+        for passage in session.viewer.visible().passages().iter().skip(1) {
             let [width, height] = passage.size.map(|side| side as f32);
             let corner =
                 |[x, y]: [f64; 2]| rect.min + vec2(x as f32 / width, y as f32 / height) * rect.size();

@@ -38,6 +38,33 @@ pub fn write(cameras: &[Camera]) -> String {
     cameras.iter().map(line).collect()
 }
 
+/// Writes cameras to a new file `camera-path.jsonl` in the current folder, or `camera-path-2.jsonl` and so on: no file is
+/// replaced. Returns its name.
+///
+/// # Errors
+/// If the folder cannot be written to.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn save(cameras: &[Camera]) -> Result<String> {
+    use std::io::{ErrorKind, Write};
+    for number in 1.. {
+        let name = match number {
+            1 => "camera-path.jsonl".to_owned(),
+            _ => format!("camera-path-{number}.jsonl"),
+        };
+        match std::fs::File::create_new(&name) {
+            Ok(mut file) => {
+                file.write_all(write(cameras).as_bytes())
+                    .and_then(|()| file.sync_all())
+                    .with_context(|| format!("cannot write {name}"))?;
+                return Ok(name);
+            }
+            Err(why) if why.kind() == ErrorKind::AlreadyExists => {}
+            Err(why) => return Err(why).with_context(|| format!("cannot write {name}")),
+        }
+    }
+    bail!("too many files are called camera-path")
+}
+
 /// Reads cameras from lines.
 ///
 /// # Errors

@@ -46,7 +46,7 @@ impl Server {
                     .context("the scene has no file name")?
                     .to_string_lossy();
                 let bytes = in_one_file(path)?;
-                // The reader goes by the first bytes; the name is only shown.
+                // The reader detects the format from the content; the name is for display.
                 (Some(Arc::new(bytes)), format!("?scene=scene/{}", escaped(&name)))
             }
         };

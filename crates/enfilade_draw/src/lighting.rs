@@ -1,4 +1,4 @@
-//! The light of a passage in plain numbers, for renderers that shade on their own, such as on a GPU.
+//! Lights and ambient light of a passage as plain data, for custom renderers, such as one on a GPU.
 
 use crate::light::{Daylight, Tone};
 use crate::stage::{Exposure, Stage};

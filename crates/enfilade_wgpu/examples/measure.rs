@@ -20,8 +20,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             (found.scene, found.cameras)
         }
         None => {
-            let mut options = ReadOptions::default();
-            options.limit_bytes = 8_000_000_000;
+            let options = ReadOptions {
+                limit_bytes: 8_000_000_000,
+                ..ReadOptions::default()
+            };
             let import = enfilade_import::read(Path::new(&name), &options)?;
             (import.scene(Method::Masked, options.limit_bytes)?, import.cameras)
         }

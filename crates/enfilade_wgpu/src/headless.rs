@@ -103,6 +103,14 @@ impl Headless {
 
     /// Records a picture without drawing it, to measure what that takes.
     pub fn encode(&mut self, frame: &Frame) -> DrawStats {
+        let (target, commands, stats) = self.record(frame);
+        drop(commands);
+        self.target = Some(target);
+        stats
+    }
+
+    /// Records a picture. Returns the target too, to be put back.
+    fn record(&mut self, frame: &Frame) -> (Texture, wgpu::CommandBuffer, DrawStats) {
         let target = self.target(frame.view.size());
         let mut encoder = self
             .gpu
@@ -110,9 +118,7 @@ impl Headless {
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let on = target.create_view(&wgpu::TextureViewDescriptor::default());
         let stats = self.renderer.draw(&mut encoder, &on, frame);
-        drop(encoder.finish());
-        self.target = Some(target);
-        stats
+        (target, encoder.finish(), stats)
     }
 
     /// Takes the target, or makes one of a size.
@@ -141,14 +147,8 @@ impl Headless {
     /// # Errors
     /// [`HeadlessError::Failed`].
     pub fn draw(&mut self, frame: &Frame) -> Result<(RgbaImage, DrawStats), HeadlessError> {
-        let target = self.target(frame.view.size());
-        let mut encoder = self
-            .gpu
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let on = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let stats = self.renderer.draw(&mut encoder, &on, frame);
-        self.gpu.queue.submit([encoder.finish()]);
+        let (target, commands, stats) = self.record(frame);
+        self.gpu.queue.submit([commands]);
         let picture = read(&self.gpu.device, &self.gpu.queue, &target)?;
         self.target = Some(target);
         Ok((picture, stats))

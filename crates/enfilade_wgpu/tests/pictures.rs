@@ -4,6 +4,8 @@
 //! side. And in shading: it halves the light of the last row of pixels before the edge of a beam, even where a face ends
 //! there. Of faces in one plane it may show the other. All else is equal within [`EQUAL`].
 
+#![allow(clippy::print_stdout, reason = "figures, shown by --nocapture")]
+
 use enfilade::{LightId, Scene, ShadowCasters, View, Viewer};
 use enfilade_draw::{Exposure, Settings, Stage, with_sun};
 use enfilade_scenes::{NAMES, Random, built_in, fuzz_scene, parallel_view, random_scene, with_random_lights};

@@ -10,7 +10,7 @@ use crate::view::region::{Region, Visibility};
 use crate::view::screen_map::ScreenMap;
 use crate::view::step_log::{LookStep, StepLog};
 
-/// A receiver that hands on to another, and records.
+/// Forwards a traversal to another receiver, and records its steps.
 pub(crate) struct Recorder<'a, V> {
     inner: &'a mut V,
     log: &'a mut StepLog,

@@ -240,9 +240,6 @@ impl App {
         if options != session.viewer.options {
             session.viewer.options = options;
             session.look_again();
-            if let Some(diagnostic) = &mut self.diagnostic {
-                diagnostic.forget();
-            }
         }
         ui.separator();
         let mut walks = session.walker.walks;
@@ -536,7 +533,14 @@ impl App {
             }
             ui.add(Slider::new(&mut done, 0..=most).text(format!("of {most}")));
         });
-        let pressed = |key| ui.input(|input| input.num_presses(key));
+        let has_keys = !ui.ctx().egui_wants_keyboard_input();
+        let pressed = |key| {
+            if has_keys {
+                ui.input(|input| input.num_presses(key))
+            } else {
+                0
+            }
+        };
         done = (done + pressed(Key::Period))
             .saturating_sub(pressed(Key::Comma))
             .min(most);

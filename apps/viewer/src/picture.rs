@@ -1,6 +1,6 @@
 //! Pictures that the interface shows: the scene on the GPU, and diagnostic pictures of the software renderer.
 
-use crate::session::Session;
+use crate::session::{LookKey, Session};
 use eframe::egui::{self, TextureId, load::SizedTexture};
 use eframe::egui_wgpu;
 use eframe::wgpu;
@@ -164,7 +164,7 @@ pub(crate) struct Diagnostic {
     pub(crate) show: Show,
     viewer: Viewer,
     texture: Option<egui::TextureHandle>,
-    of: Option<View>,
+    of: Option<LookKey>,
 }
 
 impl Diagnostic {
@@ -177,17 +177,12 @@ impl Diagnostic {
         }
     }
 
-    /// Makes the picture again, whatever has changed.
-    pub(crate) fn forget(&mut self) {
-        self.of = None;
-    }
-
     /// Returns the picture of what a session sees, some pixels wide.
     pub(crate) fn draw(&mut self, context: &egui::Context, session: &Session, width: u32) -> SizedTexture {
         let [columns, rows] = session.view.size();
         let size = [width, (width * rows).div_ceil(columns).max(1)];
-        if self.of != Some(session.view) || self.texture.is_none() {
-            self.of = Some(session.view);
+        if self.of != Some(session.key()) || self.texture.is_none() {
+            self.of = Some(session.key());
             let camera = match &session.frozen {
                 Some(frozen) => frozen.walker.camera(&session.world.scene),
                 None => session.walker.camera(&session.world.scene),

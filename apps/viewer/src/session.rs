@@ -27,7 +27,15 @@ pub struct Session {
     pub ghosts: bool,
     /// Numbers of the last look.
     pub stats: LookStats,
+    /// Number of changes of the scene and of the viewer's options.
+    changes: u64,
+    /// What the explanation of the selected item is of.
+    explained: Option<LookKey>,
 }
+
+/// What a look depends on: the view, and the changes of the scene and the options before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LookKey(View, u64);
 
 /// A visible set that is looked at from outside.
 pub struct Frozen {
@@ -88,6 +96,8 @@ impl Session {
             selected: None,
             ghosts: true,
             stats: LookStats::default(),
+            changes: 0,
+            explained: None,
         };
         session.look([64, 64]);
         session
@@ -99,13 +109,23 @@ impl Session {
         let seen = camera.view(size).unwrap_or(self.view);
         if self.frozen.is_none() {
             self.view = seen;
-            self.look_again();
+            self.update();
         }
         seen
     }
 
+    /// Returns what the last look depended on.
+    pub fn key(&self) -> LookKey {
+        LookKey(self.view, self.changes)
+    }
+
     /// Looks with the view of the last look, after the scene or the options have changed.
     pub fn look_again(&mut self) {
+        self.changes += 1;
+        self.update();
+    }
+
+    fn update(&mut self) {
         let scene = &self.world.scene;
         let start = Instant::now();
         let set = self.viewer.look(scene, &self.view);
@@ -123,7 +143,10 @@ impl Session {
         if self.frozen.is_some() {
             self.place();
         }
-        if let Some(Selected { sector, item, .. }) = self.selected {
+        // Rays are cast for an item that is hidden: not in each frame.
+        if let Some(Selected { sector, item, .. }) = self.selected
+            && self.explained != Some(self.key())
+        {
             self.explain(sector, item);
         }
     }
@@ -221,6 +244,7 @@ impl Session {
         if let Some(selected) = &mut self.selected {
             selected.explanation = explanation;
         }
+        self.explained = Some(self.key());
     }
 
     fn hit(
@@ -273,6 +297,7 @@ impl Session {
         if let Some(back) = back {
             self.world.scene.set_open(back, open);
         }
+        self.look_again();
         Some(format!("{} `{name}`", if open { "opened" } else { "closed" }))
     }
 
@@ -388,8 +413,10 @@ mod tests {
                 .count()
         };
         let before = open(&session);
+        let key = session.key();
         let said = session.toggle_portal(&view, [160.0, 130.0]).expect("a door");
         assert!(said.starts_with("closed"), "{said}");
+        assert_ne!(session.key(), key, "diagnostic pictures are made again");
         assert_eq!(open(&session), before - 2);
         let said = session.toggle_portal(&view, [160.0, 130.0]).expect("a door");
         assert!(said.starts_with("opened"), "{said}");

@@ -1,7 +1,7 @@
 //! Step mode: one look, test by test, forwards and backwards.
 
 use crate::explain;
-use crate::session::Session;
+use crate::session::{LookKey, Session};
 use eframe::egui::{Color32, Painter, Rect, Stroke, StrokeKind, vec2};
 use enfilade::{LookStep, View, Viewer, Visibility};
 use enfilade_draw::{RgbImage, Settings, Show};
@@ -15,6 +15,7 @@ pub struct StepMode {
     /// The state of the cover after them.
     pub cover: RgbImage,
     view: View,
+    of: LookKey,
     viewer: Viewer,
 }
 
@@ -26,6 +27,7 @@ impl StepMode {
             done: 0,
             cover: RgbImage::new(1, 1),
             view: session.view,
+            of: session.key(),
             viewer: Viewer::with_options(session.viewer.options),
         };
         mode.all = mode.look(session, usize::MAX);
@@ -35,7 +37,7 @@ impl StepMode {
 
     /// Whether it still steps through the look of the session.
     pub fn is_of(&self, session: &Session) -> bool {
-        self.view == session.view
+        self.of == session.key()
     }
 
     /// Goes to a number of steps done.

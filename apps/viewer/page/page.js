@@ -22,6 +22,10 @@ function why(error) {
 
 // Panics of the viewer.
 window.enfiladeFailed = fail;
+// Its messages, for screen readers.
+window.enfiladeSaid = (message) => {
+  document.getElementById("said").textContent = message;
+};
 window.addEventListener("error", (event) => fail(why(event.error ?? event.message)));
 window.addEventListener("unhandledrejection", (event) => fail(why(event.reason)));
 

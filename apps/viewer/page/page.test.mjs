@@ -35,7 +35,7 @@ async function serve(scene) {
   throw new Error('the server has ended');
 }
 
-async function open(address, gpu) {
+async function open(address, { gpu = true, flags = [] } = {}) {
   const profile = await mkdtemp(join(folder, 'profile-'));
   const browser = await chromium.launchPersistentContext(profile, {
     executablePath,
@@ -51,6 +51,7 @@ async function open(address, gpu) {
       '--disable-sync',
       '--no-first-run',
       '--disable-quic',
+      ...flags,
     ],
   });
   ends.push(() => browser.close());
@@ -88,7 +89,7 @@ async function until(page, what, isSo) {
 }
 
 test('the palace appears, keys move the camera, and a freeze shows it from outside', { timeout: 3 * timeout }, async () => {
-  const page = await open(await serve('@enfilade'), true);
+  const page = await open(await serve('@enfilade'));
   const start = Date.now();
   await page.waitForFunction(() => document.body.dataset.state, null, { timeout });
   assert.equal(await page.evaluate(() => document.body.dataset.state), 'running', await page.innerText('#note'));
@@ -106,15 +107,24 @@ test('the palace appears, keys move the camera, and a freeze shows it from outsi
 test('a file that is no scene is named, with the reason', { timeout }, async () => {
   const file = join(folder, 'broken.glb');
   await writeFile(file, 'glTF but not really');
-  const page = await open(await serve(file), true);
+  const page = await open(await serve(file));
   await page.waitForFunction(() => document.body.dataset.state, null, { timeout });
+  await page.waitForFunction(() => document.getElementById('said').textContent, null, { timeout });
+  assert.match(await page.innerText('#said'), /broken\.glb: .*glTF/);
   await until(page, 'a message', (now) => colors(now) > 20);
   if (process.env.ENFILADE_SCREENSHOT) await page.screenshot({ path: `${process.env.ENFILADE_SCREENSHOT}.broken.png` });
 });
 
 test('a browser without WebGL is told so', { timeout }, async () => {
-  const page = await open(await serve('@enfilade'), false);
+  const page = await open(await serve('@enfilade'), { gpu: false });
   await page.waitForFunction(() => document.body.dataset.state, null, { timeout });
   assert.equal(await page.evaluate(() => document.body.dataset.state), 'failed');
   assert.match(await page.innerText('#note'), /neither WebGPU nor WebGL2/);
+});
+
+test('a page that runs out of memory says so', { timeout }, async () => {
+  // 48 MB, of 64 KiB pages.
+  const page = await open(await serve('@enfilade'), { flags: ['--js-flags=--wasm-max-mem-pages=768'] });
+  await page.waitForFunction(() => document.body.dataset.state === 'failed', null, { timeout });
+  assert.match(await page.innerText('#note'), /may have run out of memory/);
 });

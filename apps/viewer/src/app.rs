@@ -1,8 +1,10 @@
 //! The window: input, the picture of the scene, and the panels around it.
 
+use crate::counts::{counted, grouped};
 use crate::floor_plan;
-use crate::history::{Frame, History};
+use crate::history::{self, Frame, History};
 use crate::loading::{Loading, Opened};
+use crate::occluders::Occluders;
 use crate::overlay::{self, Overlays};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::path;
@@ -29,6 +31,7 @@ pub struct App {
     pub overlays: Overlays,
     /// Whether the panels are shown.
     pub panels: bool,
+    occluders: Occluders,
     diagnostic: Option<Diagnostic>,
     /// The look that is stepped through, and the picture of its cover.
     pub steps: Option<StepMode>,
@@ -60,6 +63,7 @@ impl App {
             message: None,
             overlays: Overlays::default(),
             panels: true,
+            occluders: Occluders::default(),
             diagnostic: None,
             steps: None,
             cover: None,
@@ -113,6 +117,9 @@ impl App {
                 self.message = world.warnings.first().map(|warning| (warning.clone(), false));
                 self.speed = 2.0;
                 self.session = Some(Session::new(world));
+                self.occluders = Occluders::default();
+                self.show_diagnostic(self.diagnostic.as_ref().map(|diagnostic| diagnostic.show));
+                self.steps = None;
                 // Meshes and textures of the last scene go.
                 self.picture = ScenePicture::new(&self.gpu, self.picture.samples());
                 self.history = History::default();
@@ -134,6 +141,12 @@ impl App {
     /// Replaces the scene once the other one is loaded.
     pub fn load(&mut self, loading: Loading) {
         self.loading = Some(loading);
+    }
+
+    /// Replays a camera path.
+    pub fn replay(&mut self, path: Vec<Camera>) {
+        self.replay = Some((path.clone(), 0));
+        self.path = path;
     }
 
     /// Lets the sun of the scene cast shadows; a scene without lights gets one.
@@ -161,7 +174,7 @@ impl App {
         ui.horizontal_wrapped(|ui| {
             if let Some(loading) = &self.loading {
                 ui.spinner();
-                ui.label(format!("loading {} … {:.0} s", loading.name(), loading.seconds()));
+                ui.label(loading.progress());
             }
             match &self.message {
                 Some((message, true)) => ui.colored_label(Color32::from_rgb(255, 120, 100), message),
@@ -401,14 +414,23 @@ impl App {
             "ms",
         );
         let (visible, others) = (Color32::from_rgb(90, 220, 120), Color32::from_gray(150));
-        self.history.plot(
-            ui,
-            &[
+        let counts: [[history::Series; 2]; 3] = [
+            [
                 ("items", visible, |frame| frame.items),
                 ("in the frustum", others, |frame| frame.items_in_frustum),
             ],
-            "",
-        );
+            [
+                ("triangles", visible, |frame| frame.triangles),
+                ("in the frustum", others, |frame| frame.triangles_in_frustum),
+            ],
+            [
+                ("draw calls", encode, |frame| frame.draw_calls),
+                ("passages", look, |frame| frame.passages),
+            ],
+        ];
+        for series in counts {
+            self.history.plot(ui, &series, "");
+        }
         ui.separator();
         let label = if session.frozen.is_some() {
             "unfreeze (F)"
@@ -426,12 +448,9 @@ impl App {
             }
         });
         ui.horizontal_wrapped(|ui| {
-            let overlays = &mut self.overlays;
-            ui.checkbox(&mut overlays.frustum, "frustum");
-            ui.checkbox(&mut overlays.portals, "portals");
-            ui.checkbox(&mut overlays.apertures, "apertures");
-            ui.checkbox(&mut overlays.sectors, "sectors");
-            ui.checkbox(&mut overlays.boxes, "boxes");
+            for (name, shown) in self.overlays.all() {
+                ui.checkbox(shown, name);
+            }
             if ui.checkbox(&mut session.ghosts, "ghosts").changed() {
                 session.place();
             }
@@ -565,7 +584,7 @@ impl App {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let Some(session) = &mut self.session else {
-            ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(18, 20, 26));
+            self.without_scene(ui, rect);
             return;
         };
         let scale = ui.ctx().pixels_per_point();
@@ -649,10 +668,18 @@ impl App {
             encode_ms: self.encode_ms,
             items: session.stats.items as f64,
             items_in_frustum: session.stats.items_in_frustum as f64,
+            triangles: session.stats.triangles as f64,
+            triangles_in_frustum: session.stats.triangles_in_frustum as f64,
+            draw_calls: drawn.draw_calls.into(),
+            passages: session.stats.passages as f64,
         });
         let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
         ui.painter().image(texture.id, rect, whole, Color32::WHITE);
-        overlay::draw(ui.painter(), rect, session, &view, self.overlays);
+        let occluders = match self.overlays.occluders {
+            true => self.occluders.of(session),
+            false => &[],
+        };
+        overlay::draw(ui.painter(), rect, session, &view, self.overlays, occluders);
         if let Some(steps) = self.steps.as_ref().filter(|_| session.frozen.is_none()) {
             steps.draw(ui.painter(), rect);
         }
@@ -668,6 +695,26 @@ impl App {
         }
     }
 
+    /// Shows what is being opened, or why it cannot be.
+    fn without_scene(&mut self, ui: &mut Ui, rect: egui::Rect) {
+        ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(18, 20, 26));
+        let text = match (&self.loading, &self.message) {
+            (Some(loading), _) => loading.progress(),
+            (None, Some((message, _))) => message.clone(),
+            (None, None) => String::new(),
+        };
+        let middle = egui::Rect::from_center_size(rect.center(), Vec2::new(0.8 * rect.width(), 120.0));
+        let inside = egui::UiBuilder::new().max_rect(middle);
+        ui.scope_builder(inside, |ui| {
+            ui.vertical_centered(|ui| {
+                ui.label(RichText::new(text).size(16.0));
+                if self.loading.is_none() && ui.button("open the palace instead").clicked() {
+                    self.load(Loading::file("@enfilade"));
+                }
+            });
+        });
+    }
+
     fn pointed(&mut self, response: &egui::Response, view: &View, at: [f64; 2]) {
         let Some(session) = &mut self.session else { return };
         if response.clicked() {
@@ -681,26 +728,4 @@ impl App {
             self.awake = 0.1;
         }
     }
-}
-
-/// Returns a number of things: "1 item", "2 items".
-fn counted(number: u64, thing: &str) -> String {
-    format!(
-        "{} {thing}{}",
-        grouped(number),
-        if number == 1 { "" } else { "s" }
-    )
-}
-
-/// Returns a number with its thousands apart.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push('\u{202f}');
-        }
-        text.push(digit);
-    }
-    text
 }

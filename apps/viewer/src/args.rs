@@ -2,6 +2,7 @@
 
 use crate::app::App;
 use crate::overlay::Overlays;
+use crate::path;
 use crate::session::Session;
 use crate::steps::StepMode;
 use crate::walker::Walker;
@@ -27,6 +28,9 @@ pub struct Args {
     /// Look at this position
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
     pub toward: Option<[f64; 3]>,
+    /// Replay this camera path: the JSON lines that `enfilade look --path` reads, and the viewer saves
+    #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["camera", "eye", "freeze"])]
+    pub path: Option<PathBuf>,
     /// Use this method in all sectors that it suits
     #[arg(long, value_name = "NAME", value_parser = method)]
     pub method: Option<Method>,
@@ -42,7 +46,7 @@ pub struct Args {
     /// Look at the frozen set from above
     #[arg(long, requires = "freeze")]
     pub above: bool,
-    /// Draw these over the picture, comma-separated: frustum, portals, apertures, sectors, boxes
+    /// Draw these over the picture, comma-separated: frustum, portals, apertures, sectors, occluders, boxes
     #[arg(long, value_name = "LIST", value_parser = overlays)]
     pub overlays: Option<Overlays>,
     /// Click at this position of the window, in pixels, to explain what is there
@@ -84,6 +88,10 @@ impl Args {
         app.show_diagnostic(self.show);
         if self.shadows {
             app.cast_shadows();
+        }
+        if let Some(file) = &self.path {
+            let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
+            app.replay(path::read(&text).with_context(|| file.display().to_string())?);
         }
         let Some(session) = &mut app.session else {
             return Ok(());
@@ -182,23 +190,14 @@ fn show(text: &str) -> Result<Show> {
 }
 
 fn overlays(text: &str) -> Result<Overlays> {
-    let mut overlays = Overlays {
-        frustum: false,
-        sectors: false,
-        portals: false,
-        apertures: false,
-        boxes: false,
-    };
+    let mut overlays = Overlays::NONE;
     for name in text.split(',').filter(|name| !name.is_empty()) {
-        let flag = match name {
-            "frustum" => &mut overlays.frustum,
-            "sectors" => &mut overlays.sectors,
-            "portals" => &mut overlays.portals,
-            "apertures" => &mut overlays.apertures,
-            "boxes" => &mut overlays.boxes,
-            _ => bail!("no overlay `{name}`; there are frustum, portals, apertures, sectors and boxes"),
-        };
-        *flag = true;
+        let mut all = overlays.all();
+        let names: Vec<&str> = all.iter().map(|(known, _)| *known).collect();
+        match all.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, flag)) => **flag = true,
+            None => bail!("no overlay `{name}`; there are {}", names.join(", ")),
+        }
     }
     Ok(overlays)
 }

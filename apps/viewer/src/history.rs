@@ -1,5 +1,6 @@
 //! Numbers of the last frames, as plots.
 
+use crate::counts::grouped;
 use eframe::egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, vec2};
 use std::collections::VecDeque;
 
@@ -13,6 +14,10 @@ pub(crate) struct Frame {
     pub(crate) encode_ms: f64,
     pub(crate) items: f64,
     pub(crate) items_in_frustum: f64,
+    pub(crate) triangles: f64,
+    pub(crate) triangles_in_frustum: f64,
+    pub(crate) draw_calls: f64,
+    pub(crate) passages: f64,
 }
 
 /// A value of the frames to plot: its name, its colour, and where it is.
@@ -34,7 +39,7 @@ impl History {
 
     /// Plots values of the frames over each other.
     pub(crate) fn plot(&self, ui: &mut Ui, series: &[Series], unit: &str) {
-        let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 62.0), Sense::hover());
+        let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 46.0), Sense::hover());
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 3.0, Color32::from_rgb(18, 20, 26));
         let all = || self.frames.iter();
@@ -53,7 +58,7 @@ impl History {
             let at = rect.min + vec2(6.0 + 0.5 * rect.width() * number as f32, 2.0);
             let last = self.frames.back().map_or(0.0, value);
             let text = if unit.is_empty() {
-                format!("{name} {last:.0}")
+                format!("{name} {}", grouped(last as u64))
             } else {
                 format!("{name} {last:.2} {unit}")
             };

@@ -4,10 +4,12 @@
 pub mod app;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod args;
+mod counts;
 pub mod explain;
 mod floor_plan;
 mod history;
 pub mod loading;
+mod occluders;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod offscreen;
 pub mod overlay;

@@ -19,10 +19,21 @@ pub enum Opened {
 pub struct Loading {
     name: String,
     start: Instant,
+    /// What is done now.
+    stage: &'static str,
     #[cfg(not(target_arch = "wasm32"))]
-    result: std::sync::mpsc::Receiver<Result<Opened>>,
+    messages: std::sync::mpsc::Receiver<Message>,
     #[cfg(target_arch = "wasm32")]
     work: Work,
+}
+
+/// What the thread that opens a file says.
+#[cfg(not(target_arch = "wasm32"))]
+enum Message {
+    /// It begins with this.
+    Stage(&'static str),
+    /// It has ended.
+    Done(Result<Opened>),
 }
 
 /// What is left to do without threads.
@@ -41,16 +52,21 @@ impl Loading {
     /// Opens a file, or a built-in scene by `@NAME`.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn file(name: &str) -> Loading {
-        let (sender, result) = std::sync::mpsc::channel();
+        let (sender, messages) = std::sync::mpsc::channel();
         let file = name.to_owned();
         std::thread::spawn(move || {
-            // An error means that another file was wanted meanwhile.
-            let _ = sender.send(open(&file));
+            let say = |stage| {
+                // An error means that another file was wanted meanwhile.
+                let _ = sender.send(Message::Stage(stage));
+            };
+            let opened = open(&file, &say);
+            let _ = sender.send(Message::Done(opened));
         });
         Loading {
             name: name.to_owned(),
             start: Instant::now(),
-            result,
+            stage: "",
+            messages,
         }
     }
 
@@ -65,14 +81,17 @@ impl Loading {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn poll(&mut self) -> Option<Result<Opened>> {
         use std::sync::mpsc::TryRecvError;
-        match self.result.try_recv() {
-            Ok(result) => Some(result),
-            Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => {
-                let name = &self.name;
-                Some(Err(anyhow!(
-                    "{name}: opening it failed unexpectedly; please report the file"
-                )))
+        loop {
+            match self.messages.try_recv() {
+                Ok(Message::Stage(stage)) => self.stage = stage,
+                Ok(Message::Done(result)) => return Some(result),
+                Err(TryRecvError::Empty) => return None,
+                Err(TryRecvError::Disconnected) => {
+                    let name = &self.name;
+                    return Some(Err(anyhow!(
+                        "{name}: opening it failed unexpectedly; please report the file"
+                    )));
+                }
             }
         }
     }
@@ -83,6 +102,7 @@ impl Loading {
         Loading {
             name: name.to_owned(),
             start: Instant::now(),
+            stage: "building the scene",
             work: Work::BuiltIn(2),
         }
     }
@@ -106,6 +126,7 @@ impl Loading {
         Loading {
             name: name.to_owned(),
             start: Instant::now(),
+            stage: "reading the file",
             work: Work::Bytes(arrived, 2),
         }
     }
@@ -119,7 +140,7 @@ impl Loading {
             return None;
         }
         match &self.work {
-            Work::BuiltIn(_) => Some(open(&self.name)),
+            Work::BuiltIn(_) => Some(open(&self.name, &|_| ())),
             Work::Bytes(arrived, _) => {
                 let bytes = arrived.borrow_mut().take()?;
                 Some(
@@ -136,17 +157,18 @@ impl Loading {
         &self.name
     }
 
-    /// Returns for how long.
-    pub fn seconds(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+    /// Says what is done now, and for how long the file has been opened.
+    pub fn progress(&self) -> String {
+        let seconds = self.start.elapsed().as_secs_f64();
+        format!("{}: {} … {seconds:.0} s", self.name, self.stage)
     }
 }
 
-fn open(name: &str) -> Result<Opened> {
+fn open(name: &str, say: &dyn Fn(&'static str)) -> Result<Opened> {
     if is_path(name) {
         return read(name, &std::fs::read(name).with_context(|| name.to_owned())?);
     }
-    Ok(Opened::Scene(Box::new(World::open(name)?)))
+    Ok(Opened::Scene(Box::new(World::open_with(name, say)?)))
 }
 
 fn read(name: &str, bytes: &[u8]) -> Result<Opened> {

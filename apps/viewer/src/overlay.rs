@@ -1,7 +1,8 @@
-//! Lines over the picture: frustum, sectors, portals, apertures, and the selected item.
+//! Lines over the picture: frustum, sectors, portals, apertures, occluders, and the selected item.
 
+use crate::occluders::{Occluder, Outline};
 use crate::session::Session;
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, vec2};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
 use enfilade::{Aabb, PassageId, Transform, View};
 use glam::{DMat4, DVec3, DVec4};
 
@@ -16,18 +17,43 @@ pub struct Overlays {
     pub portals: bool,
     /// Clip regions of the passages.
     pub apertures: bool,
+    /// Occluders of the look.
+    pub occluders: bool,
     /// Boxes of the visible items.
     pub boxes: bool,
+}
+
+impl Overlays {
+    /// Nothing.
+    pub const NONE: Overlays = Overlays {
+        frustum: false,
+        sectors: false,
+        portals: false,
+        apertures: false,
+        occluders: false,
+        boxes: false,
+    };
+
+    /// Returns all, with their names.
+    pub fn all(&mut self) -> [(&'static str, &mut bool); 6] {
+        [
+            ("frustum", &mut self.frustum),
+            ("portals", &mut self.portals),
+            ("apertures", &mut self.apertures),
+            ("sectors", &mut self.sectors),
+            ("occluders", &mut self.occluders),
+            ("boxes", &mut self.boxes),
+        ]
+    }
 }
 
 impl Default for Overlays {
     fn default() -> Overlays {
         Overlays {
             frustum: true,
-            sectors: false,
             portals: true,
             apertures: true,
-            boxes: false,
+            ..Overlays::NONE
         }
     }
 }
@@ -36,6 +62,7 @@ const VISIBLE: Color32 = Color32::from_rgb(90, 220, 120);
 const FOLLOWED: Color32 = Color32::from_rgb(255, 205, 60);
 const CLOSED: Color32 = Color32::from_rgb(235, 80, 70);
 const FAINT: Color32 = Color32::from_rgba_premultiplied(70, 80, 95, 110);
+const OCCLUDER: Color32 = Color32::from_rgb(255, 120, 30);
 const SELECTED: Color32 = Color32::from_rgb(255, 255, 255);
 
 /// Draws lines of a space on a picture.
@@ -75,6 +102,26 @@ impl Pen<'_> {
         }
     }
 
+    /// Fills a convex polygon.
+    fn fill(&self, corners: &[DVec3], color: Color32) {
+        let clip = corners.iter().map(|&at| self.clip_from_root * at.extend(1.0));
+        let clip: Vec<DVec4> = clip.collect();
+        let mut kept: Vec<Pos2> = Vec::new();
+        for (number, &a) in clip.iter().enumerate() {
+            let b = clip[(number + 1) % clip.len()];
+            if a.w >= self.near {
+                kept.push(self.pixel(a));
+            }
+            if (a.w < self.near) != (b.w < self.near) {
+                kept.push(self.pixel(a.lerp(b, (self.near - a.w) / (b.w - a.w))));
+            }
+        }
+        if kept.len() > 2 && kept.iter().all(|at| at.x.abs() < 1e5 && at.y.abs() < 1e5) {
+            let shape = Shape::convex_polygon(kept, color, Stroke::NONE);
+            self.painter.add(shape);
+        }
+    }
+
     fn bounds(&self, bounds: &Aabb, root_from_here: &Transform, stroke: Stroke) {
         if bounds.is_empty() {
             return;
@@ -107,7 +154,14 @@ impl Pen<'_> {
 }
 
 /// Draws the lines of a session over its picture, which fills `rect` and shows `view`.
-pub(crate) fn draw(painter: &Painter, rect: Rect, session: &Session, view: &View, overlays: Overlays) {
+pub(crate) fn draw(
+    painter: &Painter,
+    rect: Rect,
+    session: &Session,
+    view: &View,
+    overlays: Overlays,
+    occluders: &[Occluder],
+) {
     let painter = painter.with_clip_rect(rect);
     let clip = DMat4::from_cols_array_2d(&view.clip_from_eye());
     let pen = Pen {
@@ -116,6 +170,9 @@ pub(crate) fn draw(painter: &Painter, rect: Rect, session: &Session, view: &View
         clip_from_root: clip * matrix(&view.eye_from_sector()),
         near: 1e-3 * session.world.metre,
     };
+    for occluder in occluders {
+        draw_occluder(&pen, occluder, session);
+    }
     if session.frozen.is_some() {
         draw_frozen(&pen, session, overlays);
     } else if overlays.apertures {
@@ -139,6 +196,42 @@ pub(crate) fn draw(painter: &Painter, rect: Rect, session: &Session, view: &View
             None => scene.sector(selected.sector).item_bounds(selected.item),
         };
         pen.bounds(&bounds, &selected.root_from_sector, Stroke::new(1.5, SELECTED));
+    }
+}
+
+fn draw_occluder(pen: &Pen, occluder: &Occluder, session: &Session) {
+    // Not beyond the edges of what the passage shows.
+    let passage = session
+        .viewer
+        .visible()
+        .passages()
+        .get(occluder.passage.0 as usize);
+    let painter = match passage.filter(|_| session.frozen.is_none()) {
+        Some(passage) => {
+            let scale = pen.rect.size() / vec2(passage.size[0] as f32, passage.size[1] as f32);
+            let shown = passage.aperture.rect();
+            let [x0, y0, x1, y1] = [shown.x0, shown.y0, shown.x1, shown.y1].map(f32::from);
+            let corner = |x, y| pen.rect.min + vec2(x, y) * scale;
+            pen.painter
+                .with_clip_rect(Rect::from_min_max(corner(x0, y0), corner(x1, y1)))
+        }
+        None => pen.painter.clone(),
+    };
+    let pen = Pen {
+        painter: &painter,
+        ..*pen
+    };
+    let stroke = Stroke::new(1.0, OCCLUDER);
+    match &occluder.outline {
+        Outline::Polygon(corners) => {
+            let corners = corners
+                .iter()
+                .map(|&corner| point(&occluder.root_from_sector, corner));
+            let corners: Vec<DVec3> = corners.collect();
+            pen.fill(&corners, OCCLUDER.gamma_multiply(0.25));
+            pen.polygon(&corners, stroke);
+        }
+        Outline::Box(bounds) => pen.bounds(bounds, &occluder.root_from_sector, stroke),
     }
 }
 

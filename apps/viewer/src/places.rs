@@ -1,6 +1,6 @@
 //! Where sectors are in one common space: that of the sector of a frozen camera.
 
-use enfilade::{ItemIndex, PassageId, Scene, SectorId, Transform, View, Viewer};
+use enfilade::{ItemIndex, Passage, PassageId, Scene, SectorId, Transform, View, Viewer};
 use enfilade_wgpu::PlacedItem;
 
 /// Colour of what is in view but hidden: linear red, green, blue and coverage.
@@ -22,16 +22,20 @@ pub struct Place {
     pub passage: Option<PassageId>,
 }
 
+/// Returns the map from the space of a passage's sector to that of the camera's sector.
+pub fn root_from_sector(view: &View, passage: &Passage) -> Transform {
+    view.eye_from_sector().inverse().unwrap_or(Transform::IDENTITY) * passage.eye_from_sector()
+}
+
 /// Returns the places of all sectors: of each passage, and of each sector that no passage shows where portals lead to it.
 pub fn places(scene: &Scene, viewer: &Viewer, view: &View) -> Vec<Place> {
     let set = viewer.visible();
-    let root_from_eye = view.eye_from_sector().inverse().unwrap_or(Transform::IDENTITY);
     let mut places: Vec<Place> = (0..)
         .map(PassageId)
         .zip(set.passages())
         .map(|(id, passage)| Place {
             sector: passage.sector,
-            root_from_sector: root_from_eye * passage.eye_from_sector(),
+            root_from_sector: root_from_sector(view, passage),
             passage: Some(id),
         })
         .collect();

@@ -66,7 +66,12 @@ impl StepMode {
             passages.get(passage.0 as usize).map(|passage| passage.sector)
         };
         match self.done.checked_sub(1).and_then(|last| self.all.get(last)) {
-            None => "Nothing is tested yet; the cover is empty, or holds the occluders.".to_owned(),
+            None => "Nothing is tested yet, and the cover is empty.".to_owned(),
+            Some(LookStep::Occluder { passage, item, .. }) => {
+                let name =
+                    sector(*passage).map_or_else(String::new, |sector| explain::name(scene, sector, *item));
+                format!("An occluder is selected and put into the cover: a face of {name}.")
+            }
             Some(LookStep::Box { rect, visibility, .. }) => {
                 let answer = match visibility {
                     Visibility::Hidden => "hidden: what is inside is skipped",

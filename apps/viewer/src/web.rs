@@ -10,6 +10,10 @@ extern "C" {
     /// Shows on the page that the viewer has stopped. The page defines it.
     #[wasm_bindgen(js_name = enfiladeFailed)]
     fn failed(message: &str);
+
+    /// Gives a message of the viewer to screen readers, which cannot read the canvas. The page defines it.
+    #[wasm_bindgen(js_name = enfiladeSaid)]
+    pub(crate) fn said(message: &str);
 }
 
 /// Starts the viewer in a canvas, with a file of these bytes, or the palace if there is none.

@@ -13,6 +13,9 @@ pub struct Window {
     /// Options to apply once the scene is open.
     #[cfg(not(target_arch = "wasm32"))]
     args: Option<crate::args::Args>,
+    /// The message that the page has.
+    #[cfg(target_arch = "wasm32")]
+    said: Option<(String, bool)>,
 }
 
 impl Window {
@@ -33,6 +36,8 @@ impl Window {
             app: App::new(gpu(state), scene),
             #[cfg(not(target_arch = "wasm32"))]
             args,
+            #[cfg(target_arch = "wasm32")]
+            said: None,
         })
     }
 }
@@ -42,6 +47,11 @@ impl eframe::App for Window {
         #[cfg(not(target_arch = "wasm32"))]
         let had_scene = self.app.session.is_some();
         self.app.show(ui);
+        #[cfg(target_arch = "wasm32")]
+        if self.said != self.app.message {
+            self.said.clone_from(&self.app.message);
+            crate::web::said(self.said.as_ref().map_or("", |(message, _)| message));
+        }
         // Applied after the first frame of the scene, which knows its size.
         #[cfg(not(target_arch = "wasm32"))]
         if had_scene

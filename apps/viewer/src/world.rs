@@ -31,6 +31,14 @@ impl World {
     /// # Errors
     /// If the scene cannot be read or built. The message says why, and what to do.
     pub fn open(name: &str) -> Result<World> {
+        World::open_with(name, &|_| ())
+    }
+
+    /// As [`World::open`], and says what it does next.
+    ///
+    /// # Errors
+    /// As [`World::open`].
+    pub fn open_with(name: &str, say: &dyn Fn(&'static str)) -> Result<World> {
         if let Some(built_in) = name.strip_prefix('@') {
             let found = enfilade_scenes::built_in(built_in).ok_or_else(|| {
                 let names: Vec<String> = enfilade_scenes::NAMES
@@ -39,10 +47,11 @@ impl World {
                     .collect();
                 anyhow!("no built-in scene {name}; there are {}", names.join(", "))
             })?;
-            return Ok(World::new(name, found.scene, found.cameras, Vec::new()));
+            return Ok(World::new(name, found.scene, found.cameras, Vec::new(), say));
         }
+        say("reading the file");
         let import = enfilade_import::read(Path::new(name), &options())?;
-        World::of_import(name, &import)
+        World::of_import(name, &import, say)
     }
 
     /// Opens a file of these bytes: one that needs no other files beside it.
@@ -51,16 +60,17 @@ impl World {
     /// As [`World::open`].
     pub fn of_bytes(name: &str, bytes: &[u8]) -> Result<World> {
         let import = enfilade_import::read_bytes(bytes, None, &options()).with_context(|| name.to_owned())?;
-        World::of_import(name, &import)
+        World::of_import(name, &import, &|_| ())
     }
 
-    fn of_import(name: &str, import: &enfilade_import::Import) -> Result<World> {
+    fn of_import(name: &str, import: &enfilade_import::Import, say: &dyn Fn(&'static str)) -> Result<World> {
+        say("building the hierarchies of its sectors");
         let scene = import
             .scene(Method::Masked, MEMORY)
             .or_else(|_| import.scene(Method::FloatingHorizon, MEMORY))
             .with_context(|| name.to_owned())?;
         let warnings = import.warnings.iter().map(ToString::to_string).collect();
-        Ok(World::new(name, scene, import.cameras.clone(), warnings))
+        Ok(World::new(name, scene, import.cameras.clone(), warnings, say))
     }
 
     /// Adds a sun to a scene without lights.
@@ -69,7 +79,14 @@ impl World {
         self.stage = Stage::new(&self.scene);
     }
 
-    fn new(name: &str, scene: Scene, mut cameras: Vec<Camera>, warnings: Vec<String>) -> World {
+    fn new(
+        name: &str,
+        scene: Scene,
+        mut cameras: Vec<Camera>,
+        warnings: Vec<String>,
+        say: &dyn Fn(&'static str),
+    ) -> World {
+        say("surveying the scene");
         let found = survey(&scene, if cameras.is_empty() { 4 } else { 1 });
         if cameras.is_empty() {
             cameras = (1..)
@@ -84,6 +101,7 @@ impl World {
         if cameras.is_empty() {
             cameras.push(outside(&scene));
         }
+        say("tracing its lights");
         World {
             name: name.to_owned(),
             stage: Stage::new(&scene),

@@ -67,7 +67,9 @@ impl Viewer {
         self.memory.steps = Some(Box::new(StepLog::new(limit)));
         self.run(scene, view, None);
         self.options = options;
-        let log = self.memory.steps.take().unwrap_or_default();
+        let Some(log) = self.memory.steps.take() else {
+            return Vec::new();
+        };
         log.emit_cover(canvas);
         log.steps
     }
@@ -225,6 +227,10 @@ impl Look<'_> {
             && let Some(same) = gathered.id(passage.chain)
         {
             seen.report_again(gathered.set, same);
+        }
+        #[cfg(feature = "steps")]
+        if let Some(steps) = &mut self.memory.steps {
+            steps.begin_passage(id);
         }
         match self.canvas.as_deref_mut() {
             Some(canvas) => sector.draw(passage, self.memory, &mut seen, canvas),

@@ -89,16 +89,20 @@ impl Headless {
     /// # Errors
     /// As [`HeadlessDevice::new`].
     pub fn new(samples: u32) -> Result<Headless, HeadlessError> {
-        let gpu = HeadlessDevice::new()?;
+        Ok(Headless::on(HeadlessDevice::new()?, samples))
+    }
+
+    /// Creates a renderer with 1 or 4 samples per pixel on a device.
+    pub fn on(gpu: HeadlessDevice, samples: u32) -> Headless {
         let options = RendererOptions {
             format: TextureFormat::Rgba8UnormSrgb,
             samples,
         };
-        Ok(Headless {
+        Headless {
             renderer: Renderer::new(&gpu.device, &gpu.queue, options),
             gpu,
             target: None,
-        })
+        }
     }
 
     /// Records a picture without drawing it, to measure what that takes.

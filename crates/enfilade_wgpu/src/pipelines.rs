@@ -12,7 +12,7 @@ use wgpu::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct ItemKind {
     pub(crate) pass: Pass,
-    /// Whether fragments before the entry plane are discarded.
+    /// Whether the part before the entry plane is cut off.
     pub(crate) clips: bool,
     pub(crate) sides: Sides,
     /// Whether faces that are counter-clockwise in the item are clockwise on the screen.
@@ -57,6 +57,8 @@ pub(crate) struct Formats {
 pub(crate) struct Pipelines {
     formats: Formats,
     shader: ShaderModule,
+    /// Whether clip distances cut at the entry plane, rather than the fragment shader.
+    has_clip_distances: bool,
     items: wgpu::PipelineLayout,
     casters: wgpu::PipelineLayout,
     openings: wgpu::PipelineLayout,
@@ -92,9 +94,22 @@ impl Pipelines {
                 immediate_size: 0,
             })
         };
+        let has_clip_distances = device.features().contains(wgpu::Features::CLIP_DISTANCES);
+        let source = match has_clip_distances {
+            true => concat!(
+                "enable clip_distances;\n",
+                include_str!("shader.wgsl"),
+                include_str!("clipped.wgsl")
+            ),
+            false => include_str!("shader.wgsl"),
+        };
         Pipelines {
             formats,
-            shader: device.create_shader_module(wgpu::include_wgsl!("shader.wgsl")),
+            shader: device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("enfilade"),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            }),
+            has_clip_distances,
             items: layout(&[Some(frame), Some(material), Some(shadows)]),
             casters: layout(&[Some(frame), Some(material)]),
             openings: layout(&[Some(frame)]),
@@ -172,7 +187,11 @@ impl Pipelines {
                 },
                 is_shadow: kind.pass == Pass::Depth,
                 entries: [
-                    "item",
+                    if kind.clips && self.has_clip_distances {
+                        "clipped_item"
+                    } else {
+                        "item"
+                    },
                     if kind.pass == Pass::Depth {
                         "caster"
                     } else {
@@ -195,7 +214,13 @@ impl Pipelines {
                 // At equal depth the first face wins.
                 depth: CompareFunction::Greater,
                 stencil: keep,
-                constants: &[encodes, ("clips", f64::from(u8::from(kind.clips)))],
+                constants: &[
+                    encodes,
+                    (
+                        "discards",
+                        f64::from(u8::from(kind.clips && !self.has_clip_distances)),
+                    ),
+                ],
             },
             Key::Opening(step) => Differences {
                 layout: &self.openings,

@@ -566,12 +566,13 @@ impl FrameBits {
     }
 }
 
-/// Returns the options for a device that the renderer likes: of the adapter's limits, and with more exact depths where
-/// there are.
+/// Returns the options for a device that the renderer likes: of the adapter's limits, and with more exact depths and clip
+/// distances where there are. Both may be missing, as in WebGL2.
 pub fn device_options(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
     wgpu::DeviceDescriptor {
         label: Some("enfilade"),
-        required_features: adapter.features() & wgpu::Features::DEPTH32FLOAT_STENCIL8,
+        required_features: adapter.features()
+            & (wgpu::Features::DEPTH32FLOAT_STENCIL8 | wgpu::Features::CLIP_DISTANCES),
         required_limits: adapter.limits(),
         ..wgpu::DeviceDescriptor::default()
     }

@@ -2,8 +2,8 @@
 //
 // Positions in `p` are relative to the eye, in the space of the passage's sector.
 
-// Whether fragments in front of the entry plane are discarded.
-override clips: bool = false;
+// Whether fragments in front of the entry plane are discarded: where there are no clip distances.
+override discards: bool = false;
 // Whether the target stores linear values, so that the shader encodes sRGB.
 override encodes: bool = false;
 
@@ -73,6 +73,10 @@ struct Fragment {
 
 @vertex
 fn item(in: Corner) -> Fragment {
+    return placed(in);
+}
+
+fn placed(in: Corner) -> Fragment {
     let at = vec4f(in.position, 1.0);
     let eye = vec3f(dot(in.eye_x, at), dot(in.eye_y, at), dot(in.eye_z, at));
     // Normals transform by the cofactor matrix. Its sign does not matter: the fragment shader picks the side.
@@ -101,7 +105,7 @@ fn shade(in: Fragment) -> @location(0) vec4f {
     let steps = array<vec3f, 2>(dpdx(p), dpdy(p));
     let texel = textureSample(color_texture, color_sampler, in.uv);
     let glow = textureSample(glow_texture, glow_sampler, in.uv).rgb;
-    if clips && dot(passage.entry, vec4f(in.eye, 1.0)) < 0.0 {
+    if discards && dot(passage.entry, vec4f(in.eye, 1.0)) < 0.0 {
         discard;
     }
     let color = material.color * in.color * texel;

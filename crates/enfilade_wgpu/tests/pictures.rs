@@ -9,7 +9,7 @@
 use enfilade::{LightId, Scene, ShadowCasters, View, Viewer};
 use enfilade_draw::{Exposure, Settings, Stage, with_sun};
 use enfilade_scenes::{NAMES, Random, built_in, fuzz_scene, parallel_view, random_scene, with_random_lights};
-use enfilade_wgpu::{Frame, Headless};
+use enfilade_wgpu::{Frame, Headless, HeadlessDevice};
 use image::{Rgb, RgbImage};
 use std::path::Path;
 
@@ -149,6 +149,44 @@ fn nearly_all_hard_views_look_as_in_software() {
     );
     assert!(behind_portals > 60, "{behind_portals}");
     assert!(50 * differ.len() <= views, "{differ:?}");
+}
+
+/// As in WebGL2, where the fragment shader discards what clip distances cut off elsewhere.
+#[test]
+fn a_device_without_clip_distances_draws_the_same_pictures() {
+    let mut clips = Headless::new(1).expect("an adapter");
+    let adapter = &clips.gpu.adapter;
+    let mut options = enfilade_wgpu::device_options(adapter);
+    assert!(
+        options.required_features.contains(wgpu::Features::CLIP_DISTANCES),
+        "the adapter has them"
+    );
+    options.required_features.remove(wgpu::Features::CLIP_DISTANCES);
+    let (device, queue) = pollster::block_on(adapter.request_device(&options)).expect("a device");
+    let gpu = HeadlessDevice {
+        adapter: adapter.clone(),
+        device,
+        queue,
+    };
+    let mut discards = Headless::on(gpu, 1);
+    for name in ["teleport", "impossible", "mirrors", "nested", "slits"] {
+        let built_in = built_in(name).expect("a built-in scene");
+        let stage = Stage::new(&built_in.scene);
+        for (number, camera) in built_in.cameras.iter().enumerate() {
+            let view = camera.view(SIZE).expect("a valid camera");
+            let mut viewer = Viewer::new();
+            let frame = Frame::new(
+                &built_in.scene,
+                &stage,
+                &view,
+                viewer.look(&built_in.scene, &view),
+            );
+            let [a, b] = [&mut clips, &mut discards].map(|gpu| gpu.draw(&frame).expect("a picture").0);
+            let differ = a.pixels().zip(b.pixels()).filter(|(a, b)| a != b).count();
+            println!("{name} {number}: {differ} pixels differ");
+            assert!(differ < 40, "{name}, camera {number}: {differ} pixels differ");
+        }
+    }
 }
 
 /// Number of random scenes; `SEEDS=1000` tries more.

@@ -23,6 +23,8 @@ use crate::view::options::Tightness;
 use crate::view::passage::Passage;
 use crate::view::region::{Region, Visibility};
 use crate::view::screen_map::ScreenMap;
+#[cfg(feature = "steps")]
+use crate::view::step_log::LookStep;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
 
@@ -141,6 +143,10 @@ impl<O: Order, C: Hides> Culled<O, C> {
         let set = self.occluders(geometry);
         let mut choosing = set.choosing(geometry, passage, C::MEASURE, &mut choice);
         for _ in 0..budget {
+            #[cfg(feature = "steps")]
+            if memory.steps.as_ref().is_some_and(|steps| steps.is_full()) {
+                break;
+            }
             let Some(chosen) =
                 choosing.next(|screen_from_local, bounds| !cover.hides(passage, screen_from_local, bounds))
             else {
@@ -149,6 +155,14 @@ impl<O: Order, C: Hides> Culled<O, C> {
             if let Some(occluder) = set.on_screen(geometry, passage, &chosen, &mut room) {
                 memory.stats.occluders += 1;
                 cover.hide(&occluder, passage, &mut memory.stats);
+                #[cfg(feature = "steps")]
+                if let Some(steps) = &mut memory.steps {
+                    steps.steps.push(LookStep::Occluder {
+                        passage: steps.passage(),
+                        item: chosen.item,
+                        corners: set.in_sector(geometry, &chosen),
+                    });
+                }
             }
         }
         memory.put_back(choice);

@@ -181,6 +181,16 @@ impl OccluderSet {
         all
     }
 
+    /// Returns the corners of a selected occluder, in the space of the sector.
+    #[cfg(feature = "steps")]
+    pub(crate) fn in_sector(&self, geometry: &Geometry, chosen: &SelectedOccluder) -> Vec<[f32; 3]> {
+        let sector_from_item = geometry.item(chosen.item).transform();
+        let corners = self.corners_of(self.polygon(chosen)).iter();
+        corners
+            .map(|corner| sector_from_item.point(corner.as_vec3().into()))
+            .collect()
+    }
+
     /// Returns the polygon of a selected occluder.
     pub(super) fn polygon(&self, chosen: &SelectedOccluder) -> &Polygon {
         &self.polygons[chosen.index as usize]

@@ -18,7 +18,6 @@ pub(crate) struct Recorder<'a, V> {
 
 impl<'a, V: Visit> Recorder<'a, V> {
     pub(crate) fn new(inner: &'a mut V, log: &'a mut StepLog) -> Recorder<'a, V> {
-        log.begin_passage();
         Recorder { inner, log }
     }
 

@@ -10,9 +10,20 @@ use crate::view::passage::Passage;
 use crate::view::region::Visibility;
 
 /// One step of a look, from [`Viewer::look_steps`](crate::Viewer::look_steps).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LookStep {
+    /// An occluder was selected and rasterized into the cover, before the traversal. Only methods that select occluders
+    /// have such steps: those with [`Method::occluders`](crate::Method::occluders) above 0, or others if
+    /// [`ViewerOptions::occluders`](crate::ViewerOptions::occluders) asks for some.
+    Occluder {
+        /// The passage that is to be traversed.
+        passage: PassageId,
+        /// The item that the occluder belongs to.
+        item: ItemIndex,
+        /// Corners of the convex polygon, in the space of the sector.
+        corners: Vec<[f32; 3]>,
+    },
     /// A box was tested: a node of a tree, an item or a cluster.
     Box {
         /// The passage that is traversed.
@@ -43,12 +54,12 @@ pub enum LookStep {
 }
 
 /// The steps of the current look.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct StepLog {
     pub(crate) limit: usize,
     pub(crate) steps: Vec<LookStep>,
-    /// Passages begun.
-    passages: u32,
+    /// The passage that is traversed.
+    passage: PassageId,
     /// The cover of the passage in which the limit was reached, or of the last.
     cover: Option<(Passage, Rows)>,
 }
@@ -57,17 +68,18 @@ impl StepLog {
     pub(crate) fn new(limit: usize) -> StepLog {
         StepLog {
             limit,
-            ..StepLog::default()
+            steps: Vec::new(),
+            passage: PassageId(0),
+            cover: None,
         }
     }
 
-    pub(crate) fn begin_passage(&mut self) {
-        self.passages += 1;
+    pub(crate) fn begin_passage(&mut self, passage: PassageId) {
+        self.passage = passage;
     }
 
-    /// Returns the current passage.
     pub(crate) fn passage(&self) -> PassageId {
-        PassageId(self.passages.saturating_sub(1))
+        self.passage
     }
 
     /// Whether the look ends here.
@@ -102,8 +114,10 @@ impl StepLog {
 }
 
 impl LookStep {
-    fn passage(&self) -> PassageId {
-        let (LookStep::Box { passage, .. }
+    /// Returns the passage of the step.
+    pub fn passage(&self) -> PassageId {
+        let (LookStep::Occluder { passage, .. }
+        | LookStep::Box { passage, .. }
         | LookStep::Cluster { passage, .. }
         | LookStep::Opening { passage, .. }) = self;
         *passage

@@ -41,6 +41,10 @@ fn each_step_forwards_adds_one_and_the_last_is_the_look() {
             whole,
             "{method}: all steps are the look"
         );
+        let is_occluder = |step: &&LookStep| matches!(step, LookStep::Occluder { .. });
+        let selected = all.iter().filter(is_occluder).count() as u64;
+        assert_eq!(selected, viewer.stats().occluders, "{method}");
+        assert_eq!(selected > 0, method.occluders() > Some(0), "{method}");
         let is_test = |step: &&LookStep| matches!(step, LookStep::Box { .. });
         assert!(
             method == Method::Cell || all.iter().filter(is_test).count() > 1,
@@ -59,4 +63,24 @@ fn each_step_forwards_adds_one_and_the_last_is_the_look() {
     }
     assert!(tried > 9, "{tried} methods");
     assert!(covers_differ > 50, "{covers_differ}");
+}
+
+#[test]
+fn steps_tell_the_passage_that_they_belong_to() {
+    let scene = built_in("two-rooms").expect("a built-in scene");
+    let mut passages_met = 0;
+    for camera in &scene.cameras {
+        let view = camera.view([96, 64]).expect("a valid camera");
+        let mut viewer = Viewer::new();
+        let all = viewer.look_steps(&scene.scene, &view, usize::MAX, &mut Cover::default());
+        let passages = viewer.visible().passages();
+        for step in &all {
+            let sector = passages[step.passage().0 as usize].sector;
+            if let (LookStep::Cluster { item, .. }, Some(geometry)) = (step, scene.scene.geometry(sector)) {
+                assert!(geometry.holds(*item), "{step:?}");
+            }
+        }
+        passages_met = passages_met.max(all.iter().map(|step| step.passage().0).max().unwrap_or(0));
+    }
+    assert!(passages_met > 0);
 }

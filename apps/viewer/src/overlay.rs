@@ -228,7 +228,7 @@ fn draw_occluder(pen: &Pen, occluder: &Occluder, session: &Session) {
                 .iter()
                 .map(|&corner| point(&occluder.root_from_sector, corner));
             let corners: Vec<DVec3> = corners.collect();
-            pen.fill(&corners, OCCLUDER.gamma_multiply(0.25));
+            pen.fill(&corners, OCCLUDER.gamma_multiply(0.12));
             pen.polygon(&corners, stroke);
         }
         Outline::Box(bounds) => pen.bounds(bounds, &occluder.root_from_sector, stroke),

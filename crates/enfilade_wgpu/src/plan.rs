@@ -424,6 +424,7 @@ impl Plan {
                     whole(mesh, &mut self.runs);
                 } else {
                     of.visible.draw_runs(&items[0], mesh, &mut self.runs);
+                    join(mesh, &mut self.runs);
                 }
                 for mirrored in [false, true] {
                     let start = self.instances.len() as u32;
@@ -717,6 +718,38 @@ impl Plan {
         }
         children
     }
+}
+
+/// Joins runs of one material where few hidden triangles are between them: they cost less than another draw call.
+fn join(mesh: &Mesh, runs: &mut Vec<DrawRun>) {
+    /// Most indices between runs that are joined.
+    const FEW: u32 = 3 * 512;
+    let clusters = mesh.clusters();
+    // Whether all clusters in a range of indices have a material.
+    let all_have = |material, indices: Range<u32>| {
+        let (mut low, mut high) = (0, clusters.len());
+        while low < high {
+            let middle = low.midpoint(high);
+            match mesh.cluster_indices(middle).start < indices.start {
+                true => low = middle + 1,
+                false => high = middle,
+            }
+        }
+        let mut between =
+            (low..clusters.len()).take_while(|&number| mesh.cluster_indices(number).start < indices.end);
+        between.all(|number| clusters[number].material == material)
+    };
+    runs.dedup_by(|next, run| {
+        let gap = run.indices.end..next.indices.start;
+        let joins = run.material == next.material
+            && run.indices.end <= next.indices.start
+            && gap.len() <= FEW as usize
+            && all_have(run.material, gap);
+        if joins {
+            run.indices.end = next.indices.end;
+        }
+        joins
+    });
 }
 
 /// Adds the runs of all clusters of a mesh.

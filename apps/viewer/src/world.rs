@@ -1,7 +1,7 @@
 //! A scene that is open in the viewer.
 
 use anyhow::{Context, Result, anyhow};
-use enfilade::{Camera, Method, Scene, survey};
+use enfilade::{Camera, Method, Scene, survey, survey_in};
 use enfilade_draw::{Stage, with_sun};
 use enfilade_import::ReadOptions;
 use std::path::Path;
@@ -87,7 +87,15 @@ impl World {
         say: &dyn Fn(&'static str),
     ) -> World {
         say("surveying the scene");
-        let found = survey(&scene, if cameras.is_empty() { 4 } else { 1 });
+        // For the length of a metre the sector of the first camera will do.
+        let here = cameras.first().and_then(|camera| {
+            let view = camera.view([1, 1]).ok()?;
+            camera.sector.or_else(|| scene.sector_of(&view))
+        });
+        let found = match here {
+            Some(sector) => survey_in(&scene, sector, 1),
+            None => survey(&scene, if cameras.is_empty() { 4 } else { 1 }),
+        };
         if cameras.is_empty() {
             cameras = (1..)
                 .zip(&found.views)

@@ -199,7 +199,7 @@ fn wait(what: &str, mut is_there: impl FnMut() -> bool) -> Result<()> {
 }
 
 /// Builds the page into the folder `viewer-web` beside the programs.
-fn build_page(workspace: &Workspace) -> Result<()> {
+pub(crate) fn build_page(workspace: &Workspace) -> Result<()> {
     install(TARGET)?;
     succeed(
         Command::new(env!("CARGO"))
@@ -220,6 +220,8 @@ fn build_page(workspace: &Workspace) -> Result<()> {
         .and_then(|bindgen| {
             bindgen
                 .typescript(false)
+                // Names of functions are a fifth of the code.
+                .remove_name_section(true)
                 .omit_default_module_path(true)
                 .generate(&folder)
         })

@@ -1,9 +1,10 @@
-//! Builds the npm package: the `.wasm` files with their JavaScript side, the TypeScript around them, the demo pages; and
-//! runs its tests in headless Chromium.
+//! Builds the npm package: the `.wasm` files with their JavaScript side, the TypeScript around them, the demo pages; runs
+//! its tests in headless Chromium; and builds the viewer's page.
 #![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
 use crate::public_api::Workspace;
 use crate::targets::{install, succeed};
+use crate::viewer;
 use anyhow::{Context, Result, anyhow, ensure};
 use std::path::Path;
 use std::process::Command;
@@ -122,6 +123,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     npm(&web, &["ci", "--no-audit", "--no-fund", "--prefer-offline"])?;
     npm(&web, &["run", if args.quick { "build:quick" } else { "build" }])?;
     npm(&web, &["run", "sizes"])?;
+    if !args.quick && !args.simd_only {
+        viewer::build_page(&workspace)?;
+    }
     if args.no_test {
         return Ok(());
     }

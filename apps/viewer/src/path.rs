@@ -4,8 +4,8 @@ use anyhow::{Context, Result, bail};
 use enfilade::Camera;
 use serde::{Deserialize, Serialize};
 
+/// Other keys of a line are ignored, as by the program.
 #[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 struct Line {
     eye: [f64; 3],
     toward: [f64; 3],
@@ -76,12 +76,15 @@ pub fn read(text: &str) -> Result<Vec<Camera>> {
         .filter(|(_, line)| !line.trim().is_empty());
     let mut cameras = Vec::new();
     for (number, line) in lines {
-        let line: Line = serde_json::from_str(line).with_context(|| format!("line {}", number + 1))?;
-        cameras.push(Camera {
+        let place = || format!("line {}", number + 1);
+        let line: Line = serde_json::from_str(line).with_context(place)?;
+        let camera = Camera {
             up: line.up,
             fov_y: line.fov.to_radians() as f32,
             ..Camera::new(line.eye, line.toward)
-        });
+        };
+        camera.view([64, 64]).with_context(place)?;
+        cameras.push(camera);
     }
     if cameras.is_empty() {
         bail!("it has no views: lines of {{\"eye\":[x,y,z],\"toward\":[x,y,z]}}");
@@ -106,7 +109,11 @@ mod tests {
             (cameras[0].eye, cameras[0].toward)
         );
         assert!((again[1].fov_y - cameras[1].fov_y).abs() < 1e-6);
-        let error = format!("{:#}", read("\n{\"eye\":[1,2]}").expect_err("two numbers"));
-        assert!(error.starts_with("line 2"), "{error}");
+        let named = r#"{"name": "door", "eye": [0, 1, 2], "toward": [3, 4, 5]}"#;
+        assert_eq!(read(named).expect("as the program reads it").len(), 1);
+        for broken in [r#"{"eye":[1,2]}"#, r#"{"eye":[1,2,3],"toward":[1,2,3]}"#] {
+            let error = format!("{:#}", read(&format!("\n{broken}")).expect_err("no view"));
+            assert!(error.starts_with("line 2"), "{error}");
+        }
     }
 }

@@ -24,4 +24,5 @@ mod saved;
 mod simd;
 mod terrain;
 mod unread;
+mod view;
 mod vis;

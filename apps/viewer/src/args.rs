@@ -17,7 +17,7 @@ use std::path::PathBuf;
 #[command(name = "enfilade-viewer", version, max_term_width = 100)]
 pub struct Args {
     /// A .glb, .gltf, .obj or .bsp file, or @NAME for a built-in scene
-    #[arg(default_value = "@enfilade")]
+    #[arg(default_value = "@enfilade", value_parser = scene)]
     pub scene: String,
     /// Start at this camera of the scene
     #[arg(long, value_name = "NAME", conflicts_with = "eye")]
@@ -160,6 +160,13 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N]> {
         bail!("it is not finite");
     }
     Ok(numbers)
+}
+
+fn scene(text: &str) -> Result<String> {
+    if text.ends_with(".jsonl") {
+        bail!("it is a camera path, not a scene; replay it in a scene with --path {text}");
+    }
+    Ok(text.to_owned())
 }
 
 fn point(text: &str) -> Result<[f64; 3]> {

@@ -1,6 +1,7 @@
 //! Why an item is drawn, or is not.
 
-use enfilade::{ItemIndex, Passage, PassageId, Ray, RayEnd, Scene, SectorId, Transform, View, VisibleSet};
+use crate::places::root_from_sector;
+use enfilade::{ItemIndex, Passage, PassageId, Ray, RayEnd, Scene, SectorId, View, VisibleSet};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -121,9 +122,8 @@ fn not_visible(
         });
         return;
     }
-    let root_from_eye = view.eye_from_sector().inverse().unwrap_or(Transform::IDENTITY);
     for passage in showing {
-        let root_from_sector = root_from_eye * passage.eye_from_sector();
+        let root_from_sector = root_from_sector(view, passage);
         let (mut rays, mut reached) = (0, 0);
         let mut blockers: BTreeMap<String, u32> = BTreeMap::new();
         let Some(start) = scene.sector_of(view) else {

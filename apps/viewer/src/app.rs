@@ -386,7 +386,7 @@ impl App {
             .show(ui, |ui| {
                 ui.label("");
                 ui.label(RichText::new("visible").strong());
-                ui.label(RichText::new("in the frustum").weak());
+                ui.label(RichText::new("no occlusion").weak());
                 ui.end_row();
                 ui.label("items");
                 ui.label(RichText::new(grouped(stats.items as u64)).strong());
@@ -417,11 +417,11 @@ impl App {
         let counts: [[history::Series; 2]; 3] = [
             [
                 ("items", visible, |frame| frame.items),
-                ("in the frustum", others, |frame| frame.items_in_frustum),
+                ("no occlusion", others, |frame| frame.items_in_frustum),
             ],
             [
                 ("triangles", visible, |frame| frame.triangles),
-                ("in the frustum", others, |frame| frame.triangles_in_frustum),
+                ("no occlusion", others, |frame| frame.triangles_in_frustum),
             ],
             [
                 ("draw calls", encode, |frame| frame.draw_calls),
@@ -456,7 +456,7 @@ impl App {
             }
         });
         if let Some(frozen) = &session.frozen {
-            ui.label("Ghosts: red items are in view but hidden, blue ones are out of view.");
+            ui.label("Fly out of it, or press `from above`. Ghosts: red items are in view but hidden, blue ones are out of view.");
             if frozen.left_out > 0 {
                 let text = format!("{} more ghosts are not drawn.", grouped(frozen.left_out as u64));
                 ui.label(RichText::new(text).weak());
@@ -595,9 +595,14 @@ impl App {
         let (mut freeze, mut panels, mut walk) = (false, false, false);
         ui.input(|input| {
             if has_keys {
-                freeze = input.key_pressed(Key::F);
-                panels = input.key_pressed(Key::Tab);
-                walk = input.key_pressed(Key::G);
+                // Not again while a key is held.
+                let pressed = |wanted| {
+                    let is_press = |event: &egui::Event| matches!(event, egui::Event::Key { key, pressed: true, repeat: false, .. } if *key == wanted);
+                    input.events.iter().any(is_press)
+                };
+                freeze = pressed(Key::F);
+                panels = pressed(Key::Tab);
+                walk = pressed(Key::G);
                 let held = |key| f64::from(u8::from(input.key_down(key)));
                 let either = |a, b| held(a).max(held(b));
                 let way = [

@@ -386,7 +386,8 @@ impl App {
             .show(ui, |ui| {
                 ui.label("");
                 ui.label(RichText::new("visible").strong());
-                ui.label(RichText::new("no occlusion").weak());
+                ui.label(RichText::new("in the frustum").weak())
+                    .on_hover_text("What frustum culling alone would leave of the visible sectors.");
                 ui.end_row();
                 ui.label("items");
                 ui.label(RichText::new(grouped(stats.items as u64)).strong());
@@ -417,11 +418,11 @@ impl App {
         let counts: [[history::Series; 2]; 3] = [
             [
                 ("items", visible, |frame| frame.items),
-                ("no occlusion", others, |frame| frame.items_in_frustum),
+                ("in the frustum", others, |frame| frame.items_in_frustum),
             ],
             [
                 ("triangles", visible, |frame| frame.triangles),
-                ("no occlusion", others, |frame| frame.triangles_in_frustum),
+                ("in the frustum", others, |frame| frame.triangles_in_frustum),
             ],
             [
                 ("draw calls", encode, |frame| frame.draw_calls),

@@ -65,7 +65,7 @@ impl Loading {
         Loading {
             name: name.to_owned(),
             start: Instant::now(),
-            stage: "",
+            stage: "opening it",
             messages,
         }
     }

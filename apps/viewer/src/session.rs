@@ -72,7 +72,7 @@ pub struct LookStats {
     pub triangles: u64,
     /// Passages.
     pub passages: usize,
-    /// Items that frustum culling alone would leave.
+    /// Items that frustum culling alone would leave of the visible sectors.
     pub items_in_frustum: usize,
     /// Their triangles.
     pub triangles_in_frustum: u64,

@@ -1,7 +1,7 @@
 //! Why an item is drawn, or is not.
 
 use crate::places::root_from_sector;
-use enfilade::{ItemIndex, Passage, PassageId, Ray, RayEnd, Scene, SectorId, View, VisibleSet};
+use enfilade::{Aabb, ItemIndex, Passage, PassageId, Ray, RayEnd, Scene, SectorId, View, VisibleSet};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -134,8 +134,16 @@ fn not_visible(
             let part = [0, 1, 2]
                 .map(|axis| (f64::from(number / POINTS.pow(axis) % POINTS) + 0.5) / f64::from(POINTS));
             let [min, max] = [bounds.min, bounds.max].map(|corner| DVec3::from(corner.map(f64::from)));
-            let inside = min + (max - min) * DVec3::from(part);
-            let target = DVec3::from(root_from_sector.point(inside.as_vec3().into()).map(f64::from));
+            let inside: [f32; 3] = (min + (max - min) * DVec3::from(part)).as_vec3().into();
+            // What hides the rest of the box hides nothing that is in view.
+            let at_inside = Aabb {
+                min: inside,
+                max: inside,
+            };
+            if !passage.may_show(&at_inside) {
+                continue;
+            }
+            let target = DVec3::from(root_from_sector.point(inside).map(f64::from));
             let direction = target - eye;
             let cast = scene.cast(
                 start,
@@ -158,21 +166,30 @@ fn not_visible(
                 _ => {}
             }
         }
+        let beside = rays - reached - blockers.values().sum::<u32>();
         let mut blockers: Vec<(String, u32)> = blockers.into_iter().collect();
         blockers.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-        let list: Vec<String> = blockers
+        let mut list: Vec<String> = blockers
             .iter()
             .take(4)
             .map(|(name, count)| format!("{name} ({count})"))
             .collect();
+        if blockers.len() > list.len() {
+            let others: u32 = blockers[list.len()..].iter().map(|(_, count)| count).sum();
+            list.push(format!("others ({others})"));
+        }
         reasons.push(match list.is_empty() {
+            true if rays == 0 => "Only the edges of its box are in view.".to_owned(),
             true => "It is in view, but covers no pixel: it is too small, or its faces show their backs."
                 .to_owned(),
             false => format!(
-                "It is in view but hidden. Of {rays} rays to points of its box, these are stopped by: {}.",
+                "It is in view but hidden. Of {rays} rays to points of its box that are in view, these are stopped by: {}.",
                 list.join(", ")
             ),
         });
+        if beside > 0 && !list.is_empty() {
+            reasons.push(format!("{beside} rays pass beside its faces."));
+        }
         if reached > 0 {
             reasons.push(format!(
                 "{reached} rays reach it between the samples of the pixels, or through faces that do not hide."

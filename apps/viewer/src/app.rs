@@ -18,6 +18,9 @@ use enfilade_draw::{Exposure, Show};
 use enfilade_wgpu::DrawStats;
 use web_time::Instant;
 
+/// Most that a menu is high, in points.
+const MENU_HEIGHT: f32 = 480.0;
+
 /// The viewer.
 pub struct App {
     gpu: Gpu,
@@ -83,6 +86,9 @@ impl App {
     /// Shows a frame.
     pub fn show(&mut self, ui: &mut Ui) {
         ui.ctx().set_theme(egui::Theme::Dark);
+        // A list that goes on below its edge shows that it does.
+        ui.ctx()
+            .all_styles_mut(|style| style.spacing.scroll = egui::style::ScrollStyle::solid());
         self.take_scene(ui);
         self.take_files(ui);
         if self.panels {
@@ -92,7 +98,7 @@ impl App {
                     egui::ScrollArea::vertical().show(ui, |ui| self.scene_panel(ui));
                 });
                 egui::Panel::right("visibility")
-                    .default_size(300.0)
+                    .default_size(360.0)
                     .show(ui, |ui| {
                         egui::ScrollArea::vertical().show(ui, |ui| self.visibility_panel(ui));
                     });
@@ -215,6 +221,7 @@ impl App {
         let mut built_in = None;
         ComboBox::from_id_salt("built-in")
             .selected_text("built-in scenes")
+            .height(MENU_HEIGHT)
             .show_ui(ui, |ui| {
                 for name in enfilade_scenes::NAMES {
                     if ui.selectable_label(false, name).clicked() {
@@ -225,6 +232,7 @@ impl App {
         let mut camera = None;
         ComboBox::from_id_salt("cameras")
             .selected_text("cameras")
+            .height(MENU_HEIGHT)
             .show_ui(ui, |ui| {
                 for (number, known) in session.world.cameras.iter().enumerate() {
                     let name = match known.name.as_str() {
@@ -249,7 +257,8 @@ impl App {
         let mut options = session.viewer.options;
         ui.checkbox(&mut options.occlusion, "occlusion culling");
         ui.checkbox(&mut options.coherence, "temporal coherence");
-        ui.add(Slider::new(&mut options.limits.max_crossings, 0..=64).text("portals in a row"));
+        ui.add(Slider::new(&mut options.limits.max_crossings, 0..=64).text("portals in a row"))
+            .on_hover_text("How many portals and mirrors are followed, one behind the other.");
         if options != session.viewer.options {
             session.viewer.options = options;
             session.look_again();
@@ -306,7 +315,10 @@ impl App {
         let mut wanted: Option<(Method, Option<SectorId>)> = None;
         let mut pick = |ui: &mut Ui, label: &str, now: Option<Method>, only: Option<SectorId>| {
             let text = now.map_or("several", Method::name);
-            ComboBox::from_label(label).selected_text(text).show_ui(ui, |ui| {
+            let menu = ComboBox::from_label(label)
+                .selected_text(text)
+                .height(MENU_HEIGHT);
+            let shown = menu.show_ui(ui, |ui| {
                 for method in Method::ALL {
                     let line = format!("{} · {}", method.name(), method.contract());
                     if ui.selectable_label(now == Some(method), line).clicked() {
@@ -314,6 +326,11 @@ impl App {
                     }
                 }
             });
+            if now.is_none() {
+                shown
+                    .response
+                    .on_hover_text("Sectors use different methods. Choose one here to use it in all.");
+            }
         };
         pick(ui, "method", same, None);
         if let Some(sector) = here.filter(|_| all.len() > 1) {
@@ -397,41 +414,18 @@ impl App {
                 ui.label(RichText::new(grouped(stats.triangles)).strong());
                 ui.label(grouped(stats.triangles_in_frustum));
                 ui.end_row();
-                ui.label("passages");
+                ui.label("passages")
+                    .on_hover_text("A passage is one way of seeing a sector: the camera's own, or through a chain of portals.");
                 ui.label(grouped(stats.passages as u64));
                 ui.label(if stats.complete { "" } else { "limit reached" });
                 ui.end_row();
-                ui.label("draw calls");
+                ui.label(match session.frozen {
+                    None => "draw calls",
+                    Some(_) => "draw calls, with ghosts",
+                });
                 ui.label(grouped(self.drawn.draw_calls.into()));
                 ui.end_row();
             });
-        let (look, encode) = (Color32::from_rgb(120, 200, 255), Color32::from_rgb(255, 180, 90));
-        self.history.plot(
-            ui,
-            &[
-                ("look", look, |frame| frame.look_ms),
-                ("encode", encode, |frame| frame.encode_ms),
-            ],
-            "ms",
-        );
-        let (visible, others) = (Color32::from_rgb(90, 220, 120), Color32::from_gray(150));
-        let counts: [[history::Series; 2]; 3] = [
-            [
-                ("items", visible, |frame| frame.items),
-                ("in the frustum", others, |frame| frame.items_in_frustum),
-            ],
-            [
-                ("triangles", visible, |frame| frame.triangles),
-                ("in the frustum", others, |frame| frame.triangles_in_frustum),
-            ],
-            [
-                ("draw calls", encode, |frame| frame.draw_calls),
-                ("passages", look, |frame| frame.passages),
-            ],
-        ];
-        for series in counts {
-            self.history.plot(ui, &series, "");
-        }
         ui.separator();
         let label = if session.frozen.is_some() {
             "unfreeze (F)"
@@ -449,10 +443,18 @@ impl App {
             }
         });
         ui.horizontal_wrapped(|ui| {
+            let is_frozen = session.frozen.is_some();
             for (name, shown) in self.overlays.all() {
-                ui.checkbox(shown, name);
+                let is_drawn = is_frozen || matches!(name, "apertures" | "occluders");
+                ui.add_enabled(is_drawn, egui::Checkbox::new(shown, name))
+                    .on_disabled_hover_text("Drawn while the set is frozen.");
             }
-            if ui.checkbox(&mut session.ghosts, "ghosts").changed() {
+            let ghosts = egui::Checkbox::new(&mut session.ghosts, "ghosts");
+            let ghosts = ui.add_enabled(is_frozen, ghosts);
+            if ghosts
+                .on_disabled_hover_text("Drawn while the set is frozen.")
+                .changed()
+            {
                 session.place();
             }
         });
@@ -495,6 +497,9 @@ impl App {
             }
         }
         ui.separator();
+        egui::CollapsingHeader::new("the last seconds")
+            .default_open(ui.ctx().content_rect().height() > 900.0)
+            .show(ui, |ui| plots(ui, &self.history));
         let mut show = self.diagnostic.as_ref().map(|diagnostic| diagnostic.show);
         let name = |show: Option<Show>| show.map_or("none", Show::name);
         ComboBox::from_label("diagnostic picture")
@@ -510,7 +515,9 @@ impl App {
         }
         if let Some(diagnostic) = &mut self.diagnostic {
             let width = ui.available_width();
-            let texture = diagnostic.draw(ui.ctx(), session, 320);
+            let pixels = (width * ui.ctx().pixels_per_point()) as u32;
+            // Legends need 320 pixels.
+            let texture = diagnostic.draw(ui.ctx(), session, pixels.clamp(320, 1024));
             let size = Vec2::new(width, width * texture.size.y / texture.size.x);
             ui.add(egui::Image::from_texture(texture).fit_to_exact_size(size));
         }
@@ -669,16 +676,18 @@ impl App {
         let (texture, drawn) = self.picture.draw(&self.gpu, session, &view, exposure);
         self.encode_ms = start.elapsed().as_secs_f64() * 1e3;
         self.drawn = drawn;
-        self.history.push(Frame {
-            look_ms: session.stats.look_ms,
-            encode_ms: self.encode_ms,
-            items: session.stats.items as f64,
-            items_in_frustum: session.stats.items_in_frustum as f64,
-            triangles: session.stats.triangles as f64,
-            triangles_in_frustum: session.stats.triangles_in_frustum as f64,
-            draw_calls: drawn.draw_calls.into(),
-            passages: session.stats.passages as f64,
-        });
+        if session.frozen.is_none() {
+            self.history.push(Frame {
+                look_ms: session.stats.look_ms,
+                encode_ms: self.encode_ms,
+                items: session.stats.items as f64,
+                items_in_frustum: session.stats.items_in_frustum as f64,
+                triangles: session.stats.triangles as f64,
+                triangles_in_frustum: session.stats.triangles_in_frustum as f64,
+                draw_calls: drawn.draw_calls.into(),
+                passages: session.stats.passages as f64,
+            });
+        }
         let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
         ui.painter().image(texture.id, rect, whole, Color32::WHITE);
         let occluders = match self.overlays.occluders {
@@ -733,5 +742,33 @@ impl App {
             self.say(&said);
             self.awake = 0.1;
         }
+    }
+}
+
+/// Shows the numbers of the last seconds.
+fn plots(ui: &mut Ui, history: &History) {
+    let (look, encode) = (Color32::from_rgb(120, 200, 255), Color32::from_rgb(255, 180, 90));
+    let (visible, others) = (Color32::from_rgb(90, 220, 120), Color32::from_gray(150));
+    let times: [history::Series; 2] = [
+        ("look", look, |frame| frame.look_ms),
+        ("encode", encode, |frame| frame.encode_ms),
+    ];
+    history.plot(ui, &times, "ms");
+    let counts: [[history::Series; 2]; 3] = [
+        [
+            ("items", visible, |frame| frame.items),
+            ("in the frustum", others, |frame| frame.items_in_frustum),
+        ],
+        [
+            ("triangles", visible, |frame| frame.triangles),
+            ("in the frustum", others, |frame| frame.triangles_in_frustum),
+        ],
+        [
+            ("draw calls", encode, |frame| frame.draw_calls),
+            ("passages", look, |frame| frame.passages),
+        ],
+    ];
+    for series in counts {
+        history.plot(ui, &series, "");
     }
 }

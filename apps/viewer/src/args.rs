@@ -10,7 +10,8 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use enfilade::{Camera, Method};
 use enfilade_draw::Show;
-use std::path::PathBuf;
+use std::fs::File;
+use std::path::{Path, PathBuf};
 
 /// Walks through a scene, freezes what is visible, and says why things are hidden.
 #[derive(Clone, Debug, Parser)]
@@ -62,7 +63,7 @@ pub struct Args {
     #[arg(long, value_name = "WHAT", value_parser = show)]
     pub show: Option<Show>,
     /// Step through the look, with this many steps done
-    #[arg(long, value_name = "STEPS", requires = "screenshot")]
+    #[arg(long, value_name = "STEPS", value_parser = steps, requires = "screenshot")]
     pub steps: Option<usize>,
     /// Show the picture of the scene alone, without panels
     #[arg(long)]
@@ -76,6 +77,24 @@ pub struct Args {
 }
 
 impl Args {
+    /// Checks what can be checked before a window opens.
+    ///
+    /// # Errors
+    /// If a file cannot be opened, or a click is outside the window.
+    pub fn check(&self) -> Result<()> {
+        let scene = Some(Path::new(&self.scene)).filter(|_| !self.scene.starts_with('@'));
+        for file in scene.into_iter().chain(self.path.as_deref()) {
+            File::open(file).with_context(|| file.display().to_string())?;
+        }
+        if let Some([x, y]) = self.click {
+            let [width, height] = self.size;
+            if !(0.0..width as f32).contains(&x) || !(0.0..height as f32).contains(&y) {
+                bail!("--click {x},{y} is outside the window of {width}x{height} pixels");
+            }
+        }
+        Ok(())
+    }
+
     /// Applies the options to a viewer whose scene is open.
     ///
     /// # Errors
@@ -171,6 +190,11 @@ fn scene(text: &str) -> Result<String> {
 
 fn point(text: &str) -> Result<[f64; 3]> {
     numbers(text)
+}
+
+fn steps(text: &str) -> Result<usize> {
+    text.parse()
+        .map_err(|_| anyhow!("the number of steps is wanted, such as 12"))
 }
 
 fn pixel(text: &str) -> Result<[f32; 2]> {

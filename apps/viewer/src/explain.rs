@@ -120,6 +120,15 @@ fn not_visible(
             true => "It is outside the view frustum.".to_owned(),
             false => "Its sector is visible, but it is outside what the portals show of it.".to_owned(),
         });
+        let ids = (0..).map(PassageId).zip(set.passages());
+        let through = ids.filter(|(_, passage)| passage.sector == sector && passage.parent.is_some());
+        for (id, passage) in through.take(3) {
+            let [_, _, width, height] = passage.scissor();
+            reasons.push(format!(
+                "The sector is seen {}, in {width} x {height} pixels (white outline).",
+                way(scene, set, id)
+            ));
+        }
         return;
     }
     for passage in showing {

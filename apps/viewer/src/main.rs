@@ -37,6 +37,7 @@ mod native {
     }
 
     fn run(args: &Args) -> Result<()> {
+        args.check()?;
         match &args.screenshot {
             Some(file) => screenshot(args, file),
             None if args.web => serve(args),

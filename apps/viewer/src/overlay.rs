@@ -3,7 +3,7 @@
 use crate::occluders::{Occluder, Outline};
 use crate::session::Session;
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, vec2};
-use enfilade::{Aabb, PassageId, Transform, View};
+use enfilade::{Aabb, Passage, PassageId, Transform, View};
 use glam::{DMat4, DVec3, DVec4};
 
 /// What is drawn over the picture.
@@ -181,11 +181,9 @@ pub(crate) fn draw(
             let corner =
                 |[x, y]: [f64; 2]| rect.min + vec2(x as f32 / width, y as f32 / height) * rect.size();
             let corners: Vec<Pos2> = passage.aperture.outline().iter().copied().map(corner).collect();
+            let stroke = Stroke::new(1.0, aperture_color(session, passage));
             for (number, &at) in corners.iter().enumerate() {
-                painter.line_segment(
-                    [at, corners[(number + 1) % corners.len()]],
-                    Stroke::new(1.0, FOLLOWED),
-                );
+                painter.line_segment([at, corners[(number + 1) % corners.len()]], stroke);
             }
         }
     }
@@ -196,6 +194,14 @@ pub(crate) fn draw(
             None => scene.sector(selected.sector).item_bounds(selected.item),
         };
         pen.bounds(&bounds, &selected.root_from_sector, Stroke::new(1.5, SELECTED));
+    }
+}
+
+/// Returns the colour of an aperture: that of the selected item where it leads to the item's sector.
+fn aperture_color(session: &Session, passage: &Passage) -> Color32 {
+    match &session.selected {
+        Some(selected) if selected.sector == passage.sector => SELECTED,
+        _ => FOLLOWED,
     }
 }
 
@@ -221,14 +227,14 @@ fn draw_occluder(pen: &Pen, occluder: &Occluder, session: &Session) {
         painter: &painter,
         ..*pen
     };
-    let stroke = Stroke::new(1.0, OCCLUDER);
+    let stroke = Stroke::new(0.6, OCCLUDER.gamma_multiply(0.7));
     match &occluder.outline {
         Outline::Polygon(corners) => {
             let corners = corners
                 .iter()
                 .map(|&corner| point(&occluder.root_from_sector, corner));
             let corners: Vec<DVec3> = corners.collect();
-            pen.fill(&corners, OCCLUDER.gamma_multiply(0.12));
+            pen.fill(&corners, OCCLUDER.gamma_multiply(0.08));
             pen.polygon(&corners, stroke);
         }
         Outline::Box(bounds) => pen.bounds(bounds, &occluder.root_from_sector, stroke),
@@ -285,9 +291,10 @@ fn draw_frozen(pen: &Pen, session: &Session, overlays: Overlays) {
                 point(&place.root_from_sector, there.into())
             };
             let corners: Vec<DVec3> = passage.aperture.outline().iter().copied().map(corner).collect();
-            pen.polygon(&corners, Stroke::new(2.0, FOLLOWED));
+            let color = aperture_color(session, passage);
+            pen.polygon(&corners, Stroke::new(2.0, color));
             for &corner in &corners {
-                pen.line(eye, corner, Stroke::new(0.5, FOLLOWED.gamma_multiply(0.35)));
+                pen.line(eye, corner, Stroke::new(0.5, color.gamma_multiply(0.35)));
             }
         }
     }

@@ -5,7 +5,7 @@ use eframe::egui::{self, TextureId, load::SizedTexture};
 use eframe::egui_wgpu;
 use eframe::wgpu;
 use enfilade::{Light, LightId, LightShape, Scene, ShadowCasters, View, Viewer};
-use enfilade_draw::{Exposure, Settings, Show};
+use enfilade_draw::{Exposure, Legend, Settings, Show};
 use enfilade_wgpu::{DrawStats, Frame, Renderer, RendererOptions};
 use std::sync::Arc;
 
@@ -164,7 +164,8 @@ pub(crate) struct Diagnostic {
     pub(crate) show: Show,
     viewer: Viewer,
     texture: Option<egui::TextureHandle>,
-    of: Option<LookKey>,
+    /// What the picture is of, and its width.
+    of: Option<(LookKey, u32)>,
 }
 
 impl Diagnostic {
@@ -177,12 +178,12 @@ impl Diagnostic {
         }
     }
 
-    /// Returns the picture of what a session sees, some pixels wide.
+    /// Returns the picture of what a session sees, some pixels wide, above its legend.
     pub(crate) fn draw(&mut self, context: &egui::Context, session: &Session, width: u32) -> SizedTexture {
         let [columns, rows] = session.view.size();
         let size = [width, (width * rows).div_ceil(columns).max(1)];
-        if self.of != Some(session.key()) || self.texture.is_none() {
-            self.of = Some(session.key());
+        if self.of != Some((session.key(), width)) || self.texture.is_none() {
+            self.of = Some((session.key(), width));
             let camera = match &session.frozen {
                 Some(frozen) => frozen.walker.camera(&session.world.scene),
                 None => session.walker.camera(&session.world.scene),
@@ -193,14 +194,16 @@ impl Diagnostic {
             let picture = match camera.view(size) {
                 Ok(view) => {
                     let world = &session.world;
-                    world
-                        .stage
-                        .draw(&mut self.viewer, &world.scene, &view, &settings)
-                        .image
+                    let drawn = world.stage.draw(&mut self.viewer, &world.scene, &view, &settings);
+                    match Legend::new(self.show, &world.scene, self.viewer.visible()) {
+                        Some(legend) => legend.below(drawn.image),
+                        None => drawn.image,
+                    }
                 }
                 Err(_) => enfilade_draw::RgbImage::new(size[0], size[1]),
             };
-            let image = egui::ColorImage::from_rgb(size.map(|side| side as usize), picture.as_raw());
+            let size = [picture.width() as usize, picture.height() as usize];
+            let image = egui::ColorImage::from_rgb(size, picture.as_raw());
             match &mut self.texture {
                 Some(texture) => texture.set(image, egui::TextureOptions::NEAREST),
                 None => {
@@ -209,10 +212,7 @@ impl Diagnostic {
                 }
             }
         }
-        let id = self
-            .texture
-            .as_ref()
-            .map_or(TextureId::default(), |texture| texture.id());
-        SizedTexture::new(id, size.map(|side| side as f32))
+        let texture = self.texture.as_ref().expect("it was just made");
+        SizedTexture::new(texture.id(), texture.size_vec2())
     }
 }

@@ -4,7 +4,9 @@ use crate::explain::{Explanation, explain};
 use crate::places::{Place, placed_items, places};
 use crate::walker::Walker;
 use crate::world::World;
-use enfilade::{Camera, ItemIndex, Method, PortalId, Ray, RayEnd, Scene, SectorId, Transform, View, Viewer};
+use enfilade::{
+    Camera, Hit, ItemIndex, Method, PortalId, Ray, RayEnd, Scene, SectorId, Transform, View, Viewer,
+};
 use enfilade_wgpu::PlacedItem;
 use glam::DVec3;
 use web_time::Instant;
@@ -258,7 +260,13 @@ impl Session {
             let ray = ray(DVec3::from(origin), DVec3::from(direction));
             let cast = scene.cast(scene.sector_of(view)?, &ray);
             let RayEnd::Face(hit) = cast.end else { return None };
-            return Some((cast.sector, hit.item.index, cast.there_from_here.inverse()?));
+            let root_from_sector = cast.there_from_here.inverse()?;
+            let ray = through(&cast.there_from_here, origin, direction);
+            let item = match is_drawn(scene, cast.sector, &hit) {
+                true => hit.item.index,
+                false => first_drawn(scene, cast.sector, &ray, |_| true)?.item.index,
+            };
+            return Some((cast.sector, item, root_from_sector));
         };
         // The nearest of all places.
         let mut nearest: Option<(f64, SectorId, ItemIndex, Transform)> = None;
@@ -266,9 +274,14 @@ impl Session {
             let Some(sector_from_root) = place.root_from_sector.inverse() else {
                 continue;
             };
-            let [from, to] = [DVec3::from(origin), DVec3::from(origin) + DVec3::from(direction)]
-                .map(|at| DVec3::from(sector_from_root.point(at.as_vec3().into()).map(f64::from)));
-            if let Some(hit) = scene.sector(place.sector).cast(&ray(from, to - from))
+            let ray = through(&sector_from_root, origin, direction);
+            let shows = |item| {
+                self.ghosts
+                    || frozen.items.iter().any(|placed| {
+                        placed.visible.is_some() && (placed.sector, placed.item) == (place.sector, item)
+                    })
+            };
+            if let Some(hit) = first_drawn(scene, place.sector, &ray, shows)
                 && nearest.is_none_or(|(distance, ..)| hit.distance < distance)
             {
                 nearest = Some((hit.distance, place.sector, hit.item.index, place.root_from_sector));
@@ -343,6 +356,34 @@ fn ray(origin: DVec3, direction: DVec3) -> Ray {
     }
 }
 
+/// Returns a ray of the camera's sector in another sector.
+fn through(there_from_here: &Transform, origin: [f64; 3], direction: [f64; 3]) -> Ray {
+    let [from, to] = [DVec3::from(origin), DVec3::from(origin) + DVec3::from(direction)]
+        .map(|at| DVec3::from(there_from_here.point(at.as_vec3().into()).map(f64::from)));
+    ray(from, to - from)
+}
+
+/// Returns whether a picture has a face that was hit: backs of one-sided faces are not drawn.
+fn is_drawn(scene: &Scene, sector: SectorId, hit: &Hit) -> bool {
+    let Some(geometry) = scene.geometry(sector).filter(|_| hit.from_behind) else {
+        return true;
+    };
+    let (item, mesh) = (hit.item.index, geometry.mesh_of(hit.item.index));
+    let cluster = &mesh.clusters()[mesh.cluster_of(hit.face)];
+    geometry.material_of(item, cluster).double_sided
+}
+
+/// Returns the first face along a ray in a sector that a picture with some of its items has.
+fn first_drawn(scene: &Scene, sector: SectorId, ray: &Ray, shows: impl Fn(ItemIndex) -> bool) -> Option<Hit> {
+    let is_shown = |hit: &Hit| is_drawn(scene, sector, hit) && shows(hit.item.index);
+    let Some(geometry) = scene.geometry(sector) else {
+        return scene.sector(sector).cast(ray).filter(is_shown);
+    };
+    let mut hits = Vec::new();
+    geometry.cast_all(ray, f64::INFINITY, &mut hits);
+    hits.into_iter().find(is_shown)
+}
+
 /// Returns a view of a scene whose cameras are all invalid.
 fn origin() -> View {
     View::new([0.0; 3], [0.0, 0.0, -1.0], [64, 64]).expect("a valid view")
@@ -397,6 +438,35 @@ mod tests {
             }
         }
         assert!(said > 10, "{said}");
+    }
+
+    #[test]
+    fn a_click_from_above_selects_the_floor_and_not_the_backs_of_the_walls_before_it() {
+        let mut session = palace();
+        session.look([320, 240]);
+        session.toggle_frozen();
+        session.ghosts = false;
+        session.place();
+        session.rise();
+        let view = session.look([320, 240]);
+        let (mut hits, mut hidden) = (0, Vec::new());
+        for number in 0..12 * 9 {
+            session.select(
+                &view,
+                [
+                    f64::from(number % 12) * 26.0 + 17.0,
+                    f64::from(number / 12) * 26.0 + 16.0,
+                ],
+            );
+            if let Some(selected) = &session.selected {
+                hits += 1;
+                if !selected.explanation.is_visible {
+                    hidden.push(selected.explanation.name.clone());
+                }
+            }
+        }
+        assert!(hits > 20, "{hits}");
+        assert_eq!(hidden, [""; 0], "these are not in the picture");
     }
 
     #[test]

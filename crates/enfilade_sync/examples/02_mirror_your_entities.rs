@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         mesh: HOUSE,
         bounds: Aabb { min, max },
         transform: Transform::translation([(key % 50) as f32 * 14.0, 0.0, (key / 50) as f32 * -14.0]),
-        is_occluder: true,
+        options: ItemOptions::default(),
     };
     let spawned: Vec<Spawn> = (0..2500).map(spawn).collect();
     let changes = Changes {

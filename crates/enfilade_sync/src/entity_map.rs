@@ -41,8 +41,9 @@ pub struct Spawn {
     pub bounds: Aabb,
     /// Transform from its own space to that of the sector.
     pub transform: Transform,
-    /// Whether it may hide others. Use `false` if what is drawn may be smaller than the mesh, as for animated meshes.
-    pub is_occluder: bool,
+    /// How it takes part in looks. Turn `is_occluder` off if what is drawn may be smaller than the mesh, as for animated
+    /// meshes.
+    pub options: ItemOptions,
 }
 
 /// The changes of a frame, applied in the order of the fields.
@@ -149,26 +150,19 @@ impl EntityMap {
             self.place(&mut edit, *spawn, &mut synced.refused);
         }
         for (entity, transform) in changes.moved {
-            let Some(&Placed {
-                mut spawn,
-                representation,
-            }) = self.entities.get(entity)
-            else {
+            let Some(held) = self.entities.get_mut(entity) else {
                 synced.unknown.push(*entity);
                 continue;
             };
-            spawn.transform = *transform;
-            if let Representation::Mesh(item) | Representation::Box(item) = representation
-                && edit.set_transform(entity.sector, item, *transform).is_ok()
-            {
-                self.put(
-                    *entity,
-                    Some(Placed {
-                        spawn,
-                        representation,
-                    }),
-                );
-            } else {
+            let was = *held;
+            held.spawn.transform = *transform;
+            let spawn = held.spawn;
+            self.before.push((*entity, Some(was)));
+            let (Representation::Mesh(item) | Representation::Box(item)) = was.representation else {
+                self.place(&mut edit, spawn, &mut synced.refused);
+                continue;
+            };
+            if edit.set_transform(entity.sector, item, *transform).is_err() {
                 self.remove(&mut edit, *entity);
                 self.place(&mut edit, spawn, &mut synced.refused);
             }
@@ -265,11 +259,7 @@ fn add(edit: &mut Edit, spawn: &Spawn, mesh: Arc<Mesh>) -> Result<ItemId, EditEr
     let Entity { key, sector } = spawn.entity;
     let item = edit.add(sector, "", mesh, spawn.transform)?;
     edit.set_key(sector, item, key)?;
-    let options = ItemOptions {
-        is_occluder: spawn.is_occluder,
-        ..ItemOptions::default()
-    };
-    edit.set_options(sector, item, options)?;
+    edit.set_options(sector, item, spawn.options)?;
     Ok(item)
 }
 

@@ -17,7 +17,7 @@
 //!     mesh: CRATE,
 //!     bounds: Aabb { min: [-1.0; 3], max: [1.0; 3] },
 //!     transform: Transform::translation([0.0, 0.0, z]),
-//!     is_occluder: true,
+//!     options: ItemOptions::default(),
 //! };
 //! let spawned = [at(100, -4.0), at(200, -9.0)];
 //! entities.sync(&mut scene, &Changes { spawned: &spawned, ..Changes::default() })?;

@@ -43,14 +43,7 @@ fn rooms(items: &[(&Spawn, Arc<Mesh>)]) -> Scene {
             let mesh = room.mesh(Arc::clone(mesh));
             let item = room.item("", mesh, spawn.transform);
             room.set_key(item, spawn.entity.key);
-            let is_occluder = spawn.is_occluder;
-            room.set_options(
-                item,
-                ItemOptions {
-                    is_occluder,
-                    ..ItemOptions::default()
-                },
-            );
+            room.set_options(item, spawn.options);
         }
         room.opening("doorway", doorway);
         scene.add("room", room.build().expect("a room"), Method::HierarchicalZ)
@@ -77,7 +70,14 @@ fn a_spawn(random: &mut Rng, key: u64, mesh: u64) -> Spawn {
         mesh,
         bounds: BOUNDS,
         transform: a_place(random, sector),
-        is_occluder: random.u8(..4) > 0,
+        options: occluder(random.u8(..4) > 0),
+    }
+}
+
+fn occluder(is_occluder: bool) -> ItemOptions {
+    ItemOptions {
+        is_occluder,
+        ..ItemOptions::default()
     }
 }
 
@@ -164,7 +164,7 @@ fn a_world_that_changes_shows_what_a_scene_built_anew_shows() {
         let boxes = world.values().filter(|spawn| !has_mesh(spawn));
         let boxes: Vec<Spawn> = boxes
             .map(|spawn| Spawn {
-                is_occluder: false,
+                options: occluder(false),
                 ..*spawn
             })
             .collect();
@@ -196,7 +196,7 @@ fn a_box_is_listed_while_the_eye_is_inside_it_or_looks_at_it_through_a_door() {
         mesh: ABSENT,
         bounds: BOUNDS,
         transform: Transform::translation([0.0, 0.0, z]),
-        is_occluder: true,
+        options: occluder(true),
     };
     let spawned = [around(1, HALL, 3.0), around(2, STUDY, -3.0), around(3, HALL, 4.0)];
     let changes = Changes {
@@ -227,7 +227,7 @@ fn a_box_behind_a_wall_is_listed_once_the_wall_is_gone() {
         mesh,
         bounds: BOUNDS,
         transform: Transform::translation([0.0, 0.0, z]),
-        is_occluder: true,
+        options: occluder(true),
     };
     let [wall, smoke] = [at(1, WALL, 2.0), at(2, ABSENT, 1.0)];
     let spawned = [wall, smoke];
@@ -262,7 +262,7 @@ fn what_the_scene_refuses_is_listed_everywhere_until_it_is_sound_again() {
         mesh: 10,
         bounds: BOUNDS,
         transform: Transform::translation([0.0, 0.0, 4.0]),
-        is_occluder: true,
+        options: occluder(true),
     };
     let [lost, stray] = [spawn(1, HALL), spawn(2, SectorId(7))];
     let changes = Changes {

@@ -1,0 +1,276 @@
+//! Compares what Bevy draws with and without Enfilade: the pictures, which must be the same, and how much is drawn.
+//!
+//! `cargo run --release -p enfilade_bevy_pictures -- SCENE.glb VIEWS.jsonl [FRAMES]`: the views are those that
+//! `enfilade look --path` reads, and the path leads from one to the next. A second camera looks the other way. A software
+//! driver will do.
+#![expect(clippy::print_stdout, reason = "the answer")]
+
+use anyhow::{Context, Result, bail, ensure};
+use bevy::asset::{RenderAssetUsages, UnapprovedPathMode};
+use bevy::camera::RenderTarget;
+use bevy::camera::visibility::VisibleEntities;
+use bevy::diagnostic::DiagnosticsStore;
+use bevy::gltf::GltfAssetLabel;
+use bevy::prelude::*;
+use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::world_serialization::WorldAssetRoot;
+use enfilade_bevy::{EnfiladePlugin, EnfiladeScene, EnfiladeSettings};
+use std::any::TypeId;
+use std::path::Path;
+
+const SIZE: UVec2 = UVec2::new(320, 240);
+/// Updates that a screenshot may take.
+const PATIENCE: usize = 200;
+
+fn main() -> Result<()> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let (scene, views, frames) = match &args[..] {
+        [scene, views] => (scene, views, 300),
+        [scene, views, frames] => (scene, views, frames.parse().context("FRAMES is a number")?),
+        _ => bail!("usage: enfilade_bevy_pictures SCENE.glb VIEWS.jsonl [FRAMES]"),
+    };
+    let path = read_path(views, frames)?;
+    let mut stage = Stage::open(Path::new(scene))?;
+    let mut sums = Sums::default();
+    for (number, place) in path.iter().enumerate() {
+        stage.look_from(*place);
+        let [with, without] = [true, false].map(|enabled| stage.draw(enabled));
+        let (with, without) = (with?, without?);
+        for (camera, (a, b)) in with.pictures.iter().zip(&without.pictures).enumerate() {
+            let differing = a
+                .as_chunks::<4>()
+                .0
+                .iter()
+                .zip(b.as_chunks::<4>().0)
+                .filter(|(a, b)| a != b)
+                .count();
+            if differing > 0 {
+                println!("frame {number}, camera {camera}: {differing} pixels differ");
+                sums.differing += 1;
+                save(a, &format!("with-{number}-{camera}.png"))?;
+                save(b, &format!("without-{number}-{camera}.png"))?;
+            }
+        }
+        sums.with += with.drawn;
+        sums.without += without.drawn;
+        sums.times.push(with.plugin_ms);
+        if number % 50 == 0 {
+            save(&with.pictures[0], &format!("frame-{number}.png"))?;
+        }
+    }
+    sums.times.sort_by(f64::total_cmp);
+    let time = |part: f64| sums.times[((sums.times.len() - 1) as f64 * part) as usize];
+    let entities = stage.app.world().resource::<EnfiladeScene>().scene().item_count();
+    println!(
+        "{scene}: {entities} entities, {frames} frames of 2 cameras: {} pictures differ; entities drawn per view {:.1} of {:.1} \
+         in the frustum, {:.1} % less; plugin {:.2} ms (median), {:.2} ms (p99)",
+        sums.differing,
+        sums.with as f64 / (2 * frames) as f64,
+        sums.without as f64 / (2 * frames) as f64,
+        100.0 * (1.0 - sums.with as f64 / sums.without as f64),
+        time(0.5),
+        time(0.99)
+    );
+    ensure!(sums.differing == 0, "pictures differ");
+    Ok(())
+}
+
+#[derive(Default)]
+struct Sums {
+    differing: usize,
+    with: usize,
+    without: usize,
+    times: Vec<f64>,
+}
+
+/// Reads views, and returns places on the way from each to the next.
+fn read_path(file: &str, frames: usize) -> Result<Vec<Transform>> {
+    let text = std::fs::read_to_string(file).with_context(|| file.to_owned())?;
+    let mut stops = Vec::new();
+    for line in text.lines().filter(|line| !line.trim().is_empty()) {
+        let view: serde_json::Value = serde_json::from_str(line).with_context(|| file.to_owned())?;
+        let point = |key: &str| -> Result<Vec3> {
+            let parts: Vec<f32> =
+                serde_json::from_value(view[key].clone()).with_context(|| format!("{file}: {key}"))?;
+            let parts: [f32; 3] = parts.try_into().ok().context("three numbers")?;
+            Ok(parts.into())
+        };
+        stops.push(Transform::from_translation(point("eye")?).looking_at(point("toward")?, Vec3::Y));
+    }
+    ensure!(!stops.is_empty(), "{file} has no views");
+    let last = (stops.len() - 1) as f32;
+    Ok((0..frames)
+        .map(|number| {
+            let at = number as f32 / (frames - 1).max(1) as f32 * last;
+            let from = stops[at as usize];
+            let to = stops[(at as usize + 1).min(stops.len() - 1)];
+            Transform {
+                translation: from.translation.lerp(to.translation, at.fract()),
+                rotation: from.rotation.slerp(to.rotation, at.fract()),
+                scale: Vec3::ONE,
+            }
+        })
+        .collect())
+}
+
+/// A scene in Bevy, without a window.
+struct Stage {
+    app: App,
+    cameras: [Entity; 2],
+    targets: [Handle<Image>; 2],
+}
+
+struct Drawn {
+    pictures: Vec<Vec<u8>>,
+    /// Entities with meshes left to draw, of both cameras.
+    drawn: usize,
+    plugin_ms: f64,
+}
+
+#[derive(Resource, Default)]
+struct Captured([Option<Vec<u8>>; 2]);
+
+impl Stage {
+    fn open(file: &Path) -> Result<Stage> {
+        let file = file.canonicalize().with_context(|| file.display().to_string())?;
+        let folder = file
+            .parent()
+            .context("a file in a folder")?
+            .to_string_lossy()
+            .into_owned();
+        let name = file.file_name().context("a file")?.to_string_lossy().into_owned();
+        let mut app = App::new();
+        app.add_plugins(
+            DefaultPlugins
+                .set(AssetPlugin {
+                    file_path: folder,
+                    unapproved_path_mode: UnapprovedPathMode::Allow,
+                    ..AssetPlugin::default()
+                })
+                .set(WindowPlugin {
+                    primary_window: None,
+                    exit_condition: bevy::window::ExitCondition::DontExit,
+                    ..WindowPlugin::default()
+                }),
+        )
+        .add_plugins(EnfiladePlugin::default())
+        .init_resource::<Captured>();
+        app.finish();
+        app.cleanup();
+        let scene = app
+            .world()
+            .resource::<AssetServer>()
+            .load(GltfAssetLabel::Scene(0).from_asset(name));
+        app.world_mut().spawn(WorldAssetRoot(scene.clone()));
+        let sun = Transform::from_xyz(3.0, 9.0, 4.0).looking_at(Vec3::ZERO, Vec3::Y);
+        let light = DirectionalLight {
+            shadow_maps_enabled: true,
+            ..DirectionalLight::default()
+        };
+        app.world_mut().spawn((light, sun));
+        let targets = [0, 1].map(|_| {
+            let mut image = Image::new_target_texture(SIZE.x, SIZE.y, TextureFormat::Rgba8UnormSrgb, None);
+            image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+            image.asset_usage = RenderAssetUsages::default();
+            app.world_mut().resource_mut::<Assets<Image>>().add(image)
+        });
+        let cameras = [0, 1].map(|number: usize| {
+            let camera = Camera {
+                order: number as isize,
+                ..Camera::default()
+            };
+            let light = AmbientLight {
+                brightness: 400.0,
+                ..AmbientLight::default()
+            };
+            let target = RenderTarget::Image(targets[number].clone().into());
+            app.world_mut()
+                .spawn((Camera3d::default(), camera, target, light))
+                .id()
+        });
+        for _ in 0..20_000 {
+            app.update();
+            let server = app.world().resource::<AssetServer>();
+            if let bevy::asset::LoadState::Failed(why) = server.load_state(&scene) {
+                bail!("{}: {why}", file.display());
+            }
+            let enfilade = app.world().resource::<EnfiladeScene>();
+            if enfilade.scene().item_count() > 0 && !enfilade.is_building() {
+                return Ok(Stage {
+                    app,
+                    cameras,
+                    targets,
+                });
+            }
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        bail!("{}: no mesh came", file.display())
+    }
+
+    fn look_from(&mut self, place: Transform) {
+        let turned = place.with_rotation(place.rotation * Quat::from_rotation_y(std::f32::consts::PI));
+        for (camera, place) in self.cameras.into_iter().zip([place, turned]) {
+            self.app.world_mut().entity_mut(camera).insert(place);
+        }
+    }
+
+    /// Draws a frame with or without Enfilade.
+    fn draw(&mut self, enabled: bool) -> Result<Drawn> {
+        self.app.world_mut().resource_mut::<EnfiladeSettings>().enabled = enabled;
+        // Meshes are built anew after it was off.
+        for _ in 0..PATIENCE {
+            self.app.update();
+            if !self.app.world().resource::<EnfiladeScene>().is_building() {
+                break;
+            }
+        }
+        self.app.world_mut().insert_resource(Captured::default());
+        for (number, target) in self.targets.clone().into_iter().enumerate() {
+            let capture = move |shot: On<ScreenshotCaptured>, mut captured: ResMut<Captured>| {
+                captured.0[number] = shot.image.data.clone();
+            };
+            self.app
+                .world_mut()
+                .spawn(Screenshot::image(target))
+                .observe(capture);
+        }
+        for _ in 0..PATIENCE {
+            self.app.update();
+            let captured = self.app.world().resource::<Captured>();
+            if let [Some(a), Some(b)] = &captured.0 {
+                let pictures = vec![a.clone(), b.clone()];
+                return Ok(Drawn {
+                    pictures,
+                    drawn: self.drawn(),
+                    plugin_ms: self.plugin_ms(),
+                });
+            }
+        }
+        bail!("no picture came")
+    }
+
+    fn drawn(&self) -> usize {
+        let of = |camera: Entity| {
+            let list = self.app.world().get::<VisibleEntities>(camera);
+            list.map_or(0, |list| list.len(TypeId::of::<Mesh3d>()))
+        };
+        self.cameras.into_iter().map(of).sum()
+    }
+
+    fn plugin_ms(&self) -> f64 {
+        let store = self.app.world().resource::<DiagnosticsStore>();
+        let times = [EnfiladePlugin::SYNC_TIME, EnfiladePlugin::LOOK_TIME];
+        let last = |path| store.get(path).and_then(|diagnostic| diagnostic.value());
+        times.iter().filter_map(last).sum()
+    }
+}
+
+fn save(picture: &[u8], file: &str) -> Result<()> {
+    let folder = std::env::temp_dir().join("enfilade-bevy-pictures");
+    std::fs::create_dir_all(&folder)?;
+    let image: image::RgbaImage =
+        image::ImageBuffer::from_raw(SIZE.x, SIZE.y, picture.to_vec()).context("a picture of this size")?;
+    image.save(folder.join(file))?;
+    Ok(())
+}

@@ -1,0 +1,234 @@
+//! Rooms and portals of glTF files, by the extras that Enfilade's importer reads, too. Names alone mark nothing here: a
+//! stock scene may have a `bath-room` without portals.
+//!
+//! | extras of a node | it becomes |
+//! |---|---|
+//! | `{"enfilade": {"kind": "room", "method": "mobsp"}}` | a [`Sector`] with all below it |
+//! | `{"enfilade": {"kind": "portal", "to": "Garden-room", "one_way": true}}` | a [`Portal`] with the outline of its mesh, which is hidden |
+//! | `{"enfilade": {"kind": "mirror"}}` | a [`Mirror`] with the outline of its mesh |
+//! | `{"enfilade": {"kind": "door"}}` | [`NotOccluder`]: it opens |
+
+use crate::components::{AlwaysVisible, MethodOf, Mirror, NotOccluder, Portal, Sector};
+use bevy_asset::Assets;
+use bevy_camera::visibility::Visibility;
+use bevy_ecs::prelude::*;
+use bevy_gltf::GltfExtras;
+use bevy_log::warn;
+use bevy_math::{Mat3, Quat, Vec2, Vec3};
+use bevy_mesh::{Mesh, Mesh3d};
+use bevy_transform::prelude::{GlobalTransform, Transform};
+use enfilade::Method;
+use serde::Deserialize;
+
+/// `extras` of a node.
+#[derive(Deserialize)]
+struct Extras {
+    enfilade: Option<Marked>,
+}
+
+#[derive(Clone, Default, Deserialize)]
+struct Marked {
+    kind: Option<String>,
+    to: Option<String>,
+    #[serde(default)]
+    one_way: bool,
+    method: Option<String>,
+    exit: Option<String>,
+}
+
+/// A portal whose room on the other side, or whose mesh, is not there yet.
+#[derive(Component)]
+pub(crate) struct Unfinished(Marked);
+
+type New<'a> = (Entity, Option<&'a Name>, &'a GltfExtras);
+
+/// Reads the names and extras of new nodes.
+pub(crate) fn read_extras(
+    mut commands: Commands,
+    new: Query<New, Added<GltfExtras>>,
+    unfinished: Query<(Entity, &Unfinished, Option<&Name>, &GlobalTransform)>,
+    rooms: Query<(Entity, &Name), With<Sector>>,
+    children: Query<&Children>,
+    meshes: Query<(Entity, &Mesh3d, &GlobalTransform)>,
+    assets: Res<Assets<Mesh>>,
+) {
+    for (entity, name, extras) in &new {
+        let name = name.map_or("", |name| name.as_str());
+        let marked = marked(name, extras);
+        match marked.kind.as_deref() {
+            Some("room") => {
+                commands.entity(entity).insert(Sector);
+                if let Some(method) = &marked.method {
+                    match Method::ALL.into_iter().find(|known| known.name() == method) {
+                        Some(method) => {
+                            commands.entity(entity).insert(MethodOf(method));
+                        }
+                        None => warn!("{name}: there is no method `{method}`"),
+                    }
+                }
+            }
+            Some("door") => {
+                for below in std::iter::once(entity).chain(children.iter_descendants(entity)) {
+                    commands.entity(below).insert(NotOccluder);
+                }
+            }
+            // Bevy draws one world: one does not see another place through it.
+            Some("portal") if marked.exit.is_some() => {}
+            Some("portal" | "mirror") => {
+                commands.entity(entity).insert(Unfinished(marked));
+            }
+            Some("terrain") | None => {}
+            Some(other) => warn!("{name}: kinds are room, portal, mirror, terrain and door, not `{other}`"),
+        }
+    }
+    for (entity, Unfinished(marked), name, transform) in &unfinished {
+        let below: Vec<Entity> = std::iter::once(entity)
+            .chain(children.iter_descendants(entity))
+            .collect();
+        let mut points = Vec::new();
+        let mut normal = Vec3::ZERO;
+        let mut has_all = false;
+        for (_, mesh, at) in meshes.iter_many(&below) {
+            let Some(mesh) = assets.get(&mesh.0) else {
+                has_all = false;
+                break;
+            };
+            has_all = true;
+            read(mesh, at, &mut points, &mut normal);
+        }
+        let to = match &marked.to {
+            None => None,
+            Some(wanted) => match rooms.iter().find(|(_, name)| name.as_str() == wanted) {
+                Some((room, _)) => Some(room),
+                None => continue,
+            },
+        };
+        if !has_all {
+            continue;
+        }
+        commands.entity(entity).remove::<Unfinished>();
+        let Some((at, corners)) = outline(&points, normal, transform) else {
+            let name = name.map_or_else(|| entity.to_string(), ToString::to_string);
+            warn!("{name}: a portal or mirror needs a flat mesh");
+            continue;
+        };
+        let opening = commands.spawn((at, Visibility::default(), ChildOf(entity))).id();
+        if marked.kind.as_deref() == Some("mirror") {
+            commands.entity(opening).insert(Mirror { corners });
+            for below in below {
+                commands.entity(below).insert(AlwaysVisible);
+            }
+        } else {
+            let portal = Portal {
+                to,
+                two_way: !marked.one_way,
+                ..Portal::new(corners)
+            };
+            commands.entity(opening).insert(portal);
+            for (below, ..) in meshes.iter_many(&below) {
+                commands.entity(below).insert(Visibility::Hidden);
+            }
+        }
+    }
+}
+
+fn marked(name: &str, extras: &GltfExtras) -> Marked {
+    let from_extras = match serde_json::from_str::<Extras>(&extras.value) {
+        Ok(extras) => extras.enfilade,
+        Err(why) if extras.value.contains("\"enfilade\"") => {
+            warn!("{name}: its extras cannot be read: {why}");
+            None
+        }
+        // Extras of another program.
+        Err(_) => None,
+    };
+    from_extras.unwrap_or_default()
+}
+
+/// Reads the points of a mesh in the space of the world, and adds up the normals of its triangles.
+fn read(mesh: &Mesh, at: &GlobalTransform, points: &mut Vec<Vec3>, normal: &mut Vec3) {
+    let Some((positions, triangles)) = crate::meshes::triangles(mesh) else {
+        return;
+    };
+    let placed = positions
+        .iter()
+        .map(|&position| at.transform_point(position.into()));
+    let placed: Vec<Vec3> = placed.collect();
+    for triangle in triangles.as_chunks::<3>().0 {
+        let [a, b, c] = triangle.map(|corner| placed[corner as usize]);
+        *normal += (b - a).cross(c - a);
+    }
+    points.extend(placed);
+}
+
+/// Returns the convex outline of flat points, as corners in the XY plane of a child of the node.
+fn outline(points: &[Vec3], normal: Vec3, parent: &GlobalTransform) -> Option<(Transform, Vec<Vec2>)> {
+    let normal = normal.try_normalize()?;
+    let origin = *points.first()?;
+    let side = normal.any_orthonormal_vector();
+    let turn = Quat::from_mat3(&Mat3::from_cols(side, normal.cross(side), normal));
+    let flat: Vec<Vec2> = points
+        .iter()
+        .map(|&point| (turn.inverse() * (point - origin)).truncate())
+        .collect();
+    let depth = points.iter().map(|&point| (point - origin).dot(normal).abs());
+    let size = flat.iter().map(|point| point.length()).fold(0.0, f32::max);
+    if depth.fold(0.0, f32::max) > 0.01 * size {
+        return None;
+    }
+    let at = GlobalTransform::from(Transform::from_translation(origin).with_rotation(turn));
+    Some((at.reparented_to(parent), hull(flat)))
+}
+
+/// Returns the convex hull of points, counter-clockwise (Andrew, 1979).
+fn hull(mut points: Vec<Vec2>) -> Vec<Vec2> {
+    points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    points.dedup();
+    let mut hull: Vec<Vec2> = Vec::new();
+    for pass in 0..2 {
+        let first = hull.len();
+        for number in 0..points.len() {
+            let point = match pass {
+                0 => points[number],
+                _ => points[points.len() - 1 - number],
+            };
+            while hull.len() >= first + 2 {
+                let [a, b] = [hull[hull.len() - 2], hull[hull.len() - 1]];
+                // Nearly straight corners are noise of the file's numbers.
+                if (b - a).perp_dot(point - b) > 1e-6 * (b - a).length() * (point - b).length() {
+                    break;
+                }
+                hull.pop();
+            }
+            hull.push(point);
+        }
+        hull.pop();
+    }
+    hull
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hull_of_a_grid_is_its_four_corners() {
+        let grid = (0..5).flat_map(|x| (0..4).map(move |y| Vec2::new(x as f32, y as f32)));
+        let hull = hull(grid.collect());
+        let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]];
+        assert_eq!(hull, corners.map(Vec2::from));
+    }
+
+    #[test]
+    fn extras_of_other_programs_are_ignored() {
+        let kind = |value: &str| {
+            let value = value.to_owned();
+            marked("a node", &GltfExtras { value }).kind
+        };
+        let portal = r#"{"enfilade": {"kind": "portal", "to": "Yard-room", "one_way": true}, "a": 1}"#;
+        assert_eq!(kind(portal).as_deref(), Some("portal"));
+        assert_eq!(kind(r#"{"enfilade_like": 3}"#), None);
+        assert_eq!(kind(r#"["enfilade"]"#), None);
+        assert_eq!(kind("not JSON"), None);
+    }
+}

@@ -17,7 +17,7 @@ pub(crate) struct Args {
 /// Runs other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
-    let steps: [&[&str]; 10] = [
+    let steps: [&[&str]; 12] = [
         &["xtask", "fuzz-scenes", &scenes],
         &["xtask", "verify", "--views", &views, "--strict-views", &views],
         &["xtask", "targets", "wasm", "wasm-simd128", "aarch64"],
@@ -25,6 +25,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         &["xtask", "web"],
         &["xtask", "viewer"],
         &["xtask", "viewer", "--web"],
+        &["xtask", "bevy"],
+        &["xtask", "bevy", "--pictures"],
         &["test", "--release", "--workspace", "--", "--ignored"],
         // Makes LODs by the C++ meshoptimizer, which also checks our decoder.
         &[

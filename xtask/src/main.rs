@@ -1,7 +1,8 @@
 //! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `targets`, `public-api`, `ci-long`, `charts`,
-//! `lines`, `rooms`, `web`, `viewer` and `scenes`.
+//! `lines`, `rooms`, `web`, `viewer`, `bevy` and `scenes`.
 #![forbid(unsafe_code)]
 
+mod bevy;
 mod charts;
 mod ci_long;
 mod fingerprint;
@@ -41,6 +42,8 @@ enum Task {
     Rooms(rooms::Args),
     /// Builds the npm package in `web/`, and tests it
     Web(web::Args),
+    /// Tests the Bevy plugin in `crates/enfilade_bevy/`
+    Bevy(bevy::Args),
     /// Builds and tests the viewer in `apps/viewer/`, or its web page
     Viewer(viewer::Args),
     /// Lists the real scenes, where they are published, and checks a folder of them
@@ -62,6 +65,7 @@ fn main() -> anyhow::Result<()> {
         Task::Lines(args) => lines::run(&args),
         Task::Rooms(args) => rooms::run(&args),
         Task::Web(args) => web::run(&args),
+        Task::Bevy(args) => bevy::run(&args),
         Task::Viewer(args) => viewer::run(&args),
         Task::Scenes(args) => scenes::run(&args),
     }

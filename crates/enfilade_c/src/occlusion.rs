@@ -241,7 +241,7 @@ pub unsafe extern "C" fn enfilade_occlusion_test_boxes(
 /// hides) at each pixel, row by row from the top.
 ///
 /// @param depths Receives up to @p capacity floats; null to get their number alone.
-/// @param count Receives their number: width × height of the view.
+/// @param count Receives their number: width x height of the view.
 ///
 /// Errors: ENFILADE_STATUS_BUFFER_TOO_SMALL.
 #[allow(unsafe_code, reason = "called from C")]

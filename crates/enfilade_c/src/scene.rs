@@ -180,7 +180,7 @@ impl SceneState {
         state
     }
 
-    /// Takes over a scene that was read, and numbers its items: their keys are 0, 1, 2, …, sector after sector.
+    /// Takes over a scene that was read, and numbers its items: their keys are 0, 1, 2, ..., sector after sector.
     fn of(import: Import, mut scene: Scene) -> Result<SceneState, Failure> {
         let mut items = Vec::new();
         for sector in scene.sectors() {
@@ -280,7 +280,7 @@ pub unsafe extern "C" fn enfilade_scene_create(
 }
 
 /// Reads a scene from a file: glTF 2.0 (.glb, .gltf), OBJ, a compiled map of Quake or Quake 3 (.bsp), or a heightmap (.json).
-/// Rooms, portals and mirrors that the author marked become sectors and portals. Items have the keys 0, 1, 2, …
+/// Rooms, portals and mirrors that the author marked become sectors and portals. Items have the keys 0, 1, 2, ...
 ///
 /// @param version ENFILADE_VERSION.
 /// @param path Path of the file, UTF-8.

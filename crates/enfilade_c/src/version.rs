@@ -2,7 +2,7 @@
 
 use crate::status::{EnfiladeStatus, Failure};
 
-/// Version of this header: 10000 × major + 100 × minor + patch. Functions that create an object take it, and compare it with
+/// Version of this header: 10000 x major + 100 x minor + patch. Functions that create an object take it, and compare it with
 /// the library's.
 pub const ENFILADE_VERSION: u32 = 100;
 

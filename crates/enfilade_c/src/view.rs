@@ -21,8 +21,8 @@ pub enum EnfiladeClipDepth {
 
 /// A camera with its viewport: the matrices that the frame is drawn with.
 ///
-/// Matrices are 16 doubles, column after column, and multiply column vectors: the clip position of a point is clip_from_eye ×
-/// eye_from_sector × (x, y, z, 1). A matrix of rows that multiply row vectors (DirectXMath, Unreal) has the same numbers in the
+/// Matrices are 16 doubles, column after column, and multiply column vectors: the clip position of a point is clip_from_eye x
+/// eye_from_sector x (x, y, z, 1). A matrix of rows that multiply row vectors (DirectXMath, Unreal) has the same numbers in the
 /// same order. Right- or left-handed, any up axis, off-centre, jittered, infinite or reversed depth, orthographic, oblique near
 /// plane. There is no far plane: what is beyond it counts as visible.
 #[repr(C)]

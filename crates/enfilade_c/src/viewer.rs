@@ -540,8 +540,8 @@ pub unsafe extern "C" fn enfilade_viewer_passages(
 ///
 /// @param options Null for the defaults.
 /// @param rgba Receives the picture: rows from top to bottom, 4 bytes per pixel (red, green, blue, 255), sRGB.
-/// @param row_bytes Bytes from one row to the next, at least 4 × width; 0 for that.
-/// @param byte_count Bytes that @p rgba has room for, at least row_bytes × height.
+/// @param row_bytes Bytes from one row to the next, at least 4 x width; 0 for that.
+/// @param byte_count Bytes that @p rgba has room for, at least row_bytes x height.
 ///
 /// Errors: as enfilade_viewer_look; ENFILADE_STATUS_BUFFER_TOO_SMALL.
 #[allow(unsafe_code, reason = "called from C")]

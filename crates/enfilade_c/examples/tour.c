@@ -315,10 +315,15 @@ static void rooms_of_a_building(void) {
     EnfiladeRoomId relevant[8];
     TRY(enfilade_rooms_relevant(rooms, here, relevant, 8, &count, &error));
     CHECK(count >= 2);
-    EnfiladeDoor doors[8];
-    TRY(enfilade_rooms_doors(rooms, here, doors, 8, &count, &error));
-    CHECK(count >= 1 && doors[0].is_open == 1);
-    TRY(enfilade_rooms_set_open(rooms, doors[0].door, 0, &error));
+    EnfiladeDoor doors[32];
+    TRY(enfilade_rooms_doors(rooms, here, doors, 32, &count, &error));
+    size_t on_the_way = 0;
+    while (on_the_way < count && doors[on_the_way].door != way[0]) on_the_way++;
+    CHECK(on_the_way < count && doors[on_the_way].kind == ENFILADE_DOOR_KIND_OPENING);
+    // It has no leaf, so it cannot be closed.
+    TRY(enfilade_rooms_set_open(rooms, way[0], 0, &error));
+    TRY(enfilade_rooms_path(rooms, left, right, NULL, NULL, 0, &count, &error));
+    CHECK(count == 1);
     EnfiladeRoom list[8];
     TRY(enfilade_rooms_list(rooms, list, 8, &count, &error));
     CHECK(count >= 2 && list[0].volume > 0);

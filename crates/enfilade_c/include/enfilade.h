@@ -121,6 +121,294 @@ typedef uint32_t EnfiladeStatus;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// Flags of EnfiladeItemOptions.
+enum EnfiladeItemFlags
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Its faces hide nothing: its mesh only approximates what is drawn.
+    ENFILADE_ITEM_FLAGS_NO_OCCLUDER = 1,
+    // It hides, but is never visible itself: a proxy inside of what is drawn.
+    ENFILADE_ITEM_FLAGS_NOT_DRAWN = 2,
+    // Each look into its sector finds it, even if it is hidden or out of view.
+    ENFILADE_ITEM_FLAGS_NEVER_CULL = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeItemFlags EnfiladeItemFlags;
+#else
+typedef uint32_t EnfiladeItemFlags;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What stops a ray.
+enum EnfiladeRayEnd
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Nothing: it goes on for ever.
+    ENFILADE_RAY_END_NOTHING = 0,
+    // A face of an item.
+    ENFILADE_RAY_END_FACE = 1,
+    // A portal that is closed.
+    ENFILADE_RAY_END_CLOSED = 2,
+    // More portals than are followed, 256.
+    ENFILADE_RAY_END_LIMIT = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeRayEnd EnfiladeRayEnd;
+#else
+typedef uint32_t EnfiladeRayEnd;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The vertical axis.
+enum EnfiladeUp
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Found out from the floors.
+    ENFILADE_UP_DETECT = 0,
+    // +x.
+    ENFILADE_UP_X = 1,
+    // +y.
+    ENFILADE_UP_Y = 2,
+    // +z.
+    ENFILADE_UP_Z = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeUp EnfiladeUp;
+#else
+typedef uint32_t EnfiladeUp;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What is between two rooms.
+enum EnfiladeDoorKind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // A door or gate that can be opened and closed.
+    ENFILADE_DOOR_KIND_DOOR = 0,
+    // Glass: seen through, not passed.
+    ENFILADE_DOOR_KIND_WINDOW = 1,
+    // Nothing: always open.
+    ENFILADE_DOOR_KIND_OPENING = 2,
+    // A hole too small to pass: light and sound pass.
+    ENFILADE_DOOR_KIND_GAP = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeDoorKind EnfiladeDoorKind;
+#else
+typedef uint32_t EnfiladeDoorKind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How a sector finds out what is visible. The book says which to use when; ENFILADE_METHOD_MASKED suits most.
+enum EnfiladeMethod
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Masked occlusion culling: fast; conservative.
+    ENFILADE_METHOD_MASKED = 0,
+    // Occlusion tree over boxes: valid at any sample position (MSAA, TAA, dynamic resolution).
+    ENFILADE_METHOD_MOBSP = 1,
+    // Occlusion tree over faces: as ENFILADE_METHOD_MOBSP, fewer hidden items, slower.
+    ENFILADE_METHOD_SVBSP = 2,
+    // Hierarchical z-buffer: exact.
+    ENFILADE_METHOD_HIERARCHICAL_Z = 3,
+    // Hierarchical s-buffer: exact.
+    ENFILADE_METHOD_HIERARCHICAL_S = 4,
+    // Z-buffer: exact, slow.
+    ENFILADE_METHOD_Z_BUFFER = 5,
+    // S-buffer: exact.
+    ENFILADE_METHOD_S_BUFFER = 6,
+    // Baked PVS: for files that hold one.
+    ENFILADE_METHOD_PVS = 7,
+    // Convex cell: for convex rooms.
+    ENFILADE_METHOD_CELL = 8,
+    // BSP tree, back to front: exact, for scenes that do not change.
+    ENFILADE_METHOD_BSP = 9,
+    // BSP tree, front to back: exact, for scenes that do not change.
+    ENFILADE_METHOD_BSP_FRONT = 10,
+    // Floating horizon: for terrain of a file.
+    ENFILADE_METHOD_FLOATING_HORIZON = 11,
+    // Painter's algorithm by nearest points: approximate.
+    ENFILADE_METHOD_PAINTER_MIN = 12,
+    // Painter's algorithm by centres: approximate.
+    ENFILADE_METHOD_PAINTER_MEAN = 13,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeMethod EnfiladeMethod;
+#else
+typedef uint32_t EnfiladeMethod;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How light passes through a material.
+enum EnfiladeAlpha
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Opaque: its faces are occluders.
+    ENFILADE_ALPHA_OPAQUE = 0,
+    // Alpha-tested: hides nothing.
+    ENFILADE_ALPHA_MASK = 1,
+    // Alpha-blended: hides nothing.
+    ENFILADE_ALPHA_BLEND = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeAlpha EnfiladeAlpha;
+#else
+typedef uint32_t EnfiladeAlpha;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Flags of EnfiladeReadOptions.
+enum EnfiladeReadFlags
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Read everything as one sector, without portals and mirrors.
+    ENFILADE_READ_FLAGS_FLAT = 1,
+    // Leave out portals and mirrors that are wrong, each with a warning.
+    ENFILADE_READ_FLAGS_SKIP_BAD_PORTALS = 2,
+    // Leave out textures, which only enfilade_viewer_draw uses.
+    ENFILADE_READ_FLAGS_NO_TEXTURES = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeReadFlags EnfiladeReadFlags;
+#else
+typedef uint32_t EnfiladeReadFlags;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Depth of the near and the far plane in clip space.
+enum EnfiladeClipDepth
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // -1 near, 1 far: OpenGL, Unity's `Camera.projectionMatrix`, Godot.
+    ENFILADE_CLIP_DEPTH_MINUS_ONE_TO_ONE = 0,
+    // 0 near, 1 far: Direct3D, Vulkan, Metal.
+    ENFILADE_CLIP_DEPTH_ZERO_TO_ONE = 1,
+    // 1 near, 0 far (reversed depth): Unreal, Bevy.
+    ENFILADE_CLIP_DEPTH_ONE_TO_ZERO = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeClipDepth EnfiladeClipDepth;
+#else
+typedef uint32_t EnfiladeClipDepth;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Flags of EnfiladeViewerOptions.
+enum EnfiladeViewerFlags
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Looks use the threads of enfilade_set_threads.
+    ENFILADE_VIEWER_FLAGS_USES_THREADS = 1,
+    // Do not test first what was visible before. Changes the speed only.
+    ENFILADE_VIEWER_FLAGS_NO_COHERENCE = 2,
+    // Nothing hides anything: cull by the frustum and by portals alone.
+    ENFILADE_VIEWER_FLAGS_NO_OCCLUSION = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeViewerFlags EnfiladeViewerFlags;
+#else
+typedef uint32_t EnfiladeViewerFlags;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How closely ENFILADE_METHOD_MASKED tests what it found once more, when all occluders are known.
+enum EnfiladeTightness
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // By boxes.
+    ENFILADE_TIGHTNESS_BOXES = 0,
+    // By faces: fewer hidden items, slower.
+    ENFILADE_TIGHTNESS_FACES = 1,
+    // By faces at exact depths: fewest hidden items, slowest.
+    ENFILADE_TIGHTNESS_RESOLVED = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeTightness EnfiladeTightness;
+#else
+typedef uint32_t EnfiladeTightness;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Guarantee of a look.
+enum EnfiladeContract
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Visible items may be missing.
+    ENFILADE_CONTRACT_APPROXIMATE = 0,
+    // No item is missing that is visible at a sample of the view; hidden ones may be there.
+    ENFILADE_CONTRACT_CONSERVATIVE = 1,
+    // As conservative, for any sample positions and resolutions.
+    ENFILADE_CONTRACT_STRICT = 2,
+    // Exactly the items that are visible at a sample of the view.
+    ENFILADE_CONTRACT_EXACT = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeContract EnfiladeContract;
+#else
+typedef uint32_t EnfiladeContract;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What enfilade_viewer_draw shows.
+enum EnfiladeShow
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The picture.
+    ENFILADE_SHOW_IMAGE = 0,
+    // Each item in a colour of its own.
+    ENFILADE_SHOW_ITEMS = 1,
+    // Each sector in a colour of its own.
+    ENFILADE_SHOW_SECTORS = 2,
+    // The order in which the method reached items.
+    ENFILADE_SHOW_ORDER = 3,
+    // How often samples were painted.
+    ENFILADE_SHOW_OVERDRAW = 4,
+    // The occlusion buffer.
+    ENFILADE_SHOW_COVER = 5,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum EnfiladeShow EnfiladeShow;
+#else
+typedef uint32_t EnfiladeShow;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // A mesh: triangles, or a box without any, for any number of items. Immutable. It stays in use by scenes after it was freed.
 typedef struct EnfiladeMesh EnfiladeMesh;
 

@@ -61,7 +61,17 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     by_cmake(&workspace, &folder, &prefix)?;
     in_python(&workspace, &prefix)?;
     with_another_version(&workspace, &folder, &prefix)?;
-    let fuzz = ["run", "--release", "--package", "enfilade_c", "--example", "fuzz", "--", "60", "1"];
+    let fuzz = [
+        "run",
+        "--release",
+        "--package",
+        "enfilade_c",
+        "--example",
+        "fuzz",
+        "--",
+        "60",
+        "1",
+    ];
     cargo(&workspace, &fuzz)?;
     println!("the C interface passes");
     Ok(())
@@ -85,7 +95,16 @@ fn install_to(workspace: &Workspace, prefix: &Path) -> Result<()> {
     let minor = version.rsplit_once('.').map_or(version, |(minor, _)| minor);
     let soname = format!("libenfilade_c.so.{minor}");
     let build = |kind: &str, flags: &[&str]| {
-        let first = ["rustc", "--release", "--package", "enfilade_c", "--lib", "--crate-type", kind, "--"];
+        let first = [
+            "rustc",
+            "--release",
+            "--package",
+            "enfilade_c",
+            "--lib",
+            "--crate-type",
+            kind,
+            "--",
+        ];
         cargo(workspace, &[&first, flags].concat())
     };
     build("staticlib", &[])?;
@@ -121,7 +140,10 @@ fn install_to(workspace: &Workspace, prefix: &Path) -> Result<()> {
         }
     }
     let source = workspace.root.join("crates/enfilade_c");
-    fs::copy(source.join("include/enfilade.h"), prefix.join("include/enfilade.h"))?;
+    fs::copy(
+        source.join("include/enfilade.h"),
+        prefix.join("include/enfilade.h"),
+    )?;
     let fill = |name: &str, to: &str| -> Result<()> {
         let text = fs::read_to_string(source.join("cmake").join(name)).with_context(|| name.to_owned())?;
         let needed = if is_elf { NEEDED } else { "" };
@@ -129,7 +151,10 @@ fn install_to(workspace: &Workspace, prefix: &Path) -> Result<()> {
         fs::write(prefix.join(to), text).with_context(|| to.to_owned())
     };
     fill("enfilade.pc.in", "lib/pkgconfig/enfilade.pc")?;
-    fill("enfilade-config.cmake.in", "lib/cmake/enfilade/enfilade-config.cmake")?;
+    fill(
+        "enfilade-config.cmake.in",
+        "lib/cmake/enfilade/enfilade-config.cmake",
+    )?;
     fill(
         "enfilade-config-version.cmake.in",
         "lib/cmake/enfilade/enfilade-config-version.cmake",
@@ -151,7 +176,12 @@ fn sanitized(workspace: &Workspace, profile: &str) -> Result<()> {
         let program = folder.join(name);
         succeed(
             compiler(workspace, "cc", "c11")
-                .args(["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"])
+                .args([
+                    "-g",
+                    "-O1",
+                    "-fsanitize=address,undefined",
+                    "-fno-sanitize-recover=all",
+                ])
                 .arg("-I")
                 .arg(workspace.root.join("crates/enfilade_c/include"))
                 .arg(format!("{EXAMPLES}/{name}.c"))
@@ -168,7 +198,10 @@ fn sanitized(workspace: &Workspace, profile: &str) -> Result<()> {
 
 /// Compiles the first example by what pkg-config says, for the shared and for the static library.
 fn by_pkg_config(workspace: &Workspace, folder: &Path, prefix: &Path) -> Result<()> {
-    for (name, flags) in [("shared", &["--cflags", "--libs"][..]), ("static", &["--cflags", "--libs", "--static"])] {
+    for (name, flags) in [
+        ("shared", &["--cflags", "--libs"][..]),
+        ("static", &["--cflags", "--libs", "--static"]),
+    ] {
         let found = Command::new("pkg-config")
             .args(flags)
             .arg("enfilade")
@@ -242,7 +275,10 @@ fn in_python(workspace: &Workspace, prefix: &Path) -> Result<()> {
 fn with_another_version(workspace: &Workspace, folder: &Path, prefix: &Path) -> Result<()> {
     let header = fs::read_to_string(prefix.join("include/enfilade.h"))?;
     let other = header.replace("#define ENFILADE_VERSION 100", "#define ENFILADE_VERSION 200");
-    ensure!(other != header, "enfilade.h does not define its version as expected");
+    ensure!(
+        other != header,
+        "enfilade.h does not define its version as expected"
+    );
     let include = folder.join("other-version");
     fs::create_dir_all(&include)?;
     fs::write(include.join("enfilade.h"), other)?;
@@ -260,7 +296,8 @@ fn with_another_version(workspace: &Workspace, folder: &Path, prefix: &Path) -> 
     let output = Command::new(&program).output()?;
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     ensure!(
-        output.status.code() == Some(1) && message.starts_with("c/wrong-version: the header is version 0.2.0"),
+        output.status.code() == Some(1)
+            && message.starts_with("c/wrong-version: the header is version 0.2.0"),
         "a program with another header ended with {} and said: {message}",
         output.status
     );
@@ -314,7 +351,11 @@ fn find_programs(programs: &[&str]) -> Result<()> {
         let command = command.arg("--version").stdout(Stdio::null());
         command.stderr(Stdio::null()).status().is_ok()
     };
-    let missing: Vec<&str> = programs.iter().filter(|program| !is_there(program)).copied().collect();
+    let missing: Vec<&str> = programs
+        .iter()
+        .filter(|program| !is_there(program))
+        .copied()
+        .collect();
     ensure!(
         missing.is_empty(),
         "{} not found: install Debian's packages gcc, g++, cmake, pkg-config, valgrind and python3, or the like",

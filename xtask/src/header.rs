@@ -48,12 +48,25 @@ fn header(workspace: &Workspace) -> Result<String> {
     let introduction = read("include/introduction.txt")?;
     let example = read("examples/first.c")?;
     let text = introduction.replace("EXAMPLE\n", &indented(&example));
-    let comment = text.lines().map(|line| format!("// {line}").trim_end().to_owned());
+    let comment = text
+        .lines()
+        .map(|line| format!("// {line}").trim_end().to_owned());
     config.header = Some(comment.collect::<Vec<_>>().join("\n"));
     // In the order in which a reader needs them.
     let sources = [
-        "version", "status", "threads", "ids", "mesh", "scene", "items", "portals", "view", "viewer", "query",
-        "occlusion", "rooms",
+        "version",
+        "status",
+        "threads",
+        "ids",
+        "mesh",
+        "scene",
+        "items",
+        "portals",
+        "view",
+        "viewer",
+        "query",
+        "occlusion",
+        "rooms",
     ];
     let mut builder = Builder::new().with_config(config);
     for source in sources {

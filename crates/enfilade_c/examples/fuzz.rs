@@ -4,7 +4,10 @@
 //! Pointers that are not null point to as much as their count says: the library cannot detect others.
 #![allow(unsafe_code, reason = "calls the functions as C does")]
 #![allow(clippy::print_stdout, reason = "a driver prints what it counted")]
-#![allow(clippy::undocumented_unsafe_blocks, reason = "all pointers are null, or into arrays of the driver")]
+#![allow(
+    clippy::undocumented_unsafe_blocks,
+    reason = "all pointers are null, or into arrays of the driver"
+)]
 
 use enfilade_c::*;
 use fastrand::Rng;
@@ -22,25 +25,46 @@ pub(crate) const FUNCTIONS: usize = FUNCTION_COUNT;
 pub(crate) struct Count {
     /// Calls of each function, by number.
     pub(crate) calls: Vec<u64>,
+    /// Those of them that succeeded.
+    pub(crate) succeeded: Vec<u64>,
     /// Calls that returned each status.
     pub(crate) statuses: Vec<u64>,
 }
 
 fn main() {
-    let mut arguments = std::env::args().skip(1).map(|argument| argument.parse::<u64>().expect("a number"));
+    let mut arguments = std::env::args()
+        .skip(1)
+        .map(|argument| argument.parse::<u64>().expect("a number"));
     let [seconds, seed] = [arguments.next().unwrap_or(10), arguments.next().unwrap_or(1)];
     let threads = arguments.next().unwrap_or(1);
     let handles = Mutex::new(Handles::default());
-    let run = |number: u64| fuzz(seed + number, Duration::from_secs(seconds), u64::MAX, &handles, threads > 1);
+    let run = |number: u64| {
+        fuzz(
+            seed + number,
+            Duration::from_secs(seconds),
+            u64::MAX,
+            &handles,
+            threads > 1,
+        )
+    };
     let counts = std::thread::scope(|scope| {
-        let started: Vec<_> = (0..threads).map(|number| scope.spawn(move || run(number))).collect();
-        started.into_iter().map(|thread| thread.join().expect("no panic")).collect::<Vec<_>>()
+        let started: Vec<_> = (0..threads)
+            .map(|number| scope.spawn(move || run(number)))
+            .collect();
+        started
+            .into_iter()
+            .map(|thread| thread.join().expect("no panic"))
+            .collect::<Vec<_>>()
     });
     for (number, count) in counts.iter().enumerate() {
         let calls: u64 = count.calls.iter().sum();
         let least = count.calls.iter().min().copied().unwrap_or(0);
-        println!("thread {number}: {calls} calls, at least {least} of each of {} functions", count.calls.len());
+        println!(
+            "thread {number}: {calls} calls, at least {least} of each of {} functions",
+            count.calls.len()
+        );
         println!("  by status: {:?}", count.statuses);
+        println!("  succeeded, by function: {:?}", count.succeeded);
     }
 }
 
@@ -87,6 +111,7 @@ pub(crate) fn fuzz(seed: u64, time: Duration, most: u64, handles: &Mutex<Handles
     };
     let mut count = Count {
         calls: vec![0; FUNCTIONS],
+        succeeded: vec![0; FUNCTIONS],
         statuses: vec![0; 15],
     };
     while count.calls.iter().sum::<u64>() < most && start.elapsed() < time {
@@ -96,8 +121,13 @@ pub(crate) fn fuzz(seed: u64, time: Duration, most: u64, handles: &Mutex<Handles
         }
         let function = fuzz.rng.usize(0..FUNCTIONS);
         let status = fuzz.call(function) as usize;
-        assert!(status < 13, "function {function} returned {status}: {:?}", fuzz.message());
+        assert!(
+            status < 13,
+            "function {function} returned {status}: {:?}",
+            fuzz.message()
+        );
         count.calls[function] += 1;
+        count.succeeded[function] += u64::from(status == 0);
         count.statuses[status] += 1;
         if function != 0 {
             fuzz.check(function, status);
@@ -132,17 +162,29 @@ impl Fuzz<'_> {
     fn error(&mut self) -> *mut EnfiladeError {
         self.error.status = EnfiladeStatus::Ok;
         self.error.reserved = u32::MAX;
-        if self.one_in(20) { null_mut() } else { &raw mut self.error }
+        if self.one_in(20) {
+            null_mut()
+        } else {
+            &raw mut self.error
+        }
     }
 
     fn version(&mut self) -> u32 {
-        if self.one_in(30) { self.rng.u32(..) } else { ENFILADE_VERSION }
+        if self.one_in(30) {
+            self.rng.u32(..)
+        } else {
+            ENFILADE_VERSION
+        }
     }
 
     /// Returns a handle: mostly one of its kind, else null, a freed one, one of another kind, or any number.
     fn handle<T>(&mut self, kind: usize) -> *mut T {
         let handles = self.handles.lock().expect("no panic");
-        let kind = if self.rng.u32(0..25) == 0 { self.rng.usize(0..6) } else { kind };
+        let kind = if self.rng.u32(0..25) == 0 {
+            self.rng.usize(0..6)
+        } else {
+            kind
+        };
         let known = &handles.all[kind];
         let number = match self.rng.u32(0..30) {
             0 => 0,
@@ -160,7 +202,11 @@ impl Fuzz<'_> {
         }
         let mut handles = self.handles.lock().expect("no panic");
         handles.all[kind].push(handle.addr());
-        let oldest = if handles.all[kind].len() > MOST { Some(handles.all[kind].remove(0)) } else { None };
+        let oldest = if handles.all[kind].len() > MOST {
+            Some(handles.all[kind].remove(0))
+        } else {
+            None
+        };
         drop(handles);
         if let Some(oldest) = oldest {
             self.free(kind, oldest);
@@ -208,7 +254,9 @@ impl Fuzz<'_> {
         match self.rng.u32(0..30) {
             0 => 0,
             1 => self.rng.u64(..),
-            2 if !handles.ids.is_empty() => handles.ids[self.rng.usize(0..handles.ids.len())] ^ (1 << self.rng.u32(0..64)),
+            2 if !handles.ids.is_empty() => {
+                handles.ids[self.rng.usize(0..handles.ids.len())] ^ (1 << self.rng.u32(0..64))
+            }
             _ if handles.ids.is_empty() => 0,
             _ => handles.ids[self.rng.usize(0..handles.ids.len())],
         }
@@ -219,21 +267,45 @@ impl Fuzz<'_> {
         let mut ids = [0; 8];
         let mut count = 0;
         unsafe { enfilade_scene_sectors(scene, ids.as_mut_ptr(), 8, &mut count, null_mut()) };
-        if count == 0 || self.one_in(8) { self.id() } else { ids[self.rng.usize(0..count.min(8))] }
+        if count == 0 || self.one_in(8) {
+            self.id()
+        } else {
+            ids[self.rng.usize(0..count.min(8))]
+        }
     }
 
     fn item(&mut self, scene: *const EnfiladeScene) -> u64 {
         let mut ids = [0; 64];
         let mut count = 0;
         unsafe { enfilade_scene_items(scene, 0, ids.as_mut_ptr(), 64, &mut count, null_mut()) };
-        if count == 0 || self.one_in(8) { self.id() } else { ids[self.rng.usize(0..count.min(64))] }
+        if count == 0 || self.one_in(8) {
+            self.id()
+        } else {
+            ids[self.rng.usize(0..count.min(64))]
+        }
     }
 
     fn portal(&mut self, scene: *const EnfiladeScene) -> u64 {
         let mut portals: [EnfiladePortal; 8] = unsafe { std::mem::zeroed() };
         let mut count = 0;
         unsafe { enfilade_scene_portals(scene, 0, portals.as_mut_ptr(), 8, &mut count, null_mut()) };
-        if count == 0 || self.one_in(8) { self.id() } else { portals[self.rng.usize(0..count.min(8))].portal }
+        if count == 0 || self.one_in(8) {
+            self.id()
+        } else {
+            portals[self.rng.usize(0..count.min(8))].portal
+        }
+    }
+
+    /// Returns a room and a door, mostly of the rooms.
+    fn room_and_door(&mut self, rooms: *const EnfiladeRooms) -> [u64; 2] {
+        let mut doors: [EnfiladeDoor; 8] = unsafe { std::mem::zeroed() };
+        let mut count = 0;
+        unsafe { enfilade_rooms_doors(rooms, 0, doors.as_mut_ptr(), 8, &mut count, null_mut()) };
+        if count == 0 || self.one_in(8) {
+            return [self.id(), self.id()];
+        }
+        let door = doors[self.rng.usize(0..count.min(8))];
+        [door.rooms[self.rng.usize(0..2)], door.door]
     }
 
     fn float(&mut self) -> f32 {
@@ -252,7 +324,11 @@ impl Fuzz<'_> {
     }
 
     fn sound(&mut self) -> f32 {
-        if self.one_in(3) { self.rng.i32(-5..6) as f32 } else { 12.0 * (self.rng.f32() - 0.5) }
+        if self.one_in(3) {
+            self.rng.i32(-5..6) as f32
+        } else {
+            12.0 * (self.rng.f32() - 0.5)
+        }
     }
 
     fn number(&mut self, is_sound: bool) -> f32 {
@@ -292,7 +368,13 @@ impl Fuzz<'_> {
         let is_sound = !self.one_in(10);
         for (number, value) in matrix.iter_mut().enumerate() {
             *value = match number {
-                0 | 5 | 10 => if self.rng.bool() { 1.0 } else { self.number(is_sound) },
+                0 | 5 | 10 => {
+                    if self.rng.bool() {
+                        1.0
+                    } else {
+                        self.number(is_sound)
+                    }
+                }
                 12..15 => self.number(is_sound),
                 15 => 1.0,
                 3 | 7 | 11 => 0.0,
@@ -315,7 +397,11 @@ impl Fuzz<'_> {
         for (word, pair) in self.words.iter_mut().zip(floats.chunks(2)) {
             *word = u64::from(pair[0].to_bits()) | u64::from(pair[1].to_bits()) << 32;
         }
-        if self.one_in(30) { null() } else { self.words.as_ptr().cast() }
+        if self.one_in(30) {
+            null()
+        } else {
+            self.words.as_ptr().cast()
+        }
     }
 
     /// Returns a count of elements that are there, or one that cannot be.
@@ -347,7 +433,11 @@ impl Fuzz<'_> {
             _ => self.rng.usize(0..=room),
         };
         let last = self.results.len() - 1;
-        let count: *mut usize = if self.one_in(20) { null_mut() } else { (&raw mut self.results[last]).cast() };
+        let count: *mut usize = if self.one_in(20) {
+            null_mut()
+        } else {
+            (&raw mut self.results[last]).cast()
+        };
         let to = self.results.as_mut_ptr();
         let to = match self.rng.u32(0..8) {
             0 => null_mut(),
@@ -366,12 +456,26 @@ impl Fuzz<'_> {
     }
 
     fn text(&mut self) -> *const c_char {
-        const TEXTS: [&CStr; 5] = [c"room", c"door", c"", c"\xFF\xFE", c"K\xC3\xBCche mit einem sehr langen Namen, der nirgends hineinpasst, wo er stehen soll"];
-        if self.one_in(5) { null() } else { TEXTS[self.rng.usize(0..5)].as_ptr() }
+        const TEXTS: [&CStr; 5] = [
+            c"room",
+            c"door",
+            c"",
+            c"\xFF\xFE",
+            c"K\xC3\xBCche mit einem sehr langen Namen, der nirgends hineinpasst, wo er stehen soll",
+        ];
+        if self.one_in(5) {
+            null()
+        } else {
+            TEXTS[self.rng.usize(0..5)].as_ptr()
+        }
     }
 
     fn flags(&mut self) -> u32 {
-        if self.one_in(15) { self.rng.u32(..) } else { self.rng.u32(0..8) & self.rng.u32(0..8) }
+        if self.one_in(15) {
+            self.rng.u32(..)
+        } else {
+            self.rng.u32(0..8) & self.rng.u32(0..8)
+        }
     }
 
     fn view(&mut self, scene: *const EnfiladeScene) -> EnfiladeView {
@@ -440,14 +544,27 @@ impl Fuzz<'_> {
                 1 => indices.cast::<u8>().wrapping_add(1).cast(),
                 _ => indices,
             },
-            index_count: if self.one_in(10) { self.count(100) } else { 3 * self.rng.usize(0..20) },
+            index_count: if self.one_in(10) {
+                self.count(100)
+            } else {
+                3 * self.rng.usize(0..20)
+            },
             index_size: if self.one_in(30) { self.rng.u32(..) } else { size },
-            material: if self.one_in(10) { self.rng.u32(..) } else { self.rng.u32(0..2) },
+            material: if self.one_in(10) {
+                self.rng.u32(..)
+            } else {
+                self.rng.u32(0..2)
+            },
         }
     }
 
     fn item_options(&mut self) -> EnfiladeItemOptions {
-        let mut options = EnfiladeItemOptions { flags: 0, layers: 0, max_distance: 0.0, min_size_px: 0.0 };
+        let mut options = EnfiladeItemOptions {
+            flags: 0,
+            layers: 0,
+            max_distance: 0.0,
+            min_size_px: 0.0,
+        };
         if self.one_in(4) {
             options = EnfiladeItemOptions {
                 flags: self.flags(),
@@ -486,9 +603,26 @@ impl Fuzz<'_> {
         (self.words.as_ptr().cast(), 4)
     }
 
-    /// Builds a scene with items, a door and a mirror.
+    /// Builds a scene that is sound: two sectors with items, a door and a mirror, or a building of two rooms.
     fn build(&mut self) {
-        let mut scene: *mut EnfiladeScene = null_mut();
+        let corner =
+            |number: usize| [0, 1, 2].map(|axis| if number >> axis & 1 == 1 { 0.5_f32 } else { -0.5 });
+        let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
+        let indices: [u16; 36] = [
+            0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5,
+            7, 4, 7, 6,
+        ];
+        let part = EnfiladeMeshPart {
+            positions: corners.as_ptr().cast(),
+            position_count: 8,
+            position_stride: 0,
+            indices: indices.as_ptr().cast(),
+            index_count: 36,
+            index_size: 2,
+            material: 0,
+        };
+        let (mut mesh, mut scene) = (null_mut(), null_mut());
+        unsafe { enfilade_mesh_create(ENFILADE_VERSION, &part, 1, &mut mesh, null_mut()) };
         unsafe { enfilade_scene_create(ENFILADE_VERSION, &mut scene, null_mut()) };
         let materials: [EnfiladeMaterial; 3] = [0, 1, 2].map(|alpha| EnfiladeMaterial {
             color: [0.5; 4],
@@ -499,10 +633,98 @@ impl Fuzz<'_> {
         let mut sectors = [0_u64; 2];
         for sector in &mut sectors {
             let method = if self.rng.bool() { 0 } else { self.rng.u32(0..14) };
-            unsafe { enfilade_scene_add_sector(scene, c"room".as_ptr(), method, materials.as_ptr(), 3, sector, null_mut()) };
+            unsafe {
+                enfilade_scene_add_sector(
+                    scene,
+                    c"room".as_ptr(),
+                    method,
+                    materials.as_ptr(),
+                    3,
+                    sector,
+                    null_mut(),
+                )
+            };
         }
+        let is_building = self.one_in(10);
+        let boxes: Vec<[f32; 6]> = if is_building {
+            HOUSE.to_vec()
+        } else {
+            let place = |_| {
+                let [x, y, z] = [(); 3].map(|()| self.sound());
+                let size = 0.1 + self.rng.f32();
+                [x, y, z, x + size, y + 1.0, z + size]
+            };
+            (0..30).map(place).collect()
+        };
+        for (number, walls) in boxes.chunks(15).enumerate() {
+            let items = walls.iter().zip(0..).map(|(&[x, y, z, to_x, to_y, to_z], key)| {
+                let mut matrix = [0.0; 16];
+                [matrix[0], matrix[5], matrix[10], matrix[15]] = [to_x - x, to_y - y, to_z - z, 1.0];
+                [matrix[12], matrix[13], matrix[14]] = [0.5 * (x + to_x), 0.5 * (y + to_y), 0.5 * (z + to_z)];
+                EnfiladeItem {
+                    mesh,
+                    key,
+                    sector_from_item: matrix,
+                    options: EnfiladeItemOptions {
+                        flags: 0,
+                        layers: 0,
+                        max_distance: 0.0,
+                        min_size_px: 0.0,
+                    },
+                    name: if key == 4 { c"door".as_ptr() } else { null() },
+                }
+            });
+            let items: Vec<EnfiladeItem> = items.collect();
+            let mut ids = vec![0; items.len()];
+            unsafe {
+                enfilade_scene_add_items(
+                    scene,
+                    sectors[number],
+                    items.as_ptr(),
+                    items.len(),
+                    ids.as_mut_ptr(),
+                    null_mut(),
+                )
+            };
+            self.note_ids(&ids);
+        }
+        let [mut door, mut mirror] = [[0_u64; 2], [0; 2]];
+        let opening = [-1.0_f32, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0, 0.0, -1.0, 1.0, 0.0];
+        let aside = [4.0_f32, -1.0, 1.0, 4.0, -1.0, -1.0, 4.0, 1.0, -1.0, 4.0, 1.0, 1.0];
+        let [a, b] = sectors;
+        unsafe {
+            enfilade_scene_add_door(scene, a, b, opening.as_ptr(), 0, 4, door.as_mut_ptr(), null_mut())
+        };
+        unsafe {
+            enfilade_scene_add_portal(
+                scene,
+                a,
+                aside.as_ptr(),
+                0,
+                4,
+                a,
+                null(),
+                mirror.as_mut_ptr(),
+                null_mut(),
+            )
+        };
+        if is_building {
+            let options = EnfiladeRoomOptions {
+                metres_per_unit: 1.0,
+                voxel: 0.1,
+                max_voxels: 100_000,
+                up: 2,
+                ignores_sectors: 1,
+            };
+            let mut rooms = null_mut();
+            unsafe { enfilade_rooms_find(ENFILADE_VERSION, scene, &options, &mut rooms, null_mut()) };
+            self.keep(ROOMS, rooms);
+        }
+        self.keep(MESH, mesh);
         self.keep(SCENE, scene);
         self.note_ids(&sectors);
+        self.note_ids(&door);
+        self.note_ids(&mirror);
     }
 
     /// Calls a function with arguments of which some are wrong.
@@ -522,15 +744,27 @@ impl Fuzz<'_> {
                 1 => {
                     // Threads of its own would make the driver itself slow.
                     let count = if self.one_in(50) { self.rng.u32(1..4) } else { 1 };
-                    let count = if self.one_in(4) { 257 + self.rng.u32(0..9) } else { count };
+                    let count = if self.one_in(4) {
+                        257 + self.rng.u32(0..9)
+                    } else {
+                        count
+                    };
                     enfilade_set_threads(count, error)
                 }
                 2 => {
                     let mut mesh = null_mut();
                     let part = self.part();
                     let parts = [part; 2];
-                    let count = if self.one_in(20) { usize::MAX / 3 } else { self.rng.usize(0..3) };
-                    let to = if self.one_in(20) { null_mut() } else { &raw mut mesh };
+                    let count = if self.one_in(20) {
+                        usize::MAX / 3
+                    } else {
+                        self.rng.usize(0..3)
+                    };
+                    let to = if self.one_in(20) {
+                        null_mut()
+                    } else {
+                        &raw mut mesh
+                    };
                     let status = enfilade_mesh_create(version, self.maybe(&parts[0]), count, to, error);
                     self.keep(MESH, mesh);
                     status
@@ -538,14 +772,22 @@ impl Fuzz<'_> {
                 3 => {
                     let mut mesh = null_mut();
                     let [low, high] = [self.floats(), self.floats()];
-                    let high = if high.is_null() { high } else { high.wrapping_byte_add(16) };
+                    let high = if high.is_null() {
+                        high
+                    } else {
+                        high.wrapping_byte_add(16)
+                    };
                     let status = enfilade_mesh_create_box(version, low, high, &mut mesh, error);
                     self.keep(MESH, mesh);
                     status
                 }
                 4 => {
                     let mut scene = null_mut();
-                    let to = if self.one_in(20) { null_mut() } else { &raw mut scene };
+                    let to = if self.one_in(20) {
+                        null_mut()
+                    } else {
+                        &raw mut scene
+                    };
                     let status = enfilade_scene_create(version, to, error);
                     self.keep(SCENE, scene);
                     status
@@ -553,7 +795,11 @@ impl Fuzz<'_> {
                 5 => {
                     let mut scene = null_mut();
                     let options = self.read_options();
-                    let path = if self.rng.bool() { self.text() } else { c"/".as_ptr() };
+                    let path = if self.rng.bool() {
+                        self.text()
+                    } else {
+                        c"/".as_ptr()
+                    };
                     enfilade_scene_read_file(version, path, self.maybe(&options), &mut scene, error)
                 }
                 6 => {
@@ -564,9 +810,20 @@ impl Fuzz<'_> {
                         let place = self.rng.usize(0..bytes.len());
                         bytes[place] = self.rng.u8(..);
                     }
-                    let count = if self.one_in(20) { self.rng.usize(0..=bytes.len()) } else { bytes.len() };
+                    let count = if self.one_in(20) {
+                        self.rng.usize(0..=bytes.len())
+                    } else {
+                        bytes.len()
+                    };
                     let options = self.maybe(&options);
-                    let status = enfilade_scene_read_memory(version, bytes.as_ptr(), count, options, &mut scene, error);
+                    let status = enfilade_scene_read_memory(
+                        version,
+                        bytes.as_ptr(),
+                        count,
+                        options,
+                        &mut scene,
+                        error,
+                    );
                     self.keep(SCENE, scene);
                     status
                 }
@@ -579,15 +836,24 @@ impl Fuzz<'_> {
                         detail: self.rng.u32(0..2),
                     });
                     let (name, method) = (self.text(), self.rng.u32(0..15));
-                    let count = if self.one_in(20) { usize::MAX } else { self.rng.usize(0..4) };
+                    let count = if self.one_in(20) {
+                        usize::MAX
+                    } else {
+                        self.rng.usize(0..4)
+                    };
                     let mut sector = 0;
                     let materials = self.maybe(&materials[0]);
-                    let status = enfilade_scene_add_sector(scene, name, method, materials, count, &mut sector, error);
+                    let status =
+                        enfilade_scene_add_sector(scene, name, method, materials, count, &mut sector, error);
                     self.note_ids(&[sector]);
                     status
                 }
                 9 => {
-                    let sector = if self.one_in(4) { self.sector(scene) } else { self.id() };
+                    let sector = if self.one_in(4) {
+                        self.sector(scene)
+                    } else {
+                        self.id()
+                    };
                     enfilade_scene_remove_sector(scene, sector, error)
                 }
                 10 => {
@@ -615,15 +881,27 @@ impl Fuzz<'_> {
                     let items: Vec<EnfiladeItem> = (0..self.rng.usize(1..20))
                         .map(|_| EnfiladeItem {
                             mesh: self.handle(MESH),
-                            key: if self.one_in(20) { self.rng.u64(..) } else { self.rng.u64(0..200) },
+                            key: if self.one_in(20) {
+                                self.rng.u64(..)
+                            } else {
+                                self.rng.u64(0..200)
+                            },
                             sector_from_item: self.matrix(),
                             options: self.item_options(),
                             name: self.text(),
                         })
                         .collect();
-                    let count = if self.one_in(30) { usize::MAX / 2 } else { items.len() };
+                    let count = if self.one_in(30) {
+                        usize::MAX / 2
+                    } else {
+                        items.len()
+                    };
                     let mut ids = vec![7; items.len()];
-                    let to = if self.one_in(30) { null_mut() } else { ids.as_mut_ptr() };
+                    let to = if self.one_in(30) {
+                        null_mut()
+                    } else {
+                        ids.as_mut_ptr()
+                    };
                     let from = self.maybe(&items[0]);
                     let from = if from.is_null() { from } else { items.as_ptr() };
                     let status = enfilade_scene_add_items(scene, sector, from, count, to, error);
@@ -644,7 +922,11 @@ impl Fuzz<'_> {
                     let transforms = self.matrices(24);
                     let count = self.count(20);
                     let stride = self.stride(64);
-                    let refused = if self.rng.bool() { null_mut() } else { self.results.as_mut_ptr() };
+                    let refused = if self.rng.bool() {
+                        null_mut()
+                    } else {
+                        self.results.as_mut_ptr()
+                    };
                     enfilade_scene_move_items(scene, ids.as_ptr(), count, transforms, stride, refused, error)
                 }
                 20 => {
@@ -671,10 +953,17 @@ impl Fuzz<'_> {
                     enfilade_scene_items(scene, sector, to, capacity, count, error)
                 }
                 25 => {
-                    let item = if self.one_in(3) { self.id() } else { self.item(scene) };
+                    let item = if self.one_in(3) {
+                        self.id()
+                    } else {
+                        self.item(scene)
+                    };
                     let status = enfilade_scene_item(scene, item, self.out(), error);
                     let was_removed = self.removed.contains(&item);
-                    assert!(!was_removed || status != EnfiladeStatus::Ok, "item {item} was removed");
+                    assert!(
+                        !was_removed || status != EnfiladeStatus::Ok,
+                        "item {item} was removed"
+                    );
                     status
                 }
                 26 => {
@@ -685,7 +974,11 @@ impl Fuzz<'_> {
                     let (corners, count) = self.outline();
                     let stride = self.stride(12);
                     let mut portals = [0_u64; 2];
-                    let to = if self.one_in(20) { null_mut() } else { portals.as_mut_ptr() };
+                    let to = if self.one_in(20) {
+                        null_mut()
+                    } else {
+                        portals.as_mut_ptr()
+                    };
                     let status = enfilade_scene_add_door(scene, a, b, corners, stride, count, to, error);
                     self.note_ids(&portals);
                     status
@@ -696,12 +989,22 @@ impl Fuzz<'_> {
                         return enfilade_scene_remove_portal(scene, self.portal(scene), error);
                     }
                     let transform = self.matrix();
-                    let transform = if self.one_in(3) { null() } else { transform.as_ptr() };
+                    let transform = if self.one_in(3) {
+                        null()
+                    } else {
+                        transform.as_ptr()
+                    };
                     let (corners, count) = self.outline();
                     let stride = self.stride(12);
                     let mut portal = 0;
-                    let out = if self.one_in(20) { null_mut() } else { &raw mut portal };
-                    let status = enfilade_scene_add_portal(scene, from, corners, stride, count, to, transform, out, error);
+                    let out = if self.one_in(20) {
+                        null_mut()
+                    } else {
+                        &raw mut portal
+                    };
+                    let status = enfilade_scene_add_portal(
+                        scene, from, corners, stride, count, to, transform, out, error,
+                    );
                     self.note_ids(&[portal]);
                     status
                 }
@@ -718,12 +1021,22 @@ impl Fuzz<'_> {
                 31 => {
                     let camera = self.camera();
                     let camera = self.maybe(&camera);
-                    enfilade_view_from_camera(camera, self.rng.u32(0..17_000), self.rng.u32(0..99), self.out(), error)
+                    enfilade_view_from_camera(
+                        camera,
+                        self.rng.u32(0..17_000),
+                        self.rng.u32(0..99),
+                        self.out(),
+                        error,
+                    )
                 }
                 32 => {
                     let mut viewer = null_mut();
                     let options = self.viewer_options();
-                    let to = if self.one_in(20) { null_mut() } else { &raw mut viewer };
+                    let to = if self.one_in(20) {
+                        null_mut()
+                    } else {
+                        &raw mut viewer
+                    };
                     let status = enfilade_viewer_create(version, &options, to, error);
                     self.keep(VIEWER, viewer);
                     status
@@ -773,11 +1086,27 @@ impl Fuzz<'_> {
                         ambient_rays: if self.one_in(8) { self.rng.u32(..) } else { 0 },
                         exposure: self.float(),
                     };
-                    let options = EnfiladeDrawOptions { ambient_rays: options.ambient_rays | u32::from(options.ambient_rays > 4) << 11, ..options };
+                    let options = EnfiladeDrawOptions {
+                        ambient_rays: options.ambient_rays | u32::from(options.ambient_rays > 4) << 11,
+                        ..options
+                    };
                     let options = self.maybe(&options);
-                    let row = if self.one_in(4) { self.rng.usize(0..1000) } else { 0 };
+                    let row = if self.one_in(4) {
+                        self.rng.usize(0..1000)
+                    } else {
+                        0
+                    };
                     let bytes = self.count(8 * self.results.len());
-                    enfilade_viewer_draw(viewer, scene, &view, options, self.results.as_mut_ptr().cast(), row, bytes, error)
+                    enfilade_viewer_draw(
+                        viewer,
+                        scene,
+                        &view,
+                        options,
+                        self.results.as_mut_ptr().cast(),
+                        row,
+                        bytes,
+                        error,
+                    )
                 }
                 44 => {
                     let point = self.doubles();
@@ -803,7 +1132,11 @@ impl Fuzz<'_> {
                 48 => {
                     let mut location = self.location(scene);
                     let before = location;
-                    let to = if self.one_in(20) { null_mut() } else { &raw mut location };
+                    let to = if self.one_in(20) {
+                        null_mut()
+                    } else {
+                        &raw mut location
+                    };
                     let status = enfilade_scene_walk(scene, to, self.floats(), self.out(), error);
                     assert!(status == EnfiladeStatus::Ok || location.sector == before.sector);
                     status
@@ -817,24 +1150,38 @@ impl Fuzz<'_> {
                         climb: if self.rng.bool() { 0.0 } else { self.float() },
                     };
                     if self.rng.bool() {
-                        capsule = EnfiladeCapsule { radius: 0.3, height: 1.8, up: [0.0, 1.0, 0.0], climb: 0.2 };
+                        capsule = EnfiladeCapsule {
+                            radius: 0.3,
+                            height: 1.8,
+                            up: [0.0, 1.0, 0.0],
+                            climb: 0.2,
+                        };
                     }
                     let step = self.floats();
-                    let body = if self.one_in(20) { null_mut() } else { &raw mut capsule };
+                    let body = if self.one_in(20) {
+                        null_mut()
+                    } else {
+                        &raw mut capsule
+                    };
                     enfilade_scene_slide(scene, body, &mut location, step, self.out(), null_mut(), error)
                 }
                 50 => {
                     let mut occluder = null_mut();
                     let part = self.part();
                     let part = self.maybe(&part);
-                    let status = enfilade_occluder_create(version, part, self.rng.u32(0..2), &mut occluder, error);
+                    let status =
+                        enfilade_occluder_create(version, part, self.rng.u32(0..2), &mut occluder, error);
                     self.keep(OCCLUDER, occluder);
                     status
                 }
                 51 => self.free_some(OCCLUDER),
                 52 => {
                     let mut occlusion = null_mut();
-                    let to = if self.one_in(20) { null_mut() } else { &raw mut occlusion };
+                    let to = if self.one_in(20) {
+                        null_mut()
+                    } else {
+                        &raw mut occlusion
+                    };
                     let status = enfilade_occlusion_create(version, to, error);
                     self.keep(OCCLUSION, occlusion);
                     status
@@ -868,8 +1215,16 @@ impl Fuzz<'_> {
                     // Slow where it succeeds.
                     let scene = if self.one_in(10) { scene } else { null_mut() };
                     let options = EnfiladeRoomOptions {
-                        metres_per_unit: if self.one_in(4) { f64::from(self.float()) } else { 1.0 },
-                        voxel: if self.one_in(4) { f64::from(self.float()) } else { 0.5 },
+                        metres_per_unit: if self.one_in(4) {
+                            f64::from(self.float())
+                        } else {
+                            1.0
+                        },
+                        voxel: if self.one_in(4) {
+                            f64::from(self.float())
+                        } else {
+                            0.5
+                        },
                         max_voxels: self.rng.u64(1..3000),
                         up: self.rng.u32(0..5),
                         ignores_sectors: self.rng.u32(0..2),
@@ -901,17 +1256,25 @@ impl Fuzz<'_> {
                     let (to, capacity, count) = self.results::<EnfiladeRoom>();
                     let status = enfilade_rooms_list(rooms, to, capacity, count, error);
                     if status == EnfiladeStatus::Ok && !to.is_null() && !count.is_null() {
-                        let ids: Vec<u64> = (0..*count).map(|number| to.add(number).read_unaligned().room).collect();
+                        let ids: Vec<u64> = (0..*count)
+                            .map(|number| to.add(number).read_unaligned().room)
+                            .collect();
                         self.note_ids(&ids);
                     }
                     status
                 }
                 63 => {
-                    let room = if self.rng.bool() { 0 } else { self.id() };
+                    let room = if self.rng.bool() {
+                        0
+                    } else {
+                        self.room_and_door(rooms)[0]
+                    };
                     let (to, capacity, count) = self.results::<EnfiladeDoor>();
                     let status = enfilade_rooms_doors(rooms, room, to, capacity, count, error);
                     if status == EnfiladeStatus::Ok && !to.is_null() && !count.is_null() {
-                        let ids: Vec<u64> = (0..*count).map(|number| to.add(number).read_unaligned().door).collect();
+                        let ids: Vec<u64> = (0..*count)
+                            .map(|number| to.add(number).read_unaligned().door)
+                            .collect();
                         self.note_ids(&ids);
                     }
                     status
@@ -921,7 +1284,7 @@ impl Fuzz<'_> {
                     enfilade_rooms_at(rooms, point, self.out(), error)
                 }
                 65 => {
-                    let door = self.id();
+                    let [_, door] = self.room_and_door(rooms);
                     enfilade_rooms_set_open(rooms, door, self.rng.u32(0..2), error)
                 }
                 66 => {
@@ -929,16 +1292,24 @@ impl Fuzz<'_> {
                     // The length and the doors go to the same array.
                     let length = if length.is_null() { length } else { null_mut() };
                     let (to, capacity, count) = self.results();
-                    let target = if from.is_null() { from } else { from.wrapping_add(3) };
+                    let target = if from.is_null() {
+                        from
+                    } else {
+                        from.wrapping_add(3)
+                    };
                     enfilade_rooms_path(rooms, from, target, length, to, capacity, count, error)
                 }
                 67 => {
                     let from = self.doubles();
-                    let source = if from.is_null() { from } else { from.wrapping_add(3) };
+                    let source = if from.is_null() {
+                        from
+                    } else {
+                        from.wrapping_add(3)
+                    };
                     enfilade_rooms_heard(rooms, from, source, self.out(), error)
                 }
                 _ => {
-                    let room = self.id();
+                    let [room, _] = self.room_and_door(rooms);
                     let (to, capacity, count) = self.results();
                     enfilade_rooms_relevant(rooms, room, to, capacity, count, error)
                 }
@@ -956,7 +1327,11 @@ impl Fuzz<'_> {
         EnfiladeReadOptions {
             flags: self.flags(),
             method: if self.rng.bool() { 0 } else { self.rng.u32(0..15) },
-            limit_bytes: if self.one_in(4) { self.rng.u64(0..10_000) } else { 0 },
+            limit_bytes: if self.one_in(4) {
+                self.rng.u64(0..10_000)
+            } else {
+                0
+            },
         }
     }
 
@@ -966,7 +1341,11 @@ impl Fuzz<'_> {
             flags: if is_default { 0 } else { self.flags() },
             layers: if is_default { 0 } else { self.rng.u32(..) },
             tightness: self.rng.u32(0..3) + u32::from(self.one_in(30)),
-            max_crossings: if self.one_in(30) { self.rng.u32(..) } else { self.rng.u32(0..9) },
+            max_crossings: if self.one_in(30) {
+                self.rng.u32(..)
+            } else {
+                self.rng.u32(0..9)
+            },
             max_passages: self.rng.u32(1..50),
             max_occluders: self.rng.u32(0..40),
             margin_px: if is_default { 0.0 } else { self.float() },
@@ -977,6 +1356,20 @@ impl Fuzz<'_> {
 
 /// Number of branches of [`Fuzz::call`].
 const FUNCTION_COUNT: usize = 69;
+
+/// The walls of two rooms of 4 by 4 units with a doorway, in which a leaf is: lower and upper corners.
+const HOUSE: [[f32; 6]; 10] = [
+    [0.0, 0.0, -0.2, 8.2, 3.0, 0.0],
+    [0.0, 0.0, 4.0, 8.2, 3.0, 4.2],
+    [-0.2, 0.0, 0.0, 0.0, 3.0, 4.0],
+    [8.2, 0.0, 0.0, 8.4, 3.0, 4.0],
+    [4.05, 0.0, 1.5, 4.1, 2.0, 2.5],
+    [4.0, 0.0, 0.0, 4.2, 3.0, 1.5],
+    [4.0, 0.0, 2.5, 4.2, 3.0, 4.0],
+    [4.0, 2.0, 1.5, 4.2, 3.0, 2.5],
+    [-0.2, -0.2, -0.2, 8.4, 0.0, 4.2],
+    [-0.2, 3.0, -0.2, 8.4, 3.2, 4.2],
+];
 
 /// Two triangles in a room.
 const GLTF: &str = r#"{

@@ -192,7 +192,10 @@ pub unsafe extern "C" fn enfilade_scene_add_items(
         let scene = &mut *scene;
         let sector = scene.sector(sector)?;
         let items = caller.list(items, 0, count, "items")?;
-        let before = scene.scene.geometry(sector).map_or(0, |geometry| geometry.item_count());
+        let before = scene
+            .scene
+            .geometry(sector)
+            .map_or(0, |geometry| geometry.item_count());
         let mut first = First::default();
         let mut edit = scene.scene.edit();
         let mut added: Vec<(usize, ItemId)> = Vec::with_capacity(count);
@@ -384,9 +387,11 @@ pub unsafe extern "C" fn enfilade_scene_set_keys(
     caller.call(error, |caller| {
         let keys = caller.list(keys, 0, count, "keys")?;
         let mut keys = keys.iter();
-        each_item(caller, scene, ids, count, |edit, sector, item| match keys.next() {
-            Some(key) => Ok(edit.set_key(sector, item, key)?),
-            None => Ok(()),
+        each_item(caller, scene, ids, count, |edit, sector, item| {
+            match keys.next() {
+                Some(key) => Ok(edit.set_key(sector, item, key)?),
+                None => Ok(()),
+            }
         })
     })
 }

@@ -5,7 +5,10 @@
 //! All functions that take pointers are `unsafe`, for one reason: a pointer must be null, or what its documentation says, for the
 //! length of the call. Handles are exempt: they are numbers, which nothing follows, so any value is safe.
 #![deny(unsafe_op_in_unsafe_fn)]
-#![allow(clippy::missing_safety_doc, reason = "it is the same for all functions: see above")]
+#![allow(
+    clippy::missing_safety_doc,
+    reason = "it is the same for all functions: see above"
+)]
 #![allow(clippy::too_many_arguments, reason = "C has no slices, options and results")]
 
 mod handle;

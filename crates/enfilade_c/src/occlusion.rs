@@ -220,7 +220,9 @@ pub unsafe extern "C" fn enfilade_occlusion_test_boxes(
         visible.fill(0);
         let occlusion = handle::find(occlusion)?;
         let occlusion = occlusion.read()?;
-        let mut boxes = caller.list::<[f32; 6]>(boxes.cast(), stride, count, "boxes")?.iter();
+        let mut boxes = caller
+            .list::<[f32; 6]>(boxes.cast(), stride, count, "boxes")?
+            .iter();
         let mut copied = [Aabb::EMPTY; AT_A_TIME];
         for words in visible.chunks_mut(AT_A_TIME / 64) {
             let mut length = 0;

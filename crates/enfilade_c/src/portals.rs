@@ -230,8 +230,7 @@ pub unsafe extern "C" fn enfilade_scene_portals(
         };
         let all = scene.scene.portals().iter().zip((0..).map(PortalId));
         buffer.fill(all.filter_map(|(portal, id)| {
-            let is_wanted =
-                scene.scene.has_portal(id) && sector.is_none_or(|sector| sector == portal.from);
+            let is_wanted = scene.scene.has_portal(id) && sector.is_none_or(|sector| sector == portal.from);
             let openings = scene.scene.sector(portal.from).openings();
             let bounds = openings.get(usize::from(portal.opening.0))?.outline.bounds();
             is_wanted.then(|| EnfiladePortal {

@@ -212,8 +212,7 @@ pub unsafe extern "C" fn enfilade_rooms_find(
             let authored = (held.count() > 1 && wanted.ignores_sectors == 0).then_some(&authored);
             find_rooms_among(&items.input, &options, authored)
         });
-        let found = found
-            .map_err(|why| Failure::new(EnfiladeStatus::BadScene, "c/rooms", why))?;
+        let found = found.map_err(|why| Failure::new(EnfiladeStatus::BadScene, "c/rooms", why))?;
         let leaf = |&(sector, index): &(enfilade::SectorId, enfilade::ItemIndex)| {
             let geometry = scene.geometry(sector);
             geometry.map_or(0, |geometry| state.items.id_of(sector, geometry.id_of(index)))
@@ -310,16 +309,23 @@ pub unsafe extern "C" fn enfilade_rooms_list(
         let rooms = handle::find(rooms)?;
         let rooms = rooms.read()?;
         let outside = rooms.graph.outside();
-        buffer.fill(rooms.graph.rooms().iter().zip(0..).map(|(room, number)| EnfiladeRoom {
-            room: rooms.rooms.id(number),
-            volume: room.volume,
-            area: room.area,
-            box_min: room.bounds[0],
-            box_max: room.bounds[1],
-            storey: room.storey,
-            is_outside: u32::from(outside == Some(RoomId(number))),
-            name: characters(&room.name),
-        }))
+        buffer.fill(
+            rooms
+                .graph
+                .rooms()
+                .iter()
+                .zip(0..)
+                .map(|(room, number)| EnfiladeRoom {
+                    room: rooms.rooms.id(number),
+                    volume: room.volume,
+                    area: room.area,
+                    box_min: room.bounds[0],
+                    box_max: room.bounds[1],
+                    storey: room.storey,
+                    is_outside: u32::from(outside == Some(RoomId(number))),
+                    name: characters(&room.name),
+                }),
+        )
     })
 }
 
@@ -352,22 +358,24 @@ pub unsafe extern "C" fn enfilade_rooms_doors(
         };
         let doors = rooms.graph.doors().iter().zip(0..);
         let doors = doors.filter(|(door, _)| room.is_none_or(|room| door.rooms.contains(&room)));
-        buffer.fill(doors.map(|(door, number)| EnfiladeDoor {
-            door: rooms.doors.id(number),
-            rooms: door.rooms.map(|room| rooms.rooms.id(room.0)),
-            leaf: door
-                .leaf
-                .and_then(|leaf| rooms.leaves.get(leaf as usize).copied())
-                .unwrap_or(0),
-            area: door.area,
-            corners: std::array::from_fn(|number| door.polygon[number / 3][number % 3]),
-            kind: match door.kind {
-                DoorKind::Door => EnfiladeDoorKind::Door,
-                DoorKind::Window => EnfiladeDoorKind::Window,
-                DoorKind::Opening => EnfiladeDoorKind::Opening,
-                DoorKind::Gap => EnfiladeDoorKind::Gap,
-            } as u32,
-            is_open: u32::from(rooms.graph.is_open(DoorId(number))),
+        buffer.fill(doors.map(|(door, number)| {
+            EnfiladeDoor {
+                door: rooms.doors.id(number),
+                rooms: door.rooms.map(|room| rooms.rooms.id(room.0)),
+                leaf: door
+                    .leaf
+                    .and_then(|leaf| rooms.leaves.get(leaf as usize).copied())
+                    .unwrap_or(0),
+                area: door.area,
+                corners: std::array::from_fn(|number| door.polygon[number / 3][number % 3]),
+                kind: match door.kind {
+                    DoorKind::Door => EnfiladeDoorKind::Door,
+                    DoorKind::Window => EnfiladeDoorKind::Window,
+                    DoorKind::Opening => EnfiladeDoorKind::Opening,
+                    DoorKind::Gap => EnfiladeDoorKind::Gap,
+                } as u32,
+                is_open: u32::from(rooms.graph.is_open(DoorId(number))),
+            }
         }))
     })
 }
@@ -457,7 +465,9 @@ pub unsafe extern "C" fn enfilade_rooms_path(
         let buffer = caller.buffer(doors, capacity, count, "doors")?;
         let rooms = handle::find(rooms)?;
         let rooms = rooms.read()?;
-        let path = rooms.graph.path(point_of(caller, from, "from")?, point_of(caller, to, "to")?);
+        let path = rooms
+            .graph
+            .path(point_of(caller, from, "from")?, point_of(caller, to, "to")?);
         if let Some(length) = length {
             length.set(path.as_ref().map_or(-1.0, |path| path.length));
         }

@@ -253,7 +253,10 @@ fn method_of(number: u32) -> Result<Method, Failure> {
     method.ok_or_else(|| {
         refuse(
             "c/method",
-            format_args!("{number} is no EnfiladeMethod; they are 0 to {}", METHODS.len() - 1),
+            format_args!(
+                "{number} is no EnfiladeMethod; they are 0 to {}",
+                METHODS.len() - 1
+            ),
         )
     })
 }
@@ -424,8 +427,7 @@ pub unsafe extern "C" fn enfilade_scene_add_sector(
         let materials = materials.iter().enumerate().map(material_of);
         let materials = materials.collect::<Result<Vec<Material>, Failure>>()?;
         let geometry = GeometryBuilder::new(materials).build();
-        let geometry = geometry
-            .map_err(|why| Failure::new(EnfiladeStatus::BadScene, why.code(), &why))?;
+        let geometry = geometry.map_err(|why| Failure::new(EnfiladeStatus::BadScene, why.code(), &why))?;
         let added = scene.scene.add_sector(name, geometry, method)?;
         scene.has_changed();
         sector.set(scene.sectors.id(added.0));

@@ -50,7 +50,13 @@ mod tests {
             .map(|number| number.parse::<u32>().expect("a number"));
         let version = numbers.fold(0, |sum, number| 100 * sum + number);
         assert_eq!(version, ENFILADE_VERSION);
-        for (header, fits) in [(100, true), (199, true), (200, false), (0, false), (10_100, false)] {
+        for (header, fits) in [
+            (100, true),
+            (199, true),
+            (200, false),
+            (0, false),
+            (10_100, false),
+        ] {
             assert_eq!(check_version(header).is_ok(), fits, "{header}");
         }
     }

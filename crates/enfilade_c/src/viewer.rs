@@ -216,7 +216,8 @@ impl EnfiladeViewerOptions {
             1 => Tightness::Faces,
             2 => Tightness::Resolved,
             other => {
-                let message = format_args!("tightness is {other}; it must be an EnfiladeTightness").to_string();
+                let message =
+                    format_args!("tightness is {other}; it must be an EnfiladeTightness").to_string();
                 return Err(refuse("c/tightness", message));
             }
         };
@@ -271,7 +272,10 @@ pub unsafe extern "C" fn enfilade_viewer_create(
     caller.call(error, |caller| {
         let viewer = caller.out(viewer, "viewer")?;
         check_version(version)?;
-        let options = caller.maybe(options).unwrap_or(EnfiladeViewerOptions::NONE).options()?;
+        let options = caller
+            .maybe(options)
+            .unwrap_or(EnfiladeViewerOptions::NONE)
+            .options()?;
         viewer.set(handle::create(ViewerState {
             viewer: Viewer::with_options(options),
             uses_threads: options.parallel,
@@ -308,7 +312,10 @@ pub unsafe extern "C" fn enfilade_viewer_set_options(
     caller.call(error, |caller| {
         let viewer = handle::find(viewer)?;
         let mut viewer = viewer.write()?;
-        let options = caller.maybe(options).unwrap_or(EnfiladeViewerOptions::NONE).options()?;
+        let options = caller
+            .maybe(options)
+            .unwrap_or(EnfiladeViewerOptions::NONE)
+            .options()?;
         viewer.viewer.options = options;
         viewer.uses_threads = options.parallel;
         Ok(())

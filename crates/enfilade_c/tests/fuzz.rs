@@ -13,7 +13,11 @@ fn null_wrong_and_random_arguments_give_a_code() {
     let handles = Mutex::new(driver::Handles::default());
     let count = driver::fuzz(7, Duration::from_secs(60), 20_000, &handles, false);
     assert!(count.calls.iter().all(|&calls| calls > 0), "{:?}", count.calls);
-    assert!(count.statuses[0] > 1000, "hardly a call succeeded: {:?}", count.statuses);
+    assert!(
+        count.statuses[0] > 1000,
+        "hardly a call succeeded: {:?}",
+        count.statuses
+    );
 }
 
 #[test]

@@ -179,20 +179,20 @@ impl<'a> Caller<'a> {
 
     /// Returns where a result goes, and clears it: results of a call that fails are 0.
     pub(crate) fn out<T>(&self, to: *mut T, name: &str) -> Result<Out<'a, T>, Failure> {
-        if to.is_null() {
-            return Err(null(name));
-        }
-        // SAFETY: not null, so there is room for a value, by the promise of the caller.
-        unsafe { to.cast::<u8>().write_bytes(0, size_of::<T>()) };
-        Ok(Out {
-            to,
-            lent: PhantomData,
-        })
+        self.maybe_out(to).ok_or_else(|| null(name))
     }
 
     /// As [`Caller::out`]; `None` for null.
     pub(crate) fn maybe_out<T>(&self, to: *mut T) -> Option<Out<'a, T>> {
-        self.out(to, "").ok()
+        if to.is_null() {
+            return None;
+        }
+        // SAFETY: not null, so there is room for a value, by the promise of the caller.
+        unsafe { to.cast::<u8>().write_bytes(0, size_of::<T>()) };
+        Some(Out {
+            to,
+            lent: PhantomData,
+        })
     }
 
     /// Returns an array of `capacity` elements that takes results.

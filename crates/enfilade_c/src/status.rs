@@ -271,3 +271,74 @@ fn status_of(why: &UnsuitedMethod) -> EnfiladeStatus {
         _ => EnfiladeStatus::BadScene,
     }
 }
+
+#[cfg(test)]
+#[allow(unsafe_code, reason = "calls as C does")]
+mod tests {
+    use super::*;
+    use crate::handle::{self, Handle};
+    use std::ffi::CStr;
+
+    struct Counter;
+
+    impl Handle for Counter {
+        type Object = u32;
+        const NAME: &'static str = "counter";
+    }
+
+    /// Calls, and returns the status, the code and the message.
+    fn called(body: impl FnOnce() -> Result<(), Failure>) -> (EnfiladeStatus, String, String) {
+        let mut error = EnfiladeError::of(None);
+        // SAFETY: nothing but the error is followed.
+        let status = unsafe { Caller::new() }.call(&mut error, |_| body());
+        assert_eq!(error.status, status);
+        // SAFETY: both end with a null byte.
+        let [code, message] = [&error.code[..], &error.message[..]]
+            .map(|text| unsafe { CStr::from_ptr(text.as_ptr()).to_str().expect("UTF-8").to_owned() });
+        (status, code, message)
+    }
+
+    #[test]
+    fn a_panic_in_a_change_leaves_an_object_that_can_only_be_freed() {
+        let counter = handle::create::<Counter>(0).expect("a handle");
+        let (status, code, message) = called(|| {
+            let counter = handle::find(counter)?;
+            let mut counter = counter.write()?;
+            *counter += 1;
+            panic!("a fault at {}", *counter)
+        });
+        let expected = (EnfiladeStatus::Panic, "c/panic", "a fault at 1");
+        assert_eq!((status, &*code, &*message), expected);
+        let (status, ..) = called(|| handle::find(counter)?.read().map(|_| ()));
+        assert_eq!(status, EnfiladeStatus::Unusable);
+        let [first, second] = [(); 2].map(|()| border(|| handle::free(counter)));
+        assert_eq!([first, second], [EnfiladeStatus::Ok, EnfiladeStatus::BadHandle]);
+    }
+
+    #[test]
+    fn a_call_that_would_have_to_wait_is_refused() {
+        let counter = handle::create::<Counter>(0).expect("a handle");
+        let found = handle::find(counter).expect("it is there");
+        let reading = found.read().expect("nobody writes");
+        assert_eq!(
+            called(|| handle::find(counter)?.read().map(|_| ())).0,
+            EnfiladeStatus::Ok
+        );
+        let (status, code, _) = called(|| handle::find(counter)?.write().map(|_| ()));
+        assert_eq!((status, &*code), (EnfiladeStatus::Busy, "c/busy"));
+        drop(reading);
+        let (status, code, message) = called(|| handle::find(counter)?.write().map(|_| ()));
+        assert_eq!((status, &*code, &*message), (EnfiladeStatus::Ok, "", ""));
+        // An object that is in use stays until the end of the call.
+        let writing = found.write().expect("nobody else");
+        assert_eq!(border(|| handle::free(counter)), EnfiladeStatus::Ok);
+        assert_eq!(*writing, 0);
+    }
+
+    #[test]
+    fn a_long_message_is_cut_between_characters() {
+        let long = "ü".repeat(400);
+        let (_, _, message) = called(|| Err(refuse("c/long", &long)));
+        assert_eq!(message, "ü".repeat(223));
+    }
+}

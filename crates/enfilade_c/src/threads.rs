@@ -3,8 +3,7 @@
 use crate::lent::Caller;
 use crate::status::{EnfiladeError, EnfiladeStatus, Failure, refuse};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::cell::Cell;
-use std::sync::{Arc, RwLock};
+use std::sync::{Arc, Once, RwLock};
 
 /// Most threads that a pool may have.
 const MOST: u32 = 256;
@@ -43,28 +42,36 @@ pub unsafe extern "C" fn enfilade_set_threads(count: u32, error: *mut EnfiladeEr
     })
 }
 
-/// Makes sure that parallel loops of the libraries run on the calling thread: rayon would start a thread for each core.
+/// Makes the first calling thread the only one of rayon's global pool, which would otherwise start a thread for each core. The
+/// core then runs its loops on whichever thread calls.
 pub(crate) fn start_none() {
-    thread_local! {
-        static IS_ALONE: Cell<bool> = const { Cell::new(false) };
-    }
-    if !IS_ALONE.replace(true) {
-        // Fails on a thread of a pool, which has one already.
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // Fails if the program uses rayon itself, and has started its threads.
         let _ = ThreadPoolBuilder::new()
             .num_threads(1)
             .use_current_thread()
-            .build();
-    }
+            .build_global();
+    });
 }
 
-/// Runs work on the threads that the caller allows.
+/// Runs work on the threads that the caller allows: its own, unless it asked for others.
 pub(crate) fn on_all<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     let pool = POOL.read().unwrap_or_else(|poisoned| poisoned.into_inner());
-    match pool.clone() {
-        Some(pool_in_use) => {
-            drop(pool);
-            pool_in_use.install(work)
+    let pool_in_use = pool.clone();
+    drop(pool);
+    match pool_in_use {
+        Some(pool) => pool.install(work),
+        None => {
+            // Readers and the renderer hand work to the pool of the thread that they run on, and would wait for another for ever.
+            if rayon::current_thread_index().is_none() {
+                // Stays for the life of the process: 7 kB for each thread that reads, builds or draws.
+                let _ = ThreadPoolBuilder::new()
+                    .num_threads(1)
+                    .use_current_thread()
+                    .build();
+            }
+            work()
         }
-        None => work(),
     }
 }

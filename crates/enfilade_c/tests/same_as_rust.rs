@@ -7,7 +7,8 @@
 
 use enfilade::{Camera, Method, SectorId, View, Viewer, VisibleKeys};
 use enfilade_c::*;
-use enfilade_import::{ReadOptions, read_bytes};
+use enfilade_import::{Import, ReadOptions, read_bytes};
+use rayon::ThreadPoolBuilder;
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 
@@ -37,6 +38,13 @@ fn palace() -> *mut EnfiladeScene {
     })
 }
 
+/// Reads the palace without the interface, which has made the global pool of rayon one thread of its callers.
+fn read_in_rust() -> Import {
+    let pool = ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
+    let read = || read_bytes(PALACE, None, &ReadOptions::default());
+    pool.install(read).expect("the palace")
+}
+
 fn viewer() -> *mut EnfiladeViewer {
     made(|viewer, error| unsafe { enfilade_viewer_create(ENFILADE_VERSION, null(), viewer, error) })
 }
@@ -63,7 +71,7 @@ fn keys(viewer: *mut EnfiladeViewer) -> Vec<u64> {
 
 #[test]
 fn looks_find_what_they_find_in_rust() {
-    let import = read_bytes(PALACE, None, &ReadOptions::default()).expect("the palace");
+    let import = read_in_rust();
     let mut scene = import
         .scene(Method::Masked, Method::DEFAULT_LIMIT)
         .expect("a scene");
@@ -114,7 +122,7 @@ fn looks_find_what_they_find_in_rust() {
 #[test]
 fn a_parallel_camera_looks_as_in_rust() {
     let own = palace();
-    let import = read_bytes(PALACE, None, &ReadOptions::default()).expect("the palace");
+    let import = read_in_rust();
     let scene = import
         .scene(Method::Masked, Method::DEFAULT_LIMIT)
         .expect("a scene");
@@ -194,7 +202,7 @@ fn looks_and_moves_allocate_nothing_once_buffers_have_grown() {
 
 #[test]
 fn looks_through_portals_allocate_no_more_than_in_rust() {
-    let import = read_bytes(PALACE, None, &ReadOptions::default()).expect("the palace");
+    let import = read_in_rust();
     let rust_scene = import
         .scene(Method::Masked, Method::DEFAULT_LIMIT)
         .expect("a scene");
@@ -255,6 +263,19 @@ fn no_thread_is_started() {
         let drawn = unsafe { enfilade_viewer_draw(viewer, scene, &view, null(), to, 0, bytes, null_mut()) };
         assert_eq!(drawn, EnfiladeStatus::Ok);
     }
+    // Nor by calls from other threads; those that draw, read and find rooms use rayon by themselves.
+    let [scene_number, viewer_number] = [scene.addr(), viewer.addr()];
+    std::thread::spawn(move || {
+        let scene = std::ptr::without_provenance_mut(scene_number);
+        let viewer = std::ptr::without_provenance_mut(viewer_number);
+        let looked = unsafe { enfilade_viewer_look(viewer, scene, &view, null_mut(), null_mut()) };
+        let (to, bytes) = (rgba.as_mut_ptr(), rgba.len());
+        let drawn = unsafe { enfilade_viewer_draw(viewer, scene, &view, null(), to, 0, bytes, null_mut()) };
+        assert_eq!([looked, drawn], [EnfiladeStatus::Ok; 2]);
+        assert_eq!(enfilade_scene_free(palace()), EnfiladeStatus::Ok);
+    })
+    .join()
+    .expect("no panic");
     let options = EnfiladeRoomOptions {
         metres_per_unit: 1.0,
         voxel: 0.5,
@@ -275,7 +296,7 @@ fn no_thread_is_started() {
 #[test]
 fn a_camera_of_a_file_has_its_name_and_sector() {
     let scene = palace();
-    let import = read_bytes(PALACE, None, &ReadOptions::default()).expect("the palace");
+    let import = read_in_rust();
     for (camera, own) in import.cameras.iter().zip(cameras(scene)) {
         let Camera { name, eye, .. } = camera;
         let own_name = unsafe { CStr::from_ptr(own.name.as_ptr()) };

@@ -91,7 +91,7 @@ def main():
         a, b, d = size
         return Item(cube, key, (c.c_float * 16)(a, 0, 0, 0, 0, b, 0, 0, 0, 0, d, 0, x, y, z, 1), ItemOptions(), None)
 
-    items = [item(0, (0, 0, -5), (12, 6, 1))]
+    items = [item(0, (0, 0, -5), (3, 6, 1))]
     items += [item(key, (key % 40 - 20, 0, -10 - key // 40), (0.5, 0.5, 0.5)) for key in range(1, 1001)]
     ids = (c.c_uint64 * len(items))()
     enfilade.scene_add_items(scene, sector, (Item * len(items))(*items), c.c_size_t(len(items)), ids)

@@ -4,6 +4,8 @@
 //! # Safety
 //! All functions that take pointers are `unsafe`, for one reason: a pointer must be null, or what its documentation says, for the
 //! length of the call. Handles are exempt: they are numbers, which nothing follows, so any value is safe.
+// `deny`, not `forbid`: each function allows it, to promise what C promises.
+#![deny(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
 #![allow(
     clippy::missing_safety_doc,

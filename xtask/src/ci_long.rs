@@ -17,11 +17,12 @@ pub(crate) struct Args {
 /// Runs other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
-    let steps: [&[&str]; 12] = [
+    let steps: [&[&str]; 13] = [
         &["xtask", "fuzz-scenes", &scenes],
         &["xtask", "verify", "--views", &views, "--strict-views", &views],
         &["xtask", "targets", "wasm", "wasm-simd128", "aarch64"],
         &["xtask", "rooms", "--check", "--lines", "20000"],
+        &["xtask", "c"],
         &["xtask", "web"],
         &["xtask", "viewer"],
         &["xtask", "viewer", "--web"],

@@ -1,12 +1,14 @@
 //! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `targets`, `public-api`, `ci-long`, `charts`,
-//! `lines`, `rooms`, `web`, `viewer`, `bevy` and `scenes`.
+//! `lines`, `rooms`, `web`, `viewer`, `bevy`, `header`, `c`, `c-install` and `scenes`.
 #![forbid(unsafe_code)]
 
 mod bevy;
+mod c;
 mod charts;
 mod ci_long;
 mod fingerprint;
 mod fuzz_scenes;
+mod header;
 mod lines;
 mod public_api;
 mod rooms;
@@ -36,6 +38,12 @@ enum Task {
     CiLong(ci_long::Args),
     /// Measures every method on every scene, and draws the book's charts of it; takes half an hour
     Charts(charts::Args),
+    /// Writes the header of the C interface, or compares it with the crate
+    Header(header::Args),
+    /// Builds the C interface, its examples in C, C++ and Python, and runs them under memory checkers
+    C(c::Args),
+    /// Installs the C interface: header, libraries, files for CMake and pkg-config
+    CInstall(c::InstallArgs),
     /// Counts the lines of code of each crate, without blank lines, comments, docs and tests
     Lines(lines::Args),
     /// Compares the rooms and doors found in buildings with the true ones
@@ -62,6 +70,9 @@ fn main() -> anyhow::Result<()> {
         Task::PublicApi(args) => public_api::run(&args),
         Task::CiLong(args) => ci_long::run(&args),
         Task::Charts(args) => charts::run(&args),
+        Task::Header(args) => header::run(&args),
+        Task::C(args) => c::run(&args),
+        Task::CInstall(args) => c::install(&args),
         Task::Lines(args) => lines::run(&args),
         Task::Rooms(args) => rooms::run(&args),
         Task::Web(args) => web::run(&args),

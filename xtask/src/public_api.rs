@@ -19,7 +19,7 @@ pub(crate) struct Args {
     bless: bool,
 }
 
-/// The libraries whose API is listed, each in its `public-api.txt`.
+/// The libraries whose API is listed, each in its `public-api.txt`. That of `enfilade_c` is its header.
 const CRATES: [&str; 7] = [
     "enfilade",
     "enfilade_bake",

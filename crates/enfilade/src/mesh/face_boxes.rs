@@ -303,7 +303,8 @@ impl Mesh {
             Step::Node(node) => node.meets(bounds),
             Step::Thing(number) => {
                 let cluster = &self.clusters[number as usize];
-                if cluster.bounds.meets(bounds) {
+                // A mesh of bounds alone has a cluster without faces.
+                if !cluster.faces.is_empty() && cluster.bounds.meets(bounds) {
                     let within = Grid::of(&cluster.bounds).place(bounds);
                     let near = self
                         .boxes_of(number as usize)
@@ -346,6 +347,12 @@ pub(super) mod tests {
         }
         let corners: Vec<u32> = (0..positions.len() as u32).collect();
         Mesh::triangles(&positions, &corners, MaterialId(0)).expect("finite")
+    }
+
+    #[test]
+    fn a_mesh_of_bounds_alone_has_no_faces_in_any_box() {
+        let mesh = Mesh::bounds_only([-1.0; 3], [1.0; 3]).expect("a box");
+        mesh.faces_in_box(&mesh.bounds(), |face| panic!("face {face}"));
     }
 
     #[test]

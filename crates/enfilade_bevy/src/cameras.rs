@@ -19,8 +19,9 @@ use bevy_math::{DMat4, DVec3};
 use bevy_mesh::Mesh3d;
 use bevy_platform::collections::HashMap;
 use bevy_platform::time::Instant;
+use bevy_tasks::ComputeTaskPool;
 use bevy_transform::prelude::GlobalTransform;
-use enfilade::{ClipDepth, SectorId, View, Viewer, VisibleKeys, VisibleSet};
+use enfilade::{ClipDepth, Scene, SectorId, View, Viewer, ViewerOptions, VisibleKeys, VisibleSet};
 use std::any::TypeId;
 use std::time::Duration;
 
@@ -180,19 +181,21 @@ pub(crate) fn cull(
                 options.margin_px = 0.5;
             }
             let mut others: Vec<u64> = scene.entities.always_visible().collect();
-            for (number, view) in views.iter().flatten().enumerate() {
-                let viewer = &mut state.viewers[number];
-                viewer.options = options;
-                let set = viewer.look(&scene.scene, view);
-                sectors.extend(set.passages().iter().map(|passage| passage.sector));
-                if number > 0 {
+            look(&mut state.viewers, &scene.scene, views, options);
+            for (viewer, view) in state.viewers.iter().zip(views) {
+                let set = viewer.visible();
+                if view.is_some() {
+                    sectors.extend(set.passages().iter().map(|passage| passage.sector));
                     others.extend(set.items().iter().map(|item| item.key));
                 }
             }
             state.keys.update_with(state.viewers[0].visible(), others);
-            let keys = &state.keys;
+            // Both lists are sorted alike.
+            let mut keys = state.keys.all().iter().copied().peekable();
             list.retain(|&entity| {
-                let is_seen = keys.contains(entity.to_bits());
+                let key = entity.to_bits();
+                while keys.next_if(|&next| next < key).is_some() {}
+                let is_seen = keys.next_if_eq(&key).is_some();
                 if !is_seen && !scene.holds(entity) {
                     return true;
                 }
@@ -229,6 +232,27 @@ pub(crate) fn cull(
     stats.look_time = start.elapsed();
 }
 
+/// Looks from each view with the viewer of its place, at once where Bevy has threads.
+fn look(viewers: &mut [Viewer; 4], scene: &Scene, views: [Option<View>; 4], options: ViewerOptions) {
+    let pairs = viewers
+        .iter_mut()
+        .zip(views)
+        .filter_map(|(viewer, view)| Some((viewer, view?)));
+    let looks = pairs.map(|(viewer, view)| {
+        viewer.options = options;
+        move || {
+            viewer.look(scene, &view);
+        }
+    });
+    match views.iter().flatten().count() {
+        1 => looks.for_each(|mut look| look()),
+        _ => {
+            ComputeTaskPool::get()
+                .scope(|scope| looks.for_each(|mut look| scope.spawn(async move { look() })));
+        }
+    }
+}
+
 /// Returns the view of a camera; `None` if it cannot be culled for.
 fn view_of(of: &CulledCameraItem, scene: &EnfiladeScene, owner: Option<SectorId>) -> Option<View> {
     let size = of.camera.physical_viewport_size()?;
@@ -256,7 +280,12 @@ fn view_of(of: &CulledCameraItem, scene: &EnfiladeScene, owner: Option<SectorId>
         return None;
     }
     let eye = view.eye().map(|part| part as f32);
-    Some(view.in_sector(owner.or_else(|| scene.rooms.at(eye)).unwrap_or(OUTDOORS)))
+    match owner.or_else(|| scene.rooms.at(eye)) {
+        Some(room) => Some(view.in_sector(room)),
+        // In a wall, say. Without a portal there, outdoors is not a place that the author thought of.
+        None if scene.scene.sector(OUTDOORS).openings().is_empty() => None,
+        None => Some(view.in_sector(OUTDOORS)),
+    }
 }
 
 /// Returns what is in one of two sorted lists only, and whether that is the second.

@@ -54,7 +54,7 @@ pub struct FreezeVisibility;
 ///
 /// All other entities are outdoors, and those that reach into the box of a room are in that room too, so nothing else is
 /// needed for what moves. A camera is in the room that it is a descendant of, else in the smallest whose box it is in,
-/// else outdoors. A room without a portal is never seen from elsewhere: rooms and portals must be complete.
+/// else outdoors; if nothing is outdoors, it is not culled for. A room without a portal is never seen from elsewhere: rooms and portals must be complete.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default)]
 pub struct Sector;
@@ -116,6 +116,9 @@ impl Mirror {
 }
 
 /// The method that culls a [`Sector`], in the place of [`EnfiladeSettings::method`](crate::EnfiladeSettings::method).
+///
+/// Exact methods hold for the exact picture: what GPUs round can show a pixel of what they hide. `Masked` allows for it
+/// ([`ViewerOptions::growth_px`](enfilade::ViewerOptions::growth_px)), and strict ones hold at any sample.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MethodOf(pub Method);
 

@@ -3,12 +3,12 @@
 //!
 //! | extras of a node | it becomes |
 //! |---|---|
-//! | `{"enfilade": {"kind": "room", "method": "mobsp"}}` | a [`Sector`] with all below it |
+//! | `{"enfilade": {"kind": "room"}}` | a [`Sector`] with all below it; its `method` is for pictures that the CPU draws |
 //! | `{"enfilade": {"kind": "portal", "to": "Garden-room", "one_way": true}}` | a [`Portal`] with the outline of its mesh, which is hidden |
 //! | `{"enfilade": {"kind": "mirror"}}` | a [`Mirror`] with the outline of its mesh |
 //! | `{"enfilade": {"kind": "door"}}` | [`NotOccluder`]: it opens |
 
-use crate::components::{AlwaysVisible, MethodOf, Mirror, NotOccluder, Portal, Sector};
+use crate::components::{AlwaysVisible, Mirror, NotOccluder, Portal, Sector};
 use bevy_asset::Assets;
 use bevy_camera::visibility::Visibility;
 use bevy_ecs::prelude::*;
@@ -17,7 +17,6 @@ use bevy_log::warn;
 use bevy_math::{Mat3, Quat, Vec2, Vec3};
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_transform::prelude::{GlobalTransform, Transform};
-use enfilade::Method;
 use serde::Deserialize;
 
 /// `extras` of a node.
@@ -32,7 +31,6 @@ struct Marked {
     to: Option<String>,
     #[serde(default)]
     one_way: bool,
-    method: Option<String>,
     exit: Option<String>,
 }
 
@@ -58,14 +56,6 @@ pub(crate) fn read_extras(
         match marked.kind.as_deref() {
             Some("room") => {
                 commands.entity(entity).insert(Sector);
-                if let Some(method) = &marked.method {
-                    match Method::ALL.into_iter().find(|known| known.name() == method) {
-                        Some(method) => {
-                            commands.entity(entity).insert(MethodOf(method));
-                        }
-                        None => warn!("{name}: there is no method `{method}`"),
-                    }
-                }
             }
             Some("door") => {
                 for below in std::iter::once(entity).chain(children.iter_descendants(entity)) {

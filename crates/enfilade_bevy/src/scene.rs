@@ -44,6 +44,8 @@ pub struct EnfiladeScene {
     proxies: EntityMap,
     meshes: OccluderMeshes,
     held: HashMap<Entity, Held>,
+    /// A bit for each entity that is held, by its index: asked of all that is in the frustums.
+    held_bits: Vec<u64>,
     pub(crate) rooms: Rooms,
     pub(crate) portals: Portals,
     /// Whether changes were missed, so that all entities are to be read.
@@ -132,6 +134,7 @@ impl EnfiladeScene {
             proxies: EntityMap::new(),
             meshes: OccluderMeshes::default(),
             held: HashMap::default(),
+            held_bits: Vec::new(),
             rooms: Rooms::default(),
             portals: Portals::default(),
             is_stale: true,
@@ -147,7 +150,8 @@ impl EnfiladeScene {
 
     /// Returns whether an entity is in the scene, so that it may be culled.
     pub fn holds(&self, entity: Entity) -> bool {
-        self.held.contains_key(&entity)
+        let index = entity.index_u32() as usize;
+        (self.held_bits.get(index / 64)).is_some_and(|bits| bits >> (index % 64) & 1 != 0)
     }
 
     /// Returns whether an entity hides others with triangles of its own or of its proxy, by now.
@@ -166,6 +170,14 @@ impl EnfiladeScene {
                 .chain(proxy)
                 .any(|(map, spawn)| sectors.iter().any(|&sector| has_mesh(map, spawn, sector)))
         })
+    }
+
+    fn set_held(&mut self, entity: Entity, is_held: bool) {
+        let (word, bit) = (entity.index_u32() as usize / 64, entity.index_u32() % 64);
+        if word >= self.held_bits.len() {
+            self.held_bits.resize(word + 1, 0);
+        }
+        self.held_bits[word] = self.held_bits[word] & !(1 << bit) | u64::from(is_held) << bit;
     }
 
     /// Returns whether the scene is in step with the world, so that cameras can be culled for.
@@ -349,6 +361,9 @@ pub(crate) fn sync(settings: Res<EnfiladeSettings>, mut scene: ResMut<EnfiladeSc
     touched.sort_unstable();
     for entity in touched {
         let was = scene.held.remove(&entity);
+        if was.is_some() {
+            scene.set_held(entity, false);
+        }
         if let Some(was) = &was {
             scene.pending.despawn(was);
             owned_changed |= was.owner.is_some();
@@ -369,6 +384,7 @@ pub(crate) fn sync(settings: Res<EnfiladeSettings>, mut scene: ResMut<EnfiladeSc
         }
         scene.pending.spawn(&held);
         scene.held.insert(entity, held);
+        scene.set_held(entity, true);
     }
     if owned_changed && scene.update_boxes() {
         let is_free = |(_, held): &(&Entity, &Held)| held.owner.is_none();

@@ -11,11 +11,13 @@ use bevy::camera::RenderTarget;
 use bevy::camera::visibility::VisibleEntities;
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::gltf::GltfAssetLabel;
+use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap};
 use bevy::prelude::*;
+use bevy::render::RenderPlugin;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::world_serialization::WorldAssetRoot;
-use enfilade_bevy::{EnfiladePlugin, EnfiladeScene, EnfiladeSettings};
+use enfilade_bevy::{EnfiladePlugin, EnfiladeScene, NoVisibilityCulling};
 use std::any::TypeId;
 use std::path::Path;
 
@@ -114,6 +116,38 @@ fn read_path(file: &str, frames: usize) -> Result<Vec<Transform>> {
         .collect())
 }
 
+/// Registers what a glTF scene is made of, as Bevy's feature `reflect_auto_register` would.
+fn register_gltf_types(app: &mut App) {
+    use bevy::camera::primitives::Aabb;
+    use bevy::camera::visibility::VisibilityClass;
+    use bevy::gltf::{
+        GltfExtras, GltfMaterialExtras, GltfMaterialName, GltfMeshExtras, GltfMeshName, GltfSceneExtras,
+    };
+    use bevy::transform::components::TransformTreeChanged;
+    app.register_type::<Name>()
+        .register_type::<Children>()
+        .register_type::<ChildOf>()
+        .register_type::<Transform>()
+        .register_type::<GlobalTransform>()
+        .register_type::<TransformTreeChanged>()
+        .register_type::<Visibility>()
+        .register_type::<InheritedVisibility>()
+        .register_type::<ViewVisibility>()
+        .register_type::<VisibilityClass>()
+        .register_type::<Aabb>()
+        .register_type::<Mesh3d>()
+        .register_type::<MeshMaterial3d<StandardMaterial>>()
+        .register_type::<DirectionalLight>()
+        .register_type::<PointLight>()
+        .register_type::<SpotLight>()
+        .register_type::<GltfExtras>()
+        .register_type::<GltfMaterialExtras>()
+        .register_type::<GltfMaterialName>()
+        .register_type::<GltfMeshExtras>()
+        .register_type::<GltfMeshName>()
+        .register_type::<GltfSceneExtras>();
+}
+
 /// A scene in Bevy, without a window.
 struct Stage {
     app: App,
@@ -148,6 +182,11 @@ impl Stage {
                     unapproved_path_mode: UnapprovedPathMode::Allow,
                     ..AssetPlugin::default()
                 })
+                .set(RenderPlugin {
+                    // The first picture has all that it shows.
+                    synchronous_pipeline_compilation: true,
+                    ..RenderPlugin::default()
+                })
                 .set(WindowPlugin {
                     primary_window: None,
                     exit_condition: bevy::window::ExitCondition::DontExit,
@@ -155,7 +194,9 @@ impl Stage {
                 }),
         )
         .add_plugins(EnfiladePlugin::default())
+        .insert_resource(DirectionalLightShadowMap { size: 512 })
         .init_resource::<Captured>();
+        register_gltf_types(&mut app);
         app.finish();
         app.cleanup();
         let scene = app
@@ -168,7 +209,12 @@ impl Stage {
             shadow_maps_enabled: true,
             ..DirectionalLight::default()
         };
-        app.world_mut().spawn((light, sun));
+        // One cascade: software drivers draw all of the scene into each.
+        let cascades = CascadeShadowConfigBuilder {
+            num_cascades: 1,
+            ..CascadeShadowConfigBuilder::default()
+        };
+        app.world_mut().spawn((light, cascades.build(), sun));
         let targets = [0, 1].map(|_| {
             let mut image = Image::new_target_texture(SIZE.x, SIZE.y, TextureFormat::Rgba8UnormSrgb, None);
             image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
@@ -217,13 +263,12 @@ impl Stage {
 
     /// Draws a frame with or without Enfilade.
     fn draw(&mut self, enabled: bool) -> Result<Drawn> {
-        self.app.world_mut().resource_mut::<EnfiladeSettings>().enabled = enabled;
-        // Meshes are built anew after it was off.
-        for _ in 0..PATIENCE {
-            self.app.update();
-            if !self.app.world().resource::<EnfiladeScene>().is_building() {
-                break;
-            }
+        for camera in self.cameras {
+            let mut camera = self.app.world_mut().entity_mut(camera);
+            match enabled {
+                true => camera.remove::<NoVisibilityCulling>(),
+                false => camera.insert(NoVisibilityCulling),
+            };
         }
         self.app.world_mut().insert_resource(Captured::default());
         for (number, target) in self.targets.clone().into_iter().enumerate() {

@@ -3,6 +3,7 @@
 //! `cargo run --release -p enfilade_bevy_pictures -- SCENE.glb VIEWS.jsonl [FRAMES]`: the views are those that
 //! `enfilade look --path` reads, and the path leads from one to the next. A second camera looks the other way. A software
 //! driver will do.
+#![forbid(unsafe_code)]
 #![expect(clippy::print_stdout, reason = "the answer")]
 
 use anyhow::{Context, Result, bail, ensure};

@@ -1,5 +1,4 @@
 //! Lints and tests the Bevy plugin: a workspace of its own in `crates/enfilade_bevy/`.
-#![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
 use crate::public_api::Workspace;
 use crate::targets::succeed;

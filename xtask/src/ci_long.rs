@@ -17,7 +17,9 @@ pub(crate) struct Args {
 /// Runs other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
-    let steps: [&[&str]; 13] = [
+    let steps: [&[&str]; 14] = [
+        // It writes a picture where it runs.
+        &["run", "--release"],
         &["xtask", "fuzz-scenes", &scenes],
         &["xtask", "verify", "--views", &views, "--strict-views", &views],
         &["xtask", "targets", "wasm", "wasm-simd128", "aarch64"],

@@ -57,6 +57,7 @@ struct CameraState {
     cells: EntityCells,
     frozen: Option<View>,
     is_culled: bool,
+    is_by_pvs: bool,
     /// Culled entities that are left to draw, sorted.
     visible: Vec<Entity>,
     /// Entities in the frustum that are hidden, sorted.
@@ -73,7 +74,7 @@ impl EnfiladeCameras {
     /// Returns the visible set of a camera, with its passages; `None` if it is not culled for, or by a PVS. With
     /// [`Samples::Four`], it is that of the first look.
     pub fn visible_set(&self, camera: Entity) -> Option<&VisibleSet> {
-        let state = self.culled(camera)?;
+        let state = self.culled(camera).filter(|state| !state.is_by_pvs)?;
         Some(state.viewers[0].visible())
     }
 
@@ -154,58 +155,17 @@ pub(crate) fn cull(
         let seen = state.frozen.unwrap_or(seen);
         state.is_culled = true;
         let list = view.visible.get_mut(mesh);
-        let mut visible = Vec::with_capacity(state.visible.len());
-        state.hidden.clear();
-        let mut sectors = Vec::new();
-        if let Some(pvs) = view.pvs {
-            let from = cell_of(pvs, DVec3::from(seen.eye()));
-            list.retain(|&entity| {
-                let Some(held) = scene.bounds(entity) else {
-                    return true;
-                };
-                let is_seen = from.is_none_or(|from| state.cells.may_be_seen(pvs, from, entity, held));
-                let side = if is_seen { &mut visible } else { &mut state.hidden };
-                side.push(entity);
-                is_seen
-            });
-        } else {
-            let of_camera = view.samples.map(|samples| samples.0);
-            let samples = settings.samples.or(of_camera).unwrap_or(Samples::Any);
-            let views = match samples {
-                Samples::Centers | Samples::Any => [Some(seen), None, None, None],
-                Samples::Four => View::FOUR_SAMPLES.map(|at| seen.at_sample(at).ok()),
-            };
-            let mut options = settings.options;
-            options.layers = layer_bits(view.layers).0;
-            if samples == Samples::Any {
-                options.margin_px = 0.5;
+        let (visible, sectors) = match view.pvs {
+            Some(pvs) => (state.cull_by_pvs(list, pvs, &seen, &scene), Vec::new()),
+            None => {
+                let of_camera = view.samples.map(|samples| samples.0);
+                let samples = settings.samples.or(of_camera).unwrap_or(Samples::Any);
+                let mut options = settings.options;
+                options.layers = layer_bits(view.layers).0;
+                state.cull_by_looks(list, samples, options, &seen, &scene)
             }
-            let mut others: Vec<u64> = scene.entities.always_visible().collect();
-            look(&mut state.viewers, &scene.scene, views, options);
-            for (viewer, view) in state.viewers.iter().zip(views) {
-                let set = viewer.visible();
-                if view.is_some() {
-                    sectors.extend(set.passages().iter().map(|passage| passage.sector));
-                    others.extend(set.items().iter().map(|item| item.key));
-                }
-            }
-            state.keys.update_with(state.viewers[0].visible(), others);
-            // Both lists are sorted alike.
-            let mut keys = state.keys.all().iter().copied().peekable();
-            list.retain(|&entity| {
-                let key = entity.to_bits();
-                while keys.next_if(|&next| next < key).is_some() {}
-                let is_seen = keys.next_if_eq(&key).is_some();
-                if !is_seen && !scene.holds(entity) {
-                    return true;
-                }
-                let side = if is_seen { &mut visible } else { &mut state.hidden };
-                side.push(entity);
-                is_seen
-            });
-        }
-        sectors.sort_unstable();
-        sectors.dedup();
+        };
+        state.is_by_pvs = view.pvs.is_some();
         stats.cameras += 1;
         stats.visible += list.len();
         stats.hidden += state.hidden.len();
@@ -230,6 +190,76 @@ pub(crate) fn cull(
         state.sectors = sectors;
     }
     stats.look_time = start.elapsed();
+}
+
+impl CameraState {
+    /// Takes off a list what a PVS says is hidden. Returns what is left, but for what is left alone.
+    fn cull_by_pvs(
+        &mut self,
+        list: &mut Vec<Entity>,
+        pvs: &PvsCells,
+        seen: &View,
+        scene: &EnfiladeScene,
+    ) -> Vec<Entity> {
+        let from = cell_of(pvs, DVec3::from(seen.eye()));
+        let mut visible = Vec::with_capacity(self.visible.len());
+        self.hidden.clear();
+        list.retain(|&entity| {
+            let Some(held) = scene.bounds(entity) else {
+                return true;
+            };
+            let is_seen = from.is_none_or(|from| self.cells.may_be_seen(pvs, from, entity, held));
+            let side = if is_seen { &mut visible } else { &mut self.hidden };
+            side.push(entity);
+            is_seen
+        });
+        visible
+    }
+
+    /// Takes off a list what looks do not see. Returns what is left, but for what is left alone, and the visible sectors.
+    fn cull_by_looks(
+        &mut self,
+        list: &mut Vec<Entity>,
+        samples: Samples,
+        mut options: ViewerOptions,
+        seen: &View,
+        scene: &EnfiladeScene,
+    ) -> (Vec<Entity>, Vec<SectorId>) {
+        let views = match samples {
+            Samples::Centers | Samples::Any => [Some(*seen), None, None, None],
+            Samples::Four => View::FOUR_SAMPLES.map(|at| seen.at_sample(at).ok()),
+        };
+        if samples == Samples::Any {
+            options.margin_px = 0.5;
+        }
+        look(&mut self.viewers, &scene.scene, views, options);
+        let sets = self.viewers.iter().zip(views).filter(|(_, view)| view.is_some());
+        let sets: Vec<&VisibleSet> = sets.map(|(viewer, _)| viewer.visible()).collect();
+        let passages = sets.iter().flat_map(|set| set.passages());
+        let mut sectors: Vec<SectorId> = passages.map(|passage| passage.sector).collect();
+        sectors.sort_unstable();
+        sectors.dedup();
+        let others = sets[1..].iter().flat_map(|set| set.items()).map(|item| item.key);
+        self.keys
+            .update_with(sets[0], others.chain(scene.entities.always_visible()));
+
+        let mut visible = Vec::with_capacity(self.visible.len());
+        self.hidden.clear();
+        // Both lists are sorted alike.
+        let mut keys = self.keys.all().iter().copied().peekable();
+        list.retain(|&entity| {
+            let key = entity.to_bits();
+            while keys.next_if(|&next| next < key).is_some() {}
+            let is_seen = keys.next_if_eq(&key).is_some();
+            if !is_seen && !scene.holds(entity) {
+                return true;
+            }
+            let side = if is_seen { &mut visible } else { &mut self.hidden };
+            side.push(entity);
+            is_seen
+        });
+        (visible, sectors)
+    }
 }
 
 /// Looks from each view with the viewer of its place, at once where Bevy has threads.

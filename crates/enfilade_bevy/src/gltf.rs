@@ -9,11 +9,12 @@
 //! | `{"enfilade": {"kind": "door"}}` | [`NotOccluder`]: it opens |
 
 use crate::components::{AlwaysVisible, Mirror, NotOccluder, Portal, Sector};
+use crate::scene::EnfiladeScene;
 use bevy_asset::Assets;
 use bevy_camera::visibility::Visibility;
 use bevy_ecs::prelude::*;
 use bevy_gltf::GltfExtras;
-use bevy_log::warn;
+use bevy_log::{warn, warn_once};
 use bevy_math::{Mat3, Quat, Vec2, Vec3};
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_transform::prelude::{GlobalTransform, Transform};
@@ -34,7 +35,7 @@ struct Marked {
     exit: Option<String>,
 }
 
-/// A portal whose room on the other side, or whose mesh, is not there yet.
+/// A portal whose room on the other side, or whose mesh, is not there yet. Until it is, nothing is hidden.
 #[derive(Component)]
 pub(crate) struct Unfinished(Marked);
 
@@ -44,12 +45,14 @@ type New<'a> = (Entity, Option<&'a Name>, &'a GltfExtras);
 pub(crate) fn read_extras(
     mut commands: Commands,
     new: Query<New, Added<GltfExtras>>,
-    unfinished: Query<(Entity, &Unfinished, Option<&Name>, &GlobalTransform)>,
+    unfinished: Query<(Entity, Ref<Unfinished>, Option<&Name>, &GlobalTransform)>,
+    mut scene: ResMut<EnfiladeScene>,
     rooms: Query<(Entity, &Name), With<Sector>>,
     children: Query<&Children>,
     meshes: Query<(Entity, &Mesh3d, &GlobalTransform)>,
     assets: Res<Assets<Mesh>>,
 ) {
+    let mut are_awaited = false;
     for (entity, name, extras) in &new {
         let name = name.map_or("", |name| name.as_str());
         let marked = marked(name, extras);
@@ -65,13 +68,16 @@ pub(crate) fn read_extras(
             // Bevy draws one world: one does not see another place through it.
             Some("portal") if marked.exit.is_some() => {}
             Some("portal" | "mirror") => {
+                are_awaited = true;
                 commands.entity(entity).insert(Unfinished(marked));
             }
             Some("terrain") | None => {}
             Some(other) => warn!("{name}: kinds are room, portal, mirror, terrain and door, not `{other}`"),
         }
     }
-    for (entity, Unfinished(marked), name, transform) in &unfinished {
+    for (entity, portal, name, transform) in &unfinished {
+        let marked = &portal.0;
+        let name = name.map_or_else(|| entity.to_string(), ToString::to_string);
         let below: Vec<Entity> = std::iter::once(entity)
             .chain(children.iter_descendants(entity))
             .collect();
@@ -87,21 +93,30 @@ pub(crate) fn read_extras(
             read(mesh, at, &mut points, &mut normal);
         }
         let to = match &marked.to {
-            None => None,
-            Some(wanted) => match rooms.iter().find(|(_, name)| name.as_str() == wanted) {
-                Some((room, _)) => Some(room),
-                None => continue,
-            },
+            None => Some(None),
+            Some(wanted) => {
+                let mut rooms = rooms.iter().filter(|(_, name)| name.as_str() == wanted);
+                rooms.next().map(|(room, _)| Some(room))
+            }
         };
-        if !has_all {
+        let Some(to) = to.filter(|_| has_all) else {
+            are_awaited = true;
+            // Rooms of the same file are there in the next frame.
+            if !portal.is_added() {
+                warn_once!(
+                    "portal {name}: its mesh or its room is not there; until then, Enfilade hides nothing"
+                );
+            }
             continue;
-        }
+        };
+        // The opening is at its place once transforms are propagated.
+        are_awaited = true;
         commands.entity(entity).remove::<Unfinished>();
-        let Some((at, corners)) = outline(&points, normal, transform) else {
-            let name = name.map_or_else(|| entity.to_string(), ToString::to_string);
-            warn!("{name}: a portal or mirror needs a flat mesh");
-            continue;
-        };
+        // Without corners it is refused, and nothing is hidden.
+        let (at, corners) = outline(&points, normal, transform).unwrap_or_else(|| {
+            warn!("portal {name}: its mesh must be flat");
+            (Transform::IDENTITY, Vec::new())
+        });
         let opening = commands.spawn((at, Visibility::default(), ChildOf(entity))).id();
         if marked.kind.as_deref() == Some("mirror") {
             commands.entity(opening).insert(Mirror { corners });
@@ -120,6 +135,7 @@ pub(crate) fn read_extras(
             }
         }
     }
+    scene.portals.are_awaited = are_awaited;
 }
 
 fn marked(name: &str, extras: &GltfExtras) -> Marked {

@@ -22,6 +22,8 @@ pub(crate) struct Portals {
     pub(crate) is_dirty: bool,
     /// Whether each portal leads somewhere. If not, something could be hidden that is seen through it.
     pub(crate) are_complete: bool,
+    /// Whether some are still to be read from a file.
+    pub(crate) are_awaited: bool,
 }
 
 /// A portal of the world, as it is in the scene.

@@ -6,6 +6,9 @@ use bevy_math::DVec3;
 use bevy_platform::collections::HashMap;
 use enfilade::{Aabb, BakedCells, CellId, CellSide};
 
+/// Of boxes in `f32`, relative to the size of their coordinates.
+const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
 /// The cells that entities reach into, for one camera.
 #[derive(Default)]
 pub(crate) struct EntityCells {
@@ -56,18 +59,21 @@ fn collect(cells: &BakedCells, bounds: &Aabb, side: CellSide, found: &mut Vec<Ce
             CellSide::Solid => {}
             CellSide::Node(node) => {
                 let node = &cells.tree().nodes[node as usize];
-                let [mut nearest, mut farthest] = [0.0; 2];
+                let [mut nearest, mut farthest, mut reach] = [0.0; 3];
                 for axis in 0..3 {
                     let ends =
                         [bounds.min[axis], bounds.max[axis]].map(|end| node.normal[axis] * f64::from(end));
                     nearest += ends[0].min(ends[1]);
                     farthest += ends[0].max(ends[1]);
+                    reach += ends[0].abs().max(ends[1].abs());
                 }
+                let length = DVec3::from(node.normal).length();
+                let slack = length * cells.tree().tolerance + ROUNDING * (reach + node.distance.abs());
                 // What lies in the plane is on both sides.
-                if farthest >= node.distance {
+                if farthest + slack >= node.distance {
                     pending.push(node.front);
                 }
-                if nearest <= node.distance {
+                if nearest - slack <= node.distance {
                     pending.push(node.back);
                 }
             }

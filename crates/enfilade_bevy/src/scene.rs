@@ -143,6 +143,13 @@ impl EnfiladeScene {
         }
     }
 
+    /// Drops what is known of the world, to read it again.
+    fn start_anew(&mut self, method: Method) {
+        let are_awaited = self.portals.are_awaited;
+        *self = EnfiladeScene::new(method);
+        self.portals.are_awaited = are_awaited;
+    }
+
     /// Returns the scene, for rays and other queries. Keys of items are [`Entity::to_bits`].
     pub fn scene(&self) -> &Scene {
         &self.scene
@@ -182,7 +189,7 @@ impl EnfiladeScene {
 
     /// Returns whether the scene is in step with the world, so that cameras can be culled for.
     pub(crate) fn is_ready(&self) -> bool {
-        !self.is_stale && self.portals.are_complete
+        !self.is_stale && self.portals.are_complete && !self.portals.are_awaited
     }
 
     /// Returns whether meshes of occluders are being built on the task pool; until they are, less is hidden.
@@ -316,12 +323,12 @@ pub(crate) fn sync(settings: Res<EnfiladeSettings>, mut scene: ResMut<EnfiladeSc
     let scene = &mut *scene;
     if !settings.enabled {
         if !scene.is_stale {
-            *scene = EnfiladeScene::new(settings.method);
+            scene.start_anew(settings.method);
         }
         return;
     }
     if scene.method != settings.method {
-        *scene = EnfiladeScene::new(settings.method);
+        scene.start_anew(settings.method);
     }
     let is_stale = std::mem::take(&mut scene.is_stale);
     scene.pending.clear();
@@ -399,7 +406,7 @@ pub(crate) fn sync(settings: Res<EnfiladeSettings>, mut scene: ResMut<EnfiladeSc
     if let Err(why) = scene.apply() {
         // Entities would stay where they were, and hide what they do not.
         warn!("the scene of Enfilade cannot be kept in step, and starts anew: {why}");
-        *scene = EnfiladeScene::new(settings.method);
+        scene.start_anew(settings.method);
         return;
     }
     scene.portals.is_dirty |= rooms_changed || is_stale;

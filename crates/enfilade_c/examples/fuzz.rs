@@ -31,6 +31,8 @@ pub(crate) struct Count {
     pub(crate) statuses: Vec<u64>,
 }
 
+// The test of the driver has no use for it.
+#[cfg(not(test))]
 fn main() {
     let mut arguments = std::env::args()
         .skip(1)

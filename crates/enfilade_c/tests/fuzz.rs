@@ -2,7 +2,6 @@
 #![allow(unsafe_code, reason = "calls the functions as C does")]
 
 #[path = "../examples/fuzz.rs"]
-#[allow(dead_code, reason = "its main function")]
 mod driver;
 
 use std::sync::Mutex;
@@ -11,10 +10,16 @@ use std::time::Duration;
 #[test]
 fn null_wrong_and_random_arguments_give_a_code() {
     let handles = Mutex::new(driver::Handles::default());
-    let count = driver::fuzz(7, Duration::from_secs(60), 20_000, &handles, false);
+    let count = driver::fuzz(7, Duration::from_secs(60), 10_000, &handles, false);
     assert!(count.calls.iter().all(|&calls| calls > 0), "{:?}", count.calls);
+    let never = count.succeeded.iter().filter(|&&calls| calls == 0).count();
     assert!(
-        count.statuses[0] > 1000,
+        never < 10,
+        "{never} functions never succeed: {:?}",
+        count.succeeded
+    );
+    assert!(
+        count.statuses[0] > 500,
         "hardly a call succeeded: {:?}",
         count.statuses
     );

@@ -2,5 +2,8 @@
 
 mod culling;
 mod edges;
+#[cfg(feature = "gltf")]
+mod gltf;
+mod pvs;
 mod rooms;
 mod world;

@@ -1,10 +1,9 @@
 //! Lints and tests the Bevy plugin: a workspace of its own in `crates/enfilade_bevy/`.
 
 use crate::public_api::Workspace;
-use crate::targets::succeed;
+use crate::targets::{cargo, succeed};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
-use std::process::Command;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -20,8 +19,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let workspace = Workspace::read()?;
     let folder = workspace.root.join("crates/enfilade_bevy");
-    let cargo =
-        |arguments: &[&str]| succeed(Command::new(env!("CARGO")).args(arguments).current_dir(&folder));
+    let cargo = |arguments: &[&str]| succeed(cargo().args(arguments).current_dir(&folder));
     if args.pictures {
         let scenes =
             PathBuf::from(std::env::var_os("ENFILADE_SCENES").context("ENFILADE_SCENES is not set")?);

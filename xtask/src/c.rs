@@ -3,7 +3,7 @@
 
 use crate::header;
 use crate::public_api::Workspace;
-use crate::targets::succeed;
+use crate::targets::{cargo, succeed};
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -44,12 +44,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     header::compare(&workspace)?;
     if args.quick {
         if !args.as_built {
-            cargo(&workspace, &["build", "--package", "enfilade_c"])?;
+            run_cargo(&workspace, &["build", "--package", "enfilade_c"])?;
         }
         return sanitized(&workspace, "debug");
     }
     find_programs(&["cmake", "pkg-config", "valgrind", "python3", "c++"])?;
-    cargo(&workspace, &["build", "--release", "--package", "enfilade_c"])?;
+    run_cargo(&workspace, &["build", "--release", "--package", "enfilade_c"])?;
     sanitized(&workspace, "release")?;
     let folder = workspace.target.join("c");
     if folder.exists() {
@@ -73,7 +73,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         "60",
         "1",
     ];
-    cargo(&workspace, &fuzz)?;
+    run_cargo(&workspace, &fuzz)?;
     println!("the C interface passes");
     Ok(())
 }
@@ -106,7 +106,7 @@ fn install_to(workspace: &Workspace, prefix: &Path) -> Result<()> {
             kind,
             "--",
         ];
-        cargo(workspace, &[&first, flags].concat())
+        run_cargo(workspace, &[&first, flags].concat())
     };
     build("staticlib", &[])?;
     let is_elf = cfg!(all(unix, not(target_vendor = "apple")));
@@ -258,7 +258,7 @@ fn by_cmake(workspace: &Workspace, folder: &Path, prefix: &Path) -> Result<()> {
 /// Runs the examples in C and C++ under valgrind, with the debug library: optimized code may read a field that is not set before
 /// it finds that it does not count, which valgrind takes for an error.
 fn under_valgrind(workspace: &Workspace, folder: &Path) -> Result<()> {
-    cargo(workspace, &["build", "--package", "enfilade_c"])?;
+    run_cargo(workspace, &["build", "--package", "enfilade_c"])?;
     let examples = [
         ("first", "first.c", "cc", "c11"),
         ("tour", "tour.c", "cc", "c11"),
@@ -369,12 +369,8 @@ fn check_output(name: &str, command: &mut Command) -> Result<()> {
     bail!("{command:?} ended with {} and printed:\n{printed}", output.status)
 }
 
-fn cargo(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
-    succeed(
-        Command::new(env!("CARGO"))
-            .args(arguments)
-            .current_dir(&workspace.root),
-    )
+fn run_cargo(workspace: &Workspace, arguments: &[&str]) -> Result<()> {
+    succeed(cargo().args(arguments).current_dir(&workspace.root))
 }
 
 fn find_programs(programs: &[&str]) -> Result<()> {

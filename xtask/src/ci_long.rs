@@ -1,8 +1,8 @@
 //! Tests that take too long for every change: run before a release.
 #![allow(clippy::print_stdout, reason = "a command prints what it runs")]
 
+use crate::targets::cargo;
 use anyhow::{Context, Result, ensure};
-use std::process::Command;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     for step in steps {
         let line = format!("cargo {}", step.join(" "));
         println!("\n== {line} ==");
-        let status = Command::new(env!("CARGO")).args(step).status();
+        let status = cargo().args(step).status();
         if !status.with_context(|| line.clone())?.success() {
             failed.push(line);
         }

@@ -5,11 +5,11 @@
 //! open would be missed.
 #![allow(clippy::print_stdout, reason = "a command prints what it counts")]
 
+use crate::targets::cargo;
 use anyhow::{Context, Result};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 /// The crate of which a second line says what is compiled with default features.
 const CORE: &str = "enfilade";
@@ -18,7 +18,7 @@ const CORE: &str = "enfilade";
 pub(crate) struct Args {}
 
 pub(crate) fn run(_: &Args) -> Result<()> {
-    let metadata = Command::new(env!("CARGO"))
+    let metadata = cargo()
         .args(["metadata", "--no-deps", "--format-version", "1"])
         .output()?;
     let metadata: Value = serde_json::from_slice(&metadata.stdout).context("cargo metadata")?;

@@ -4,6 +4,7 @@
 //! where `RUSTC_BOOTSTRAP` is set.
 #![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
+use crate::targets::cargo;
 use anyhow::{Context, Result, ensure};
 use public_api::Builder;
 use std::collections::HashSet;
@@ -91,7 +92,7 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     pub(crate) fn read() -> Result<Self> {
-        let metadata = Command::new(env!("CARGO"))
+        let metadata = cargo()
             .args(["metadata", "--no-deps", "--format-version", "1"])
             .stderr(Stdio::inherit())
             .output()?;
@@ -107,7 +108,7 @@ impl Workspace {
     /// Writes the documentation of a library with all features as JSON and returns the file's path.
     fn document(&self, name: &str) -> Result<PathBuf> {
         let rustdoc = std::env::var_os("RUSTDOC").unwrap_or_else(|| OsString::from("rustdoc"));
-        let status = Command::new(env!("CARGO"))
+        let status = cargo()
             .args([
                 "rustdoc",
                 "--quiet",

@@ -65,7 +65,7 @@ impl Target {
             triple.to_uppercase().replace('-', "_")
         );
         succeed(
-            Command::new(env!("CARGO"))
+            cargo()
                 .args(command)
                 .args(["--release", "--package", "conformance", "--target", triple])
                 .env(flags_of, flags)
@@ -107,6 +107,12 @@ pub(crate) fn install(triple: &str) -> Result<()> {
         return Ok(());
     }
     succeed(Command::new("rustup").args(["target", "add", triple]))
+}
+
+/// Returns `cargo` by its name: the one that rustup puts on the path keeps its toolchain, whatever toolchain a file in the
+/// folder of a dependency names.
+pub(crate) fn cargo() -> Command {
+    Command::new("cargo")
 }
 
 /// Runs a command, and returns an error if it fails.

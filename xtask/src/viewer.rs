@@ -2,7 +2,7 @@
 #![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
 use crate::public_api::Workspace;
-use crate::targets::{install, succeed};
+use crate::targets::{cargo, install, succeed};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         return Ok(());
     }
     let cargo = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO"));
+        let mut command = cargo();
         command
             .args(arguments)
             .current_dir(workspace.root.join("apps/viewer"));
@@ -202,7 +202,7 @@ fn wait(what: &str, mut is_there: impl FnMut() -> bool) -> Result<()> {
 pub(crate) fn build_page(workspace: &Workspace) -> Result<()> {
     install(TARGET)?;
     succeed(
-        Command::new(env!("CARGO"))
+        cargo()
             .args(["build", "--lib", "--profile", "web", "--target", TARGET])
             .env(
                 "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS",
@@ -252,7 +252,7 @@ fn test_page(workspace: &Workspace) -> Result<()> {
         succeed(Command::new("npm").args(install).current_dir(&web))?;
     }
     succeed(
-        Command::new(env!("CARGO"))
+        cargo()
             .arg("build")
             .current_dir(workspace.root.join("apps/viewer")),
     )?;

@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "a command prints what it finds")]
 
 use crate::public_api::Workspace;
-use crate::targets::{install, succeed};
+use crate::targets::{cargo, install, succeed};
 use crate::viewer;
 use anyhow::{Context, Result, anyhow, ensure};
 use std::path::Path;
@@ -52,7 +52,7 @@ impl Module {
             false => ("", "off"),
         };
         succeed(
-            Command::new(env!("CARGO"))
+            cargo()
                 // Not `crate-type` in its Cargo.toml: link-time optimization is left out if there is an rlib too.
                 .args(["rustc", "--lib", "--crate-type", "cdylib"])
                 .args(["--profile", "web", "--package", "enfilade_web"])
@@ -143,7 +143,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     }
     // The tests compare visible sets with those of the program.
     succeed(
-        Command::new(env!("CARGO"))
+        cargo()
             .args(["build", "--release", "--package", "enfilade-cli"])
             .current_dir(&workspace.root),
     )?;

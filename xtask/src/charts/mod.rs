@@ -5,6 +5,7 @@
 
 mod matrix;
 
+use crate::targets::cargo;
 use anyhow::{Context, Result, ensure};
 use enfilade::Method;
 use matrix::{Row, draw, significant};
@@ -136,7 +137,7 @@ const QUANTITIES: [Quantity; 4] = [
 pub(crate) fn run(args: &Args) -> Result<()> {
     let kept = Path::new("target/charts");
     fs::create_dir_all(kept)?;
-    let built = Command::new(env!("CARGO"))
+    let built = cargo()
         .args(["build", "--release", "--package", "enfilade-cli"])
         .status()?;
     ensure!(built.success(), "the program does not build");

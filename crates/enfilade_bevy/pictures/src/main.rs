@@ -3,6 +3,9 @@
 //! `cargo run --release -p enfilade_bevy_pictures -- SCENE.glb VIEWS.jsonl [FRAMES]`: the views are those that
 //! `enfilade look --path` reads, and the path leads from one to the next. A second camera looks the other way. A software
 //! driver will do.
+//!
+//! The palace, `crates/enfilade_scenes/src/palace.glb`, is compressed by extensions that Bevy does not read; a copy without them, as
+//! by `dequantize` of gltf-transform, goes with `views/palace.jsonl`.
 #![forbid(unsafe_code)]
 #![expect(clippy::print_stdout, reason = "the answer")]
 
@@ -117,38 +120,6 @@ fn read_path(file: &str, frames: usize) -> Result<Vec<Transform>> {
         .collect())
 }
 
-/// Registers what a glTF scene is made of, as Bevy's feature `reflect_auto_register` would.
-fn register_gltf_types(app: &mut App) {
-    use bevy::camera::primitives::Aabb;
-    use bevy::camera::visibility::VisibilityClass;
-    use bevy::gltf::{
-        GltfExtras, GltfMaterialExtras, GltfMaterialName, GltfMeshExtras, GltfMeshName, GltfSceneExtras,
-    };
-    use bevy::transform::components::TransformTreeChanged;
-    app.register_type::<Name>()
-        .register_type::<Children>()
-        .register_type::<ChildOf>()
-        .register_type::<Transform>()
-        .register_type::<GlobalTransform>()
-        .register_type::<TransformTreeChanged>()
-        .register_type::<Visibility>()
-        .register_type::<InheritedVisibility>()
-        .register_type::<ViewVisibility>()
-        .register_type::<VisibilityClass>()
-        .register_type::<Aabb>()
-        .register_type::<Mesh3d>()
-        .register_type::<MeshMaterial3d<StandardMaterial>>()
-        .register_type::<DirectionalLight>()
-        .register_type::<PointLight>()
-        .register_type::<SpotLight>()
-        .register_type::<GltfExtras>()
-        .register_type::<GltfMaterialExtras>()
-        .register_type::<GltfMaterialName>()
-        .register_type::<GltfMeshExtras>()
-        .register_type::<GltfMeshName>()
-        .register_type::<GltfSceneExtras>();
-}
-
 /// A scene in Bevy, without a window.
 struct Stage {
     app: App,
@@ -197,7 +168,6 @@ impl Stage {
         .add_plugins(EnfiladePlugin::default())
         .insert_resource(DirectionalLightShadowMap { size: 512 })
         .init_resource::<Captured>();
-        register_gltf_types(&mut app);
         app.finish();
         app.cleanup();
         let scene = app

@@ -62,8 +62,10 @@ impl Document {
     /// Returns the bytes of the GLB; `rest` is what else its JSON has.
     pub(crate) fn glb(mut self, rest: Value) -> Vec<u8> {
         self.push("buffers", json!({"byteLength": self.binary.len()}));
-        let fallback = json!({"byteLength": self.decoded, "extensions": {"EXT_meshopt_compression": {"fallback": true}}});
-        self.push("buffers", fallback);
+        if self.decoded > 0 {
+            let fallback = json!({"byteLength": self.decoded, "extensions": {"EXT_meshopt_compression": {"fallback": true}}});
+            self.push("buffers", fallback);
+        }
         let Value::Object(mut json) = rest else {
             unreachable!("a document is an object")
         };

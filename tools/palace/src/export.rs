@@ -12,8 +12,16 @@ use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
+/// How the meshes of a file are written.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Encoding {
+    Compressed,
+    /// Twelve times larger, for readers without the extensions.
+    Plain,
+}
+
 /// Returns the bytes of a GLB with a scene and its cameras.
-pub(crate) fn glb(built: &BuiltIn) -> Result<Vec<u8>> {
+pub(crate) fn glb(built: &BuiltIn, encoding: Encoding) -> Result<Vec<u8>> {
     let scene = &built.scene;
     let mut nodes: Vec<Value> = Vec::new();
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); scene.sector_count()];
@@ -85,21 +93,30 @@ pub(crate) fn glb(built: &BuiltIn) -> Result<Vec<u8>> {
     for (room, children) in children.into_iter().enumerate() {
         nodes[room]["children"] = json!(children);
     }
-    streams.write(&mut document)?;
-    let required = ["EXT_meshopt_compression", "KHR_mesh_quantization"];
+    let required: &[&str] = match encoding {
+        Encoding::Compressed => &["EXT_meshopt_compression", "KHR_mesh_quantization"],
+        Encoding::Plain => &[],
+    };
+    match encoding {
+        Encoding::Compressed => streams.write(&mut document)?,
+        Encoding::Plain => streams.write_plain(&mut document),
+    }
     let used = [
-        &required[..],
+        required,
         &["KHR_lights_punctual", "KHR_materials_emissive_strength"],
     ]
     .concat();
-    Ok(document.glb(json!({
+    let mut rest = json!({
         "asset": {"version": "2.0", "generator": "Enfilade, tools/palace"},
         "extensionsUsed": used,
-        "extensionsRequired": required,
         "extensions": {"KHR_lights_punctual": {"lights": sources}},
         "scene": 0,
         "scenes": [{"nodes": roots}],
-        "nodes": nodes})))
+        "nodes": nodes});
+    if !required.is_empty() {
+        rest["extensionsRequired"] = json!(required);
+    }
+    Ok(document.glb(rest))
 }
 
 fn geometry(scene: &Scene, id: enfilade::SectorId) -> Result<&Arc<Geometry>> {

@@ -350,16 +350,68 @@ impl Streams {
             };
             views.insert(stream, document.compressed(&bytes, shape, mode, filter));
         }
-        for (stream, mut accessor) in self.accessors {
-            accessor["bufferView"] = json!(views[&stream]);
-            if accessor["byteOffset"] == json!(0) {
-                accessor
-                    .as_object_mut()
-                    .map(|accessor| accessor.remove("byteOffset"));
-            }
-            document.push("accessors", accessor);
-        }
+        refer(self.accessors, &views, document);
         Ok(())
+    }
+
+    /// Writes the streams as readers without extensions need them: decoded, and all numbers of vertices as f32.
+    pub(crate) fn write_plain(mut self, document: &mut Document) {
+        let power_of_two = |packed: i32| {
+            let mantissa = (packed << 8) >> 8;
+            mantissa as f32 * 2.0_f32.powi(packed >> 24)
+        };
+        let rounded: Vec<f32> = self.rounded.iter().flatten().copied().map(power_of_two).collect();
+        let texture: Vec<f32> = self.texture.iter().flatten().copied().map(power_of_two).collect();
+        let mut normals: Vec<[i8; 4]> = self
+            .normals
+            .iter()
+            .map(|normal| normal.map(|part| part as i8))
+            .collect();
+        meshopt::decode_filter_oct(&mut normals);
+        let normals = normals.iter().flat_map(|&[x, y, z, _]| {
+            let normal = Vec3::new(x.into(), y.into(), z.into());
+            normal.normalize().to_array()
+        });
+        let floats: [(Stream, Vec<f32>); 5] = [
+            (Stream::Exact, self.exact.into_flattened()),
+            (Stream::Rounded, rounded),
+            (Stream::Normals, normals.collect()),
+            (Stream::ExactNormals, self.exact_normals.into_flattened()),
+            (Stream::Texture, texture),
+        ];
+        let bytes =
+            floats.map(|(stream, values)| (stream, values.into_iter().flat_map(f32::to_le_bytes).collect()));
+        let indices = self
+            .indices
+            .iter()
+            .flat_map(|&index| (index as u16).to_le_bytes());
+        let views = bytes
+            .into_iter()
+            .chain([(Stream::Indices, indices.collect())])
+            .map(|(stream, bytes): (Stream, Vec<u8>)| (stream, document.view(&bytes)))
+            .collect();
+        for (stream, accessor) in &mut self.accessors {
+            if *stream == Stream::Normals {
+                let start = accessor["byteOffset"].as_u64().expect("set above");
+                accessor["byteOffset"] = json!(start * 3);
+                accessor["componentType"] = json!(5126);
+                accessor["normalized"] = json!(false);
+            }
+        }
+        refer(self.accessors, &views, document);
+    }
+}
+
+/// Writes the accessors, which refer to the views of their streams.
+fn refer(accessors: Vec<(Stream, Value)>, views: &BTreeMap<Stream, usize>, document: &mut Document) {
+    for (stream, mut accessor) in accessors {
+        accessor["bufferView"] = json!(views[&stream]);
+        if accessor["byteOffset"] == json!(0) {
+            accessor
+                .as_object_mut()
+                .map(|accessor| accessor.remove("byteOffset"));
+        }
+        document.push("accessors", accessor);
     }
 }
 

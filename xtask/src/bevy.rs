@@ -3,15 +3,15 @@
 use crate::public_api::Workspace;
 use crate::targets::{cargo, succeed};
 use anyhow::{Context, Result};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Only what CI has time for: the tests without Bevy's renderer
     #[arg(long)]
     quick: bool,
-    /// Draw 300 frames with the whole of Bevy, with and without Enfilade, of the scenes in ENFILADE_SCENES. Needs a
-    /// Vulkan driver, as of Debian's package mesa-vulkan-drivers
+    /// Draw 300 frames with the whole of Bevy, with and without Enfilade, of the palace and the scenes in
+    /// ENFILADE_SCENES. Needs a Vulkan driver, as of Debian's package mesa-vulkan-drivers
     #[arg(long)]
     pictures: bool,
 }
@@ -23,19 +23,30 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.pictures {
         let scenes =
             PathBuf::from(std::env::var_os("ENFILADE_SCENES").context("ENFILADE_SCENES is not set")?);
-        for scene in ["ifc_office_a", "sponza_crytek"] {
-            let file = scenes.join(scene).with_extension("glb");
-            let views = folder.join("pictures/views").join(scene).with_extension("jsonl");
-            let paths = [&file, &views].map(|path| path.to_string_lossy().into_owned());
-            cargo(&[
-                "run",
-                "--release",
-                "-p",
-                "enfilade_bevy_pictures",
-                "--",
-                &paths[0],
-                &paths[1],
-            ])?;
+        let palace = workspace.root.join("target/palace_plain.glb");
+        let manifest = workspace.root.join("tools/palace/Cargo.toml");
+        succeed(
+            crate::targets::cargo()
+                .args(["run", "--release", "--manifest-path"])
+                .args([&manifest, Path::new("--"), &palace, Path::new("--plain")]),
+        )?;
+        let in_scenes = |name: &str| scenes.join(name);
+        let runs = [
+            (&palace, "palace_rooms", None),
+            // Flies through walls.
+            (&palace, "palace", Some("--without-rooms")),
+            (&in_scenes("ifc_office_a.glb"), "ifc_office_a", None),
+            (&in_scenes("sponza_crytek.glb"), "sponza_crytek", None),
+        ];
+        for (scene, views, option) in runs {
+            let views = folder.join("pictures/views").join(views).with_extension("jsonl");
+            let mut run = crate::targets::cargo();
+            run.args(["run", "--release", "-p", "enfilade_bevy_pictures", "--"]);
+            run.args([scene, &views])
+                .arg("300")
+                .args(option)
+                .current_dir(&folder);
+            succeed(&mut run)?;
         }
         return Ok(());
     }

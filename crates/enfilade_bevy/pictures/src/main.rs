@@ -1,11 +1,11 @@
 //! Compares what Bevy draws with and without Enfilade: the pictures, which must be the same, and how much is drawn.
 //!
-//! `cargo run --release -p enfilade_bevy_pictures -- SCENE.glb VIEWS.jsonl [FRAMES]`: the views are those that
-//! `enfilade look --path` reads, and the path leads from one to the next. A second camera looks the other way. A software
-//! driver will do.
+//! `cargo run --release -p enfilade_bevy_pictures -- SCENE.glb VIEWS.jsonl FRAMES [--without-rooms]`: the views are those
+//! that `enfilade look --path` reads, and the path leads from one to the next. A second camera looks the other way. A
+//! software driver will do. Without rooms, the file's extras are ignored, and the path may lead through walls.
 //!
-//! The palace, `crates/enfilade_scenes/src/palace.glb`, is compressed by extensions that Bevy does not read; a copy without them, as
-//! by `dequantize` of gltf-transform, goes with `views/palace.jsonl`.
+//! The palace, `crates/enfilade_scenes/src/palace.glb`, is compressed by extensions that Bevy does not read;
+//! `tools/palace` writes it without them.
 #![forbid(unsafe_code)]
 #![expect(clippy::print_stdout, reason = "the answer")]
 
@@ -14,7 +14,8 @@ use bevy::asset::{RenderAssetUsages, UnapprovedPathMode};
 use bevy::camera::RenderTarget;
 use bevy::camera::visibility::VisibleEntities;
 use bevy::diagnostic::DiagnosticsStore;
-use bevy::gltf::GltfAssetLabel;
+use bevy::gltf::{GltfAssetLabel, GltfExtras};
+use bevy::light::cluster::GlobalClusterSettings;
 use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap};
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
@@ -23,48 +24,41 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::world_serialization::WorldAssetRoot;
 use enfilade_bevy::{EnfiladePlugin, EnfiladeScene, NoVisibilityCulling};
 use std::any::TypeId;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 const SIZE: UVec2 = UVec2::new(320, 240);
-/// Updates that a screenshot may take.
+/// Updates that the last pictures may take.
 const PATIENCE: usize = 200;
 
 fn main() -> Result<()> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let (scene, views, frames) = match &args[..] {
-        [scene, views] => (scene, views, 300),
-        [scene, views, frames] => (scene, views, frames.parse().context("FRAMES is a number")?),
-        _ => bail!("usage: enfilade_bevy_pictures SCENE.glb VIEWS.jsonl [FRAMES]"),
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let (scene, views, frames, has_rooms) = match args[..] {
+        [scene, views, frames] => (scene, views, frames, true),
+        [scene, views, frames, "--without-rooms"] => (scene, views, frames, false),
+        _ => bail!("usage: enfilade_bevy_pictures SCENE.glb VIEWS.jsonl FRAMES [--without-rooms]"),
     };
-    let path = read_path(views, frames)?;
-    let mut stage = Stage::open(Path::new(scene))?;
+    let frames = frames.parse().context("FRAMES is a number")?;
+    let mut stage = Stage::open(Path::new(scene), has_rooms)?;
     let mut sums = Sums::default();
-    for (number, place) in path.iter().enumerate() {
-        stage.look_from(*place);
-        let [with, without] = [true, false].map(|enabled| stage.draw(enabled));
-        let (with, without) = (with?, without?);
-        for (camera, (a, b)) in with.pictures.iter().zip(&without.pictures).enumerate() {
-            let differing = a
-                .as_chunks::<4>()
-                .0
-                .iter()
-                .zip(b.as_chunks::<4>().0)
-                .filter(|(a, b)| a != b)
-                .count();
-            if differing > 0 {
-                println!("frame {number}, camera {camera}: {differing} pixels differ");
-                sums.differing += 1;
-                save(a, &format!("with-{number}-{camera}.png"))?;
-                save(b, &format!("without-{number}-{camera}.png"))?;
-            }
-        }
-        sums.with += with.drawn;
-        sums.without += without.drawn;
-        sums.times.push(with.plugin_ms);
-        if number % 50 == 0 {
-            save(&with.pictures[0], &format!("frame-{number}.png"))?;
-        }
+    for (number, place) in read_path(views, frames)?.into_iter().enumerate() {
+        stage.look_from(place);
+        stage.draw(number, Drawn::With);
+        sums.with += stage.drawn();
+        sums.times.push(stage.plugin_ms());
+        stage.draw(number, Drawn::Without);
+        sums.without += stage.drawn();
+        sums.compare(&mut stage)?;
     }
+    for _ in 0..PATIENCE {
+        if sums.compared == 2 * frames {
+            break;
+        }
+        stage.app.update();
+        sums.compare(&mut stage)?;
+    }
+    ensure!(sums.compared == 2 * frames, "no picture came");
     sums.times.sort_by(f64::total_cmp);
     let time = |part: f64| sums.times[((sums.times.len() - 1) as f64 * part) as usize];
     let entities = stage.app.world().resource::<EnfiladeScene>().scene().item_count();
@@ -84,10 +78,37 @@ fn main() -> Result<()> {
 
 #[derive(Default)]
 struct Sums {
+    compared: usize,
     differing: usize,
     with: usize,
     without: usize,
     times: Vec<f64>,
+}
+
+impl Sums {
+    /// Compares the pictures that have arrived in pairs.
+    fn compare(&mut self, stage: &mut Stage) -> Result<()> {
+        let mut captured = stage.app.world_mut().resource_mut::<Captured>();
+        let pairs: Vec<_> = captured
+            .0
+            .extract_if(.., |_, pair| pair.iter().all(Option::is_some))
+            .collect();
+        for ((frame, camera), pair) in pairs {
+            let [with, without] = pair.map(Option::unwrap_or_default);
+            let [a, b] = [&with, &without].map(|picture| picture.as_chunks::<4>().0);
+            let differing = a.iter().zip(b).filter(|(a, b)| a != b).count();
+            if differing > 0 {
+                println!("frame {frame}, camera {camera}: {differing} pixels differ");
+                self.differing += 1;
+                save(&with, &format!("with-{frame}-{camera}.png"))?;
+                save(&without, &format!("without-{frame}-{camera}.png"))?;
+            } else if frame % 50 == 0 {
+                save(&with, &format!("frame-{frame}-{camera}.png"))?;
+            }
+            self.compared += 1;
+        }
+        Ok(())
+    }
 }
 
 /// Reads views, and returns places on the way from each to the next.
@@ -127,18 +148,18 @@ struct Stage {
     targets: [Handle<Image>; 2],
 }
 
-struct Drawn {
-    pictures: Vec<Vec<u8>>,
-    /// Entities with meshes left to draw, of both cameras.
-    drawn: usize,
-    plugin_ms: f64,
+#[derive(Clone, Copy)]
+enum Drawn {
+    With,
+    Without,
 }
 
+/// Pictures with and without Enfilade, by frame and camera. They arrive some updates after they were asked for.
 #[derive(Resource, Default)]
-struct Captured([Option<Vec<u8>>; 2]);
+struct Captured(BTreeMap<(usize, usize), [Option<Vec<u8>>; 2]>);
 
 impl Stage {
-    fn open(file: &Path) -> Result<Stage> {
+    fn open(file: &Path, has_rooms: bool) -> Result<Stage> {
         let file = file.canonicalize().with_context(|| file.display().to_string())?;
         let folder = file
             .parent()
@@ -168,8 +189,17 @@ impl Stage {
         .add_plugins(EnfiladePlugin::default())
         .insert_resource(DirectionalLightShadowMap { size: 512 })
         .init_resource::<Captured>();
+        if !has_rooms {
+            app.add_observer(|added: On<Add, GltfExtras>, mut commands: Commands| {
+                commands.entity(added.entity).remove::<GltfExtras>();
+            });
+        }
         app.finish();
         app.cleanup();
+        // Lights gathered by the GPU are added up in any order.
+        app.world_mut()
+            .resource_mut::<GlobalClusterSettings>()
+            .gpu_clustering = None;
         let scene = app
             .world()
             .resource::<AssetServer>()
@@ -180,9 +210,10 @@ impl Stage {
             shadow_maps_enabled: true,
             ..DirectionalLight::default()
         };
-        // One cascade: software drivers draw all of the scene into each.
+        // One cascade, and a short one: software drivers take long.
         let cascades = CascadeShadowConfigBuilder {
             num_cascades: 1,
+            maximum_distance: 40.0,
             ..CascadeShadowConfigBuilder::default()
         };
         app.world_mut().spawn((light, cascades.build(), sun));
@@ -233,39 +264,27 @@ impl Stage {
     }
 
     /// Draws a frame with or without Enfilade.
-    fn draw(&mut self, enabled: bool) -> Result<Drawn> {
+    fn draw(&mut self, frame: usize, drawn: Drawn) {
         for camera in self.cameras {
             let mut camera = self.app.world_mut().entity_mut(camera);
-            match enabled {
-                true => camera.remove::<NoVisibilityCulling>(),
-                false => camera.insert(NoVisibilityCulling),
+            match drawn {
+                Drawn::With => camera.remove::<NoVisibilityCulling>(),
+                Drawn::Without => camera.insert(NoVisibilityCulling),
             };
         }
-        self.app.world_mut().insert_resource(Captured::default());
-        for (number, target) in self.targets.clone().into_iter().enumerate() {
+        for (camera, target) in self.targets.clone().into_iter().enumerate() {
             let capture = move |shot: On<ScreenshotCaptured>, mut captured: ResMut<Captured>| {
-                captured.0[number] = shot.image.data.clone();
+                captured.0.entry((frame, camera)).or_default()[drawn as usize] = shot.image.data.clone();
             };
             self.app
                 .world_mut()
                 .spawn(Screenshot::image(target))
                 .observe(capture);
         }
-        for _ in 0..PATIENCE {
-            self.app.update();
-            let captured = self.app.world().resource::<Captured>();
-            if let [Some(a), Some(b)] = &captured.0 {
-                let pictures = vec![a.clone(), b.clone()];
-                return Ok(Drawn {
-                    pictures,
-                    drawn: self.drawn(),
-                    plugin_ms: self.plugin_ms(),
-                });
-            }
-        }
-        bail!("no picture came")
+        self.app.update();
     }
 
+    /// Returns how many entities with meshes the last frame drew, for both cameras.
     fn drawn(&self) -> usize {
         let of = |camera: Entity| {
             let list = self.app.world().get::<VisibleEntities>(camera);

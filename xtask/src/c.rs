@@ -84,7 +84,8 @@ pub(crate) fn install(args: &InstallArgs) -> Result<()> {
     install_to(&workspace, &prefix)?;
     println!(
         "installed to {0}; compile with PKG_CONFIG_PATH={0}/lib/pkgconfig and pkg-config enfilade, or with \
-         CMAKE_PREFIX_PATH={0} and find_package(enfilade)",
+         CMAKE_PREFIX_PATH={0} and find_package(enfilade); where the system does not look for libraries there, run \
+         programs with LD_LIBRARY_PATH={0}/lib, or as root run ldconfig once",
         prefix.display()
     );
     Ok(())
@@ -139,6 +140,9 @@ fn install_to(workspace: &Workspace, prefix: &Path) -> Result<()> {
             let _ = fs::remove_file(lib.join(link));
             std::os::unix::fs::symlink(&file, lib.join(link))?;
         }
+        // Programs that are linked with the library as Cargo built it look for that name, too.
+        let _ = fs::remove_file(built.join(&soname));
+        std::os::unix::fs::symlink("libenfilade_c.so", built.join(&soname))?;
     }
     let source = workspace.root.join("crates/enfilade_c");
     fs::copy(

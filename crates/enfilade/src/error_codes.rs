@@ -155,6 +155,7 @@ error_codes! {
         Orientation => "view/orientation",
         Tangents => "view/tangents",
         NotAffine => "view/not-affine",
+        Transposed => "view/transposed",
         Singular => "view/singular",
         Parallel => "view/parallel",
         Oblique => "view/oblique",

@@ -42,7 +42,7 @@ pub struct LookStats {
     pub look_time: Duration,
     /// Cameras that were culled for.
     pub cameras: usize,
-    /// Entities with meshes that are left to draw, per camera.
+    /// Entities with meshes that are left to draw.
     pub visible: usize,
     /// Entities with meshes in the frustums that were found to be hidden.
     pub hidden: usize,
@@ -144,15 +144,23 @@ pub(crate) fn cull(
         let leaves_alone = view.is_left_alone || view.has_no_cpu_culling || !view.camera.is_active;
         let mesh = TypeId::of::<Mesh3d>();
         let is_used = was_culled || !view.visible.get(mesh).is_empty();
-        if !settings.enabled || !scene.is_ready() || leaves_alone || !is_used {
-            continue;
+        let mut seen = None;
+        if settings.enabled && scene.is_ready() && !leaves_alone && is_used {
+            let own = view_of(&view, &scene, scene.rooms.owner(view.entity, &parents));
+            // One that is frozen stays, wherever the camera flies.
+            seen = state.frozen.filter(|_| view.is_frozen).or(own);
+            state.frozen = seen.filter(|_| view.is_frozen);
         }
-        let owner = scene.rooms.owner(view.entity, &parents);
-        let Some(seen) = view_of(&view, &scene, owner) else {
+        let Some(seen) = seen else {
+            for entity in state.show_all() {
+                entities_changed.write(EntityVisibilityChanged {
+                    camera: view.entity,
+                    entity,
+                    visible: true,
+                });
+            }
             continue;
         };
-        state.frozen = view.is_frozen.then(|| state.frozen.unwrap_or(seen));
-        let seen = state.frozen.unwrap_or(seen);
         state.is_culled = true;
         let list = view.visible.get_mut(mesh);
         let (visible, sectors) = match view.pvs {
@@ -193,6 +201,14 @@ pub(crate) fn cull(
 }
 
 impl CameraState {
+    /// Takes note that nothing is hidden any more. Returns what was.
+    fn show_all(&mut self) -> Vec<Entity> {
+        let hidden = std::mem::take(&mut self.hidden);
+        self.visible.extend_from_slice(&hidden);
+        self.visible.sort_unstable();
+        hidden
+    }
+
     /// Takes off a list what a PVS says is hidden. Returns what is left, but for what is left alone.
     fn cull_by_pvs(
         &mut self,

@@ -54,14 +54,19 @@ pub struct FreezeVisibility;
 ///
 /// All other entities are outdoors, and those that reach into the box of a room are in that room too, so nothing else is
 /// needed for what moves. A camera is in the room that it is a descendant of, else in the smallest whose box it is in,
-/// else outdoors; if nothing is outdoors, it is not culled for. A room without a portal is never seen from elsewhere: rooms and portals must be complete.
+/// else outdoors; if no portal leads outdoors, it is not culled for there.
+///
+/// What is below a room is not seen from elsewhere but through its portals, so put walls between rooms, and outer walls,
+/// below no room: they reach into the rooms beside them. A room without a portal is never seen from elsewhere.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default)]
 pub struct Sector;
 
 /// An opening between two rooms, or a room and outdoors: a convex polygon in the entity's XY plane.
 ///
-/// The rooms are those just before and behind its middle; the one that it is a descendant of is preferred.
+/// It joins the room that it is a descendant of, if any, with the one on the other side of the wall: rooms are looked for
+/// before and behind its middle, up to half of its size away. If they cannot be told apart, a warning says so, and nothing is
+/// hidden until [`Portal::to`] is set or the portal is moved.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component)]
 pub struct Portal {

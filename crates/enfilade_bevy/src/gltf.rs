@@ -1,19 +1,20 @@
-//! Rooms and portals of glTF files, by the extras that Enfilade's importer reads, too. Names alone mark nothing here: a
-//! stock scene may have a `bath-room` without portals.
+//! Rooms and portals of glTF files, by the extras that Enfilade's importer reads, too. Names count in files with such extras
+//! only: a stock scene may have a `bath-room` without portals.
 //!
-//! | extras of a node | it becomes |
-//! |---|---|
-//! | `{"enfilade": {"kind": "room"}}` | a [`Sector`] with all below it; its `method` is for pictures that the CPU draws |
-//! | `{"enfilade": {"kind": "portal", "to": "Garden-room", "one_way": true}}` | a [`Portal`] with the outline of its mesh, which is hidden |
-//! | `{"enfilade": {"kind": "mirror"}}` | a [`Mirror`] with the outline of its mesh |
-//! | `{"enfilade": {"kind": "door"}}` | [`NotOccluder`]: it opens |
+//! | extras of a node | its name ends in | it becomes |
+//! |---|---|---|
+//! | `{"enfilade": {"kind": "room"}}` | `-room` | a [`Sector`] with all below it; its `method` is for pictures that the CPU draws |
+//! | `{"enfilade": {"kind": "portal", "to": "Garden-room", "one_way": true}}` | `-portal` | a [`Portal`] with the outline of its mesh, which is hidden |
+//! | `{"enfilade": {"kind": "mirror"}}` | `-mirror` | a [`Mirror`] with the outline of its mesh |
+//! | `{"enfilade": {"kind": "door"}}` | | [`NotOccluder`]: it opens |
 
 use crate::components::{AlwaysVisible, Mirror, NotOccluder, Portal, Sector};
 use crate::scene::EnfiladeScene;
 use bevy_asset::Assets;
 use bevy_camera::visibility::Visibility;
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
-use bevy_gltf::GltfExtras;
+use bevy_gltf::{GltfExtras, GltfSceneName};
 use bevy_log::{warn, warn_once};
 use bevy_math::{Mat3, Quat, Vec2, Vec3};
 use bevy_mesh::{Mesh, Mesh3d};
@@ -30,10 +31,20 @@ struct Extras {
 struct Marked {
     kind: Option<String>,
     to: Option<String>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "flag")]
     one_way: bool,
     exit: Option<String>,
 }
+
+/// Reads `true`, or 1, as which Blender writes it.
+fn flag<'de, D: serde::Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
+    let value = serde_json::Value::deserialize(from)?;
+    Ok(value == true || value.as_f64() == Some(1.0))
+}
+
+/// A node whose mark was read.
+#[derive(Component)]
+pub(crate) struct Known;
 
 /// A portal whose room on the other side, or whose mesh, is not there yet. Until it is, nothing is hidden.
 #[derive(Component)]
@@ -45,6 +56,9 @@ type New<'a> = (Entity, Option<&'a Name>, &'a GltfExtras);
 pub(crate) fn read_extras(
     mut commands: Commands,
     new: Query<New, Added<GltfExtras>>,
+    names: Query<(Entity, &Name), Without<Known>>,
+    parents: Query<&ChildOf>,
+    scenes: Query<(), With<GltfSceneName>>,
     unfinished: Query<(Entity, Ref<Unfinished>, Option<&Name>, &GlobalTransform)>,
     mut scene: ResMut<EnfiladeScene>,
     rooms: Query<(Entity, &Name), With<Sector>>,
@@ -53,9 +67,34 @@ pub(crate) fn read_extras(
     assets: Res<Assets<Mesh>>,
 ) {
     let mut are_awaited = false;
+    let mut found: Vec<(Entity, &str, Marked)> = Vec::new();
     for (entity, name, extras) in &new {
         let name = name.map_or("", |name| name.as_str());
-        let marked = marked(name, extras);
+        found.push((entity, name, marked(name, extras)));
+    }
+    let with_marks = found.iter().filter(|(.., marked)| marked.kind.is_some());
+    let files: EntityHashSet = with_marks
+        .map(|&(entity, ..)| file_of(entity, &parents, &scenes))
+        .collect();
+    let in_files = files.iter().flat_map(|&file| children.iter_descendants(file));
+    let mut named: Vec<(Entity, &str, Marked)> = Vec::new();
+    for (entity, name) in names.iter_many(in_files) {
+        let kind = kind_of(name).map(ToOwned::to_owned);
+        match found.iter_mut().find(|(other, ..)| *other == entity) {
+            Some((.., marked)) => marked.kind = marked.kind.take().or(kind),
+            None if kind.is_some() => named.push((
+                entity,
+                name,
+                Marked {
+                    kind,
+                    ..Marked::default()
+                },
+            )),
+            None => {}
+        }
+    }
+    for (entity, name, marked) in found.into_iter().chain(named) {
+        commands.entity(entity).insert(Known);
         match marked.kind.as_deref() {
             Some("room") => {
                 commands.entity(entity).insert(Sector);
@@ -104,7 +143,7 @@ pub(crate) fn read_extras(
             // Rooms of the same file are there in the next frame.
             if !portal.is_added() {
                 warn_once!(
-                    "portal {name}: its mesh or its room is not there; until then, Enfilade hides nothing"
+                    "portal {name}: its mesh or its room is not there; while this is so, Enfilade hides nothing"
                 );
             }
             continue;
@@ -117,7 +156,8 @@ pub(crate) fn read_extras(
             warn!("portal {name}: its mesh must be flat");
             (Transform::IDENTITY, Vec::new())
         });
-        let opening = commands.spawn((at, Visibility::default(), ChildOf(entity))).id();
+        let opening = (Name::new(name), at, Visibility::default(), ChildOf(entity));
+        let opening = commands.spawn(opening).id();
         if marked.kind.as_deref() == Some("mirror") {
             commands.entity(opening).insert(Mirror { corners });
             for below in below {
@@ -136,6 +176,32 @@ pub(crate) fn read_extras(
         }
     }
     scene.portals.are_awaited = are_awaited;
+}
+
+/// Returns the root of the file that a node is of.
+fn file_of(node: Entity, parents: &Query<&ChildOf>, scenes: &Query<(), With<GltfSceneName>>) -> Entity {
+    let mut root = node;
+    for ancestor in parents.iter_ancestors(node) {
+        root = ancestor;
+        if scenes.contains(root) {
+            break;
+        }
+    }
+    root
+}
+
+/// Returns the kind of a node that its name ends in, before Blender's numeric suffix: `Hall-portal.001`.
+fn kind_of(name: &str) -> Option<&'static str> {
+    let name = match name.rsplit_once('.') {
+        Some((before, digits)) if digits.len() >= 3 && digits.bytes().all(|digit| digit.is_ascii_digit()) => {
+            before
+        }
+        _ => name,
+    };
+    let (_, ending) = name.rsplit_once('-')?;
+    ["room", "portal", "mirror"]
+        .into_iter()
+        .find(|&kind| kind == ending)
 }
 
 fn marked(name: &str, extras: &GltfExtras) -> Marked {
@@ -223,6 +289,23 @@ mod tests {
         let hull = hull(grid.collect());
         let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]];
         assert_eq!(hull, corners.map(Vec2::from));
+    }
+
+    #[test]
+    fn names_are_read_as_blender_writes_them() {
+        let kinds = [
+            "Hall-room",
+            "Hall-portal.001",
+            "a-mirror.1",
+            "bath-rooms",
+            "room",
+            "Hall-room.b",
+        ]
+        .map(kind_of);
+        assert_eq!(kinds, [Some("room"), Some("portal"), None, None, None, None]);
+        let extras = r#"{"enfilade": {"kind": "portal", "one_way": 1}}"#;
+        let value = extras.to_owned();
+        assert!(marked("a node", &GltfExtras { value }).one_way);
     }
 
     #[test]

@@ -18,12 +18,13 @@
 //! | look at the visible set from outside | [`FreezeVisibility`] and the gizmos of the feature `gizmos` |
 //! | ask for lines of sight and rays | [`EnfiladeScene::scene`] |
 //!
-//! Shadows, picking and `ViewVisibility` stay as they are. What Bevy draws by `NoCpuCulling` cannot be hidden by a CPU.
+//! What is hidden is taken off `VisibleEntities` of the camera, where it can be counted. Shadows, picking and `ViewVisibility` stay
+//! as they are. What Bevy draws by `NoCpuCulling` cannot be hidden by a CPU.
 //!
 //! # Features
 //!
 //! * `pbr` (default): opaque entities with a `StandardMaterial` are occluders.
-//! * `gltf` (default): rooms and portals from the names and extras of glTF nodes.
+//! * `gltf` (default): rooms and portals from the extras of glTF nodes.
 //! * `gizmos`: lines for rooms, portals, the frozen frustum and the boxes of hidden entities.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
@@ -43,6 +44,8 @@ mod pvs;
 mod rooms;
 mod scene;
 mod settings;
+
+pub use enfilade;
 
 pub use cameras::{EnfiladeCameras, LookStats};
 pub use components::{

@@ -15,7 +15,7 @@ use bevy_diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnosti
 use bevy_ecs::prelude::*;
 use bevy_platform::time::Instant;
 
-/// Culls for all cameras. Add it after Bevy's own plugins.
+/// Culls for all cameras.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnfiladePlugin {
     /// The settings to begin with.

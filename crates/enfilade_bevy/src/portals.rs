@@ -11,6 +11,7 @@ use bevy_math::{Affine3A, Vec2, Vec3};
 use bevy_platform::collections::HashMap;
 use bevy_transform::prelude::GlobalTransform;
 use enfilade::{ConvexPolygon, OpeningId, PortalId, Scene, SectorId, Transform};
+use std::cmp::Ordering;
 
 /// The openings of the scene.
 #[derive(Default)]
@@ -24,6 +25,8 @@ pub(crate) struct Portals {
     pub(crate) are_complete: bool,
     /// Whether some are still to be read from a file.
     pub(crate) are_awaited: bool,
+    /// Rooms that were found to have no portal.
+    closed: Vec<Entity>,
 }
 
 /// A portal of the world, as it is in the scene.
@@ -62,6 +65,7 @@ pub(crate) struct OpeningQuery<'w, 's> {
         RemovedComponents<'w, 's, Portal>,
         RemovedComponents<'w, 's, Mirror>,
     ),
+    names: Query<'w, 's, &'static Name>,
 }
 
 impl Portals {
@@ -124,6 +128,27 @@ impl Portals {
             let reflected = reflected(&outline, front, rooms.owner(entity, parents), rooms);
             self.add_all(scene, (entity, name), reflected);
         }
+        if self.are_complete && !self.are_awaited {
+            self.warn_of_closed(scene, rooms, &world.names);
+        }
+    }
+
+    /// Warns once of each room that no portal leads into.
+    fn warn_of_closed(&mut self, scene: &Scene, rooms: &Rooms, names: &Query<&Name>) {
+        let mut entered = vec![false; scene.sector_count()];
+        for made in self.made.values().flat_map(|made| &made.portals) {
+            entered[scene.portals()[made.0 as usize].to.0 as usize] = true;
+        }
+        for (&room, &sector) in &rooms.sectors {
+            if entered[sector.0 as usize] || self.closed.contains(&room) {
+                continue;
+            }
+            self.closed.push(room);
+            let name = names
+                .get(room)
+                .map_or_else(|_| room.to_string(), ToString::to_string);
+            warn!("no portal leads into room {name}: nothing below its `Sector` is seen from elsewhere");
+        }
     }
 
     /// Adds the openings of a portal or mirror; returns where they lead.
@@ -142,7 +167,7 @@ impl Portals {
         });
         if let Err(why) = added {
             let name = name.map_or_else(|| entity.to_string(), ToString::to_string);
-            warn!("portal {name}: {why}; until then, Enfilade hides nothing");
+            warn!("portal {name}: {why}; while this is so, Enfilade hides nothing");
             self.are_complete = false;
         }
         portals
@@ -203,18 +228,76 @@ fn polygon(outline: &[Vec3], toward: Vec3) -> Result<ConvexPolygon, String> {
     })
 }
 
-/// Returns the room beside an outline, on the side that a direction points to: walls are thicker than the boxes of rooms
-/// know, so it is looked for up to half of the outline's size away.
-fn room_beside(outline: &[Vec3], toward: Vec3, rooms: &Rooms) -> Option<SectorId> {
+/// Where rooms beside an outline are looked for: distances in parts of its size, because walls have a thickness that boxes of
+/// rooms may or may not include.
+const DISTANCES: [f32; 6] = [0.01, 0.05, 0.1, 0.2, 0.35, 0.5];
+
+/// Returns points beside an outline, nearest first.
+fn points_beside(outline: &[Vec3], toward: Vec3) -> [Vec3; DISTANCES.len()] {
     let middle = middle(outline);
-    let size = outline
-        .iter()
-        .map(|corner| corner.distance(middle))
-        .fold(0.0, f32::max);
-    let distances = [0.01, 0.05, 0.1, 0.2, 0.35, 0.5];
-    distances
-        .iter()
-        .find_map(|part| rooms.at((middle + part * size * toward).to_array()))
+    let lengths = outline.iter().map(|corner| corner.distance(middle));
+    let size = lengths.fold(0.0, f32::max);
+    DISTANCES.map(|part| middle + part * size * toward)
+}
+
+/// Returns the rooms on the two sides of an outline: that to which the normal points comes first. `None` if that is not
+/// certain.
+fn rooms_beside(outline: &[Vec3], normal: Vec3, rooms: &Rooms) -> Option<[SectorId; 2]> {
+    let sides = [normal, -normal]
+        .map(|toward| points_beside(outline, toward).map(|point| rooms.at(point.to_array())));
+    let nearest = sides.map(|side| side.into_iter().flatten().next());
+    let wall_of = match nearest {
+        [Some(a), Some(b)] if a == b => a,
+        [None, None] => return None,
+        [a, b] => return Some([a, b].map(|room| room.unwrap_or(OUTDOORS))),
+    };
+    // The wall belongs to one of the rooms: the other is on the side where another one begins, or where this one ends.
+    let begins = |is_other: fn(Option<SectorId>, SectorId) -> bool| {
+        let at = sides.map(|side| side.iter().position(|&room| is_other(room, wall_of)));
+        match at {
+            [None, None] => None,
+            [Some(a), Some(b)] if a == b => None,
+            [a, b] => Some(usize::from(a.unwrap_or(usize::MAX) > b.unwrap_or(usize::MAX))),
+        }
+    };
+    let side = begins(|room, wall_of| room.is_some_and(|room| room != wall_of))
+        .or_else(|| begins(|room, _| room.is_none()))?;
+    let other = sides[side].into_iter().find(|&room| room != Some(wall_of));
+    let other = other.flatten().unwrap_or(OUTDOORS);
+    Some(match side {
+        0 => [other, wall_of],
+        _ => [wall_of, other],
+    })
+}
+
+/// Returns the directions in which the first of two rooms may be from an outline: both if that is not certain.
+fn sides_of(
+    outline: &[Vec3],
+    normal: Vec3,
+    beside: Option<[SectorId; 2]>,
+    [from, to]: [SectorId; 2],
+    rooms: &Rooms,
+) -> Vec<Vec3> {
+    if beside == Some([from, to]) {
+        return vec![normal];
+    }
+    if beside == Some([to, from]) {
+        return vec![-normal];
+    }
+    let within = |toward: Vec3, room: SectorId| {
+        let points = points_beside(outline, toward);
+        points
+            .iter()
+            .filter(|point| rooms.reaches(room, point.to_array()))
+            .count() as i32
+    };
+    let before = within(normal, from) + within(-normal, to);
+    let behind = within(normal, to) + within(-normal, from);
+    match before.cmp(&behind) {
+        Ordering::Greater => vec![normal],
+        Ordering::Less => vec![-normal],
+        Ordering::Equal => vec![normal, -normal],
+    }
 }
 
 fn wanted(
@@ -227,43 +310,46 @@ fn wanted(
         return Err("there is no `Sector` that it leads into or out of".to_owned());
     }
     let normal = Vec3::from(polygon(outline, Vec3::ZERO)?.normal());
-    let beside = [normal, -normal].map(|toward| room_beside(outline, toward, rooms));
+    let beside = rooms_beside(outline, normal, rooms);
     let to = match portal.to {
         Some(to) => Some(rooms.sector(to).ok_or("`to` has no `Sector`")?),
         None => None,
     };
-    // The side of its own room, or of any, or the far side of where it leads.
-    let known = |side: usize, room| beside[side] == room;
-    let side = match (owner, to) {
-        (Some(_), _) if known(0, owner) != known(1, owner) => usize::from(known(1, owner)),
-        (_, Some(_)) if known(0, to) != known(1, to) => usize::from(known(0, to)),
-        _ => 0,
+    // Beside one that is known is the other.
+    let beyond = |known: SectorId| {
+        let [a, b] = beside?;
+        (a == known).then_some(b).or((b == known).then_some(a))
     };
-    let toward = [normal, -normal][side];
-    let from = owner.or(beside[side]).unwrap_or(OUTDOORS);
-    let other = to
-        .or(beside[1 - side].filter(|&room| room != from))
-        .unwrap_or(OUTDOORS);
-    if from == other {
+    let ends = match (owner, to) {
+        (Some(owner), Some(to)) => Some([owner, to]),
+        (Some(owner), None) => beyond(owner).map(|other| [owner, other]),
+        (None, Some(to)) => Some([beyond(to).unwrap_or(OUTDOORS), to]),
+        (None, None) => beside,
+    };
+    let Some([from, other]) = ends.filter(|[from, other]| from != other) else {
         return Err(
-            "it is not between two rooms, or a room and outdoors; make it a descendant of one, set `to`, or move it"
+            "which two rooms it joins cannot be told; make it a descendant of one of them, set `to`, or move it into the \
+             wall between them"
                 .to_owned(),
         );
-    }
-    let outline = polygon(outline, toward)?;
-    let mut wanted = vec![Wanted {
-        from,
-        outline: outline.clone(),
-        to: other,
-        there_from_here: Transform::IDENTITY,
-    }];
-    if portal.two_way {
+    };
+    let mut wanted = Vec::new();
+    for toward in sides_of(outline, normal, beside, [from, other], rooms) {
+        let outline = polygon(outline, toward)?;
         wanted.push(Wanted {
-            from: other,
-            outline: outline.flipped(),
-            to: from,
+            from,
+            outline: outline.clone(),
+            to: other,
             there_from_here: Transform::IDENTITY,
         });
+        if portal.two_way {
+            wanted.push(Wanted {
+                from: other,
+                outline: outline.flipped(),
+                to: from,
+                there_from_here: Transform::IDENTITY,
+            });
+        }
     }
     Ok(wanted)
 }
@@ -275,7 +361,8 @@ fn reflected(
     rooms: &Rooms,
 ) -> Result<Vec<Wanted>, String> {
     let polygon = polygon(outline, front)?;
-    let sector = owner.or_else(|| room_beside(outline, front, rooms));
+    let before = points_beside(outline, front);
+    let sector = owner.or_else(|| before.iter().find_map(|point| rooms.at(point.to_array())));
     let sector = sector.unwrap_or(OUTDOORS);
     let there_from_here = Transform::reflection(polygon.corners()[0], polygon.normal());
     Ok(vec![Wanted {

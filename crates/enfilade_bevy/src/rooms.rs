@@ -49,6 +49,17 @@ impl Rooms {
         containing.next().map(|(sector, _)| *sector)
     }
 
+    /// Returns whether a point is in the box of a room, or, outdoors, in none.
+    pub(crate) fn reaches(&self, room: SectorId, point: [f32; 3]) -> bool {
+        match room {
+            OUTDOORS => self.at(point).is_none(),
+            _ => self
+                .boxes
+                .iter()
+                .any(|(sector, held)| *sector == room && held.contains(point)),
+        }
+    }
+
     /// Replaces the boxes; returns whether they differ.
     pub(crate) fn set_boxes(&mut self, owned: impl Iterator<Item = (SectorId, Aabb)>) -> bool {
         let mut boxes: HashMap<SectorId, Aabb> = HashMap::default();

@@ -217,7 +217,8 @@ enum EnfiladeMethod
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    /// Masked occlusion culling: fast; conservative.
+    /// Masked occlusion culling: fast; conservative. It keeps two depths per 32 x 8 pixels, so that an item behind a wall may stay
+    /// visible where a floor begins; with ENFILADE_TIGHTNESS_RESOLVED it does not.
     ENFILADE_METHOD_MASKED = 0,
     /// Occlusion tree over boxes: valid at any sample position (MSAA, TAA, dynamic resolution).
     ENFILADE_METHOD_MOBSP = 1,
@@ -421,7 +422,8 @@ typedef struct EnfiladeOccluder EnfiladeOccluder;
 /// may run on several threads at once; enfilade_occlusion_begin and enfilade_occlusion_draw must be alone.
 typedef struct EnfiladeOcclusion EnfiladeOcclusion;
 
-/// Rooms of a building, and the doors and windows between them. Looks do not use them. Queries may run on several threads at once;
+/// Rooms of a building, and the doors, windows, openings and gaps between them. Looks do not use them, but sectors: which sector the
+/// eye is in is told by enfilade_scene_locate, at once. Queries may run on several threads at once;
 /// enfilade_rooms_set_open must be alone.
 typedef struct EnfiladeRooms EnfiladeRooms;
 
@@ -516,7 +518,7 @@ typedef struct EnfiladeCamera {
     double eye[3];
     /// A point in the centre of the picture, not the eye.
     double target[3];
-    /// Up vector, of any length; zero for +y.
+    /// Up vector, of any length; zero for +y. If it is parallel to the direction of view, another is taken.
     double up[3];
     /// Vertical field of view in radians, above 0 and below pi; 0 for 60 degrees.
     float fov_y;
@@ -526,7 +528,7 @@ typedef struct EnfiladeCamera {
     float parallel_height;
     /// Must be 0.
     uint32_t reserved;
-    /// The sector that the eye is in; 0: found by its position.
+    /// The sector that the eye is in; 0, as for most cameras of files: found by its position.
     EnfiladeSectorId sector;
     /// Name of a camera of a file, cut to fit; ignored as input.
     char name[64];
@@ -611,6 +613,9 @@ typedef struct EnfiladePortal {
 /// eye_from_sector x (x, y, z, 1). A matrix of rows that multiply row vectors (DirectXMath, Unreal) has the same numbers in the
 /// same order. Right- or left-handed, any up axis, off-centre, jittered, infinite or reversed depth, orthographic, oblique near
 /// plane. There is no far plane: what is beyond it counts as visible.
+///
+/// If too much or too little is visible, print one matrix: a view matrix has the translation in its last four numbers, and a
+/// perspective projection -1 or 1 as number 11 (the first is 0). A wrong clip_depth between the first two is not noticed.
 typedef struct EnfiladeView {
     /// The view matrix.
     double eye_from_sector[16];
@@ -846,7 +851,7 @@ extern "C" {
 uint32_t enfilade_version(void);
 
 /// Sets the number of threads that calls may use that build, read files or find rooms, and looks by viewers with
-/// ENFILADE_VIEWER_USES_THREADS. The threads are shared by the whole process, and wait for work.
+/// ENFILADE_VIEWER_FLAGS_USES_THREADS. The threads are shared by the whole process, and wait for work.
 ///
 /// @param count 1 to 256; 0 for one per core. Until the first call, and with 1, every call runs on the thread that makes it,
 /// and the library starts none.
@@ -857,7 +862,8 @@ EnfiladeStatus enfilade_set_threads(uint32_t count, struct EnfiladeError *error)
 /// Creates a mesh from triangles. Free it with enfilade_mesh_free.
 ///
 /// @param version ENFILADE_VERSION.
-/// @param parts The parts, one for each material. Positions that no triangle uses may hold anything.
+/// @param parts The parts, one for each material; none for a mesh without triangles, whose items are never visible. Positions
+/// that no triangle uses may hold anything.
 /// @param mesh Receives the mesh.
 ///
 /// Errors: ENFILADE_STATUS_BAD_MESH for an index out of range, positions that are not finite or beyond 1e18, indices that are no
@@ -1239,7 +1245,10 @@ EnfiladeStatus enfilade_viewer_set_options(struct EnfiladeViewer *viewer,
 /// Determines what is visible. Read it with enfilade_viewer_bits, enfilade_viewer_keys, enfilade_viewer_items and
 /// enfilade_viewer_passages.
 ///
-/// Starts no thread, and allocates nothing once the buffers of the viewer have grown, but for plans through several sectors.
+/// Starts no thread, and allocates nothing once the buffers of the viewer have grown, but for plans through several sectors. A look
+/// that is refused changes nothing: what was visible before can still be read.
+///
+/// The method of each sector decides how long it takes (enfilade_scene_set_method); ENFILADE_METHOD_MASKED is mostly the fastest.
 ///
 /// @param look Null, or receives the result in numbers.
 ///
@@ -1252,6 +1261,7 @@ EnfiladeStatus enfilade_viewer_look(struct EnfiladeViewer *viewer,
                                     struct EnfiladeError *error);
 
 /// Writes the last look as bits: bit key % 64 of word key / 64 is 1 if an item with this key is visible, else 0.
+/// Before the first look all bits are 1: nothing is known to be hidden.
 ///
 /// @param words The bits, which are cleared first.
 /// @param word_count Number of words: one for each 64 keys.
@@ -1482,7 +1492,7 @@ EnfiladeStatus enfilade_occlusion_depths(const struct EnfiladeOcclusion *occlusi
                                          struct EnfiladeError *error);
 
 /// Finds the rooms of a scene, and the doors and windows between them; for what is found, see the book. All doors with a leaf are
-/// closed at first. Takes seconds: write the result with enfilade_rooms_write.
+/// closed at first. Takes seconds, for a palace ten or more: write the result with enfilade_rooms_write.
 ///
 /// @param version ENFILADE_VERSION.
 /// @param options Null for the defaults.
@@ -1537,7 +1547,7 @@ EnfiladeStatus enfilade_rooms_list(const struct EnfiladeRooms *rooms,
                                    size_t *count,
                                    struct EnfiladeError *error);
 
-/// Lists the doors, windows, openings and gaps of a room, or all.
+/// Lists the doors, windows, openings and gaps of a room, or all. Rooms with furniture have thousands of gaps: look at their kind.
 ///
 /// @param room 0 for all rooms.
 /// @param list Receives up to @p capacity doors; null to get their number alone.

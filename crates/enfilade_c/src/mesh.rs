@@ -60,7 +60,8 @@ impl EnfiladeMeshPart {
 /// Creates a mesh from triangles. Free it with enfilade_mesh_free.
 ///
 /// @param version ENFILADE_VERSION.
-/// @param parts The parts, one for each material. Positions that no triangle uses may hold anything.
+/// @param parts The parts, one for each material; none for a mesh without triangles, whose items are never visible. Positions
+/// that no triangle uses may hold anything.
 /// @param mesh Receives the mesh.
 ///
 /// Errors: ENFILADE_STATUS_BAD_MESH for an index out of range, positions that are not finite or beyond 1e18, indices that are no
@@ -82,6 +83,13 @@ pub unsafe extern "C" fn enfilade_mesh_create(
         let lent: Vec<EnfiladeMeshPart> = caller.list(parts, 0, part_count, "parts")?.iter().collect();
         let mut borrowed = Vec::with_capacity(lent.len());
         for (number, part) in lent.iter().enumerate() {
+            if !part.index_count.is_multiple_of(3) {
+                let count = part.index_count;
+                let message =
+                    format_args!("index_count of part {number} is {count}; it must be a multiple of 3")
+                        .to_string();
+                return Err(Failure::new(EnfiladeStatus::BadMesh, "mesh/corners-left", message).at(number));
+            }
             let positions = caller.list::<[f32; 3]>(
                 part.positions.cast(),
                 part.position_stride,

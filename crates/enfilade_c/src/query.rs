@@ -4,7 +4,7 @@ use crate::handle;
 use crate::ids::{EnfiladeItemId, EnfiladeSectorId};
 use crate::items::matrix;
 use crate::lent::Caller;
-use crate::scene::{EnfiladeScene, SceneState};
+use crate::scene::{EnfiladeScene, SceneState, check_reserved};
 use crate::status::{EnfiladeError, EnfiladeStatus, Failure, check_finite};
 use enfilade::{Location, MAX_COORDINATE, Ray, RayEnd};
 use enfilade_walk::Capsule;
@@ -83,6 +83,7 @@ pub struct EnfiladeCapsule {
 
 impl SceneState {
     fn location(&self, location: &EnfiladeLocation) -> Result<Location, Failure> {
+        check_reserved(location.reserved)?;
         let sector = self.sector(location.sector)?;
         check_in_range("the position of a location", &location.position)?;
         Ok(Location {

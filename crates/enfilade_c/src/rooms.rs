@@ -14,7 +14,8 @@ use enfilade_bake::{
 use enfilade_import::{SceneRoomItems, authored_doors};
 use std::ffi::c_char;
 
-/// Rooms of a building, and the doors and windows between them. Looks do not use them. Queries may run on several threads at once;
+/// Rooms of a building, and the doors, windows, openings and gaps between them. Looks do not use them, but sectors: which sector the
+/// eye is in is told by enfilade_scene_locate, at once. Queries may run on several threads at once;
 /// enfilade_rooms_set_open must be alone.
 pub struct EnfiladeRooms {
     _opaque: (),
@@ -135,7 +136,7 @@ impl RoomsState {
 }
 
 /// Finds the rooms of a scene, and the doors and windows between them; for what is found, see the book. All doors with a leaf are
-/// closed at first. Takes seconds: write the result with enfilade_rooms_write.
+/// closed at first. Takes seconds, for a palace ten or more: write the result with enfilade_rooms_write.
 ///
 /// @param version ENFILADE_VERSION.
 /// @param options Null for the defaults.
@@ -329,7 +330,7 @@ pub unsafe extern "C" fn enfilade_rooms_list(
     })
 }
 
-/// Lists the doors, windows, openings and gaps of a room, or all.
+/// Lists the doors, windows, openings and gaps of a room, or all. Rooms with furniture have thousands of gaps: look at their kind.
 ///
 /// @param room 0 for all rooms.
 /// @param list Receives up to @p capacity doors; null to get their number alone.

@@ -47,7 +47,8 @@ pub(crate) struct SceneState {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EnfiladeMethod {
-    /// Masked occlusion culling: fast; conservative.
+    /// Masked occlusion culling: fast; conservative. It keeps two depths per 32 x 8 pixels, so that an item behind a wall may stay
+    /// visible where a floor begins; with ENFILADE_TIGHTNESS_RESOLVED it does not.
     Masked = 0,
     /// Occlusion tree over boxes: valid at any sample position (MSAA, TAA, dynamic resolution).
     Mobsp = 1,
@@ -384,6 +385,17 @@ pub(crate) fn check_flags(flags: u32, known: u32) -> Result<(), Failure> {
     Err(refuse(
         "c/flags",
         format_args!("flags are {flags:#x}; only bits of {known:#x} have a meaning"),
+    ))
+}
+
+/// Checks a field that a later version may use.
+pub(crate) fn check_reserved(reserved: u32) -> Result<(), Failure> {
+    if reserved == 0 {
+        return Ok(());
+    }
+    Err(refuse(
+        "c/reserved",
+        format_args!("reserved is {reserved}; it must be 0, so clear the struct first"),
     ))
 }
 

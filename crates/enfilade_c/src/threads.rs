@@ -11,7 +11,7 @@ const MOST: u32 = 256;
 static POOL: RwLock<Option<Arc<ThreadPool>>> = RwLock::new(None);
 
 /// Sets the number of threads that calls may use that build, read files or find rooms, and looks by viewers with
-/// ENFILADE_VIEWER_USES_THREADS. The threads are shared by the whole process, and wait for work.
+/// ENFILADE_VIEWER_FLAGS_USES_THREADS. The threads are shared by the whole process, and wait for work.
 ///
 /// @param count 1 to 256; 0 for one per core. Until the first call, and with 1, every call runs on the thread that makes it,
 /// and the library starts none.

@@ -2,7 +2,7 @@
 
 use crate::ids::EnfiladeSectorId;
 use crate::lent::Caller;
-use crate::scene::SceneState;
+use crate::scene::{SceneState, check_reserved};
 use crate::status::{EnfiladeError, EnfiladeStatus, Failure, characters, refuse};
 use enfilade::{Camera, ClipDepth, View, ViewError, Viewport};
 use std::ffi::c_char;
@@ -25,6 +25,9 @@ pub enum EnfiladeClipDepth {
 /// eye_from_sector x (x, y, z, 1). A matrix of rows that multiply row vectors (DirectXMath, Unreal) has the same numbers in the
 /// same order. Right- or left-handed, any up axis, off-centre, jittered, infinite or reversed depth, orthographic, oblique near
 /// plane. There is no far plane: what is beyond it counts as visible.
+///
+/// If too much or too little is visible, print one matrix: a view matrix has the translation in its last four numbers, and a
+/// perspective projection -1 or 1 as number 11 (the first is 0). A wrong clip_depth between the first two is not noticed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EnfiladeView {
@@ -56,7 +59,7 @@ pub struct EnfiladeCamera {
     pub eye: [f64; 3],
     /// A point in the centre of the picture, not the eye.
     pub target: [f64; 3],
-    /// Up vector, of any length; zero for +y.
+    /// Up vector, of any length; zero for +y. If it is parallel to the direction of view, another is taken.
     pub up: [f64; 3],
     /// Vertical field of view in radians, above 0 and below pi; 0 for 60 degrees.
     pub fov_y: f32,
@@ -66,7 +69,7 @@ pub struct EnfiladeCamera {
     pub parallel_height: f32,
     /// Must be 0.
     pub reserved: u32,
-    /// The sector that the eye is in; 0: found by its position.
+    /// The sector that the eye is in; 0, as for most cameras of files: found by its position.
     pub sector: EnfiladeSectorId,
     /// Name of a camera of a file, cut to fit; ignored as input.
     pub name: [c_char; 64],
@@ -95,6 +98,7 @@ pub unsafe extern "C" fn enfilade_view_from_camera(
         let camera = caller.one(camera, "camera");
         let out = caller.out(view, "view")?;
         let camera = camera?;
+        check_reserved(camera.reserved)?;
         let view = view_of(&camera, [width, height])?;
         let mut matrix = [[0.0; 4]; 4];
         for (column, values) in matrix.iter_mut().zip(view.eye_from_sector().columns_f64()) {
@@ -157,6 +161,7 @@ impl EnfiladeCamera {
 impl EnfiladeView {
     /// Returns the view without its sector.
     pub(crate) fn anywhere(&self) -> Result<View, Failure> {
+        check_reserved(self.reserved)?;
         const DEPTHS: [ClipDepth; 3] = [
             ClipDepth::MinusOneToOne,
             ClipDepth::ZeroToOne,

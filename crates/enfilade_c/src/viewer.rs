@@ -28,6 +28,7 @@ pub(crate) struct ViewerState {
     keys: VisibleKeys,
     /// Whether the keys are those of the last look.
     keys_are_known: bool,
+    has_looked: bool,
 }
 
 /// Flags of EnfiladeViewerOptions.
@@ -281,6 +282,7 @@ pub unsafe extern "C" fn enfilade_viewer_create(
             uses_threads: options.parallel,
             keys: VisibleKeys::default(),
             keys_are_known: false,
+            has_looked: false,
         })?);
         Ok(())
     })
@@ -325,7 +327,10 @@ pub unsafe extern "C" fn enfilade_viewer_set_options(
 /// Determines what is visible. Read it with enfilade_viewer_bits, enfilade_viewer_keys, enfilade_viewer_items and
 /// enfilade_viewer_passages.
 ///
-/// Starts no thread, and allocates nothing once the buffers of the viewer have grown, but for plans through several sectors.
+/// Starts no thread, and allocates nothing once the buffers of the viewer have grown, but for plans through several sectors. A look
+/// that is refused changes nothing: what was visible before can still be read.
+///
+/// The method of each sector decides how long it takes (enfilade_scene_set_method); ENFILADE_METHOD_MASKED is mostly the fastest.
 ///
 /// @param look Null, or receives the result in numbers.
 ///
@@ -355,9 +360,11 @@ pub unsafe extern "C" fn enfilade_viewer_look(
             viewer: own,
             uses_threads,
             keys_are_known,
+            has_looked,
             ..
         } = &mut *viewer;
         *keys_are_known = false;
+        *has_looked = true;
         let set = if *uses_threads {
             threads::on_all(|| own.look(&scene.scene, &view))
         } else {
@@ -391,6 +398,7 @@ fn check_screen(scene: &SceneState, view: &View) -> Result<(), Failure> {
 }
 
 /// Writes the last look as bits: bit key % 64 of word key / 64 is 1 if an item with this key is visible, else 0.
+/// Before the first look all bits are 1: nothing is known to be hidden.
 ///
 /// @param words The bits, which are cleared first.
 /// @param word_count Number of words: one for each 64 keys.
@@ -411,6 +419,10 @@ pub unsafe extern "C" fn enfilade_viewer_bits(
         words.fill(0);
         let viewer = handle::find(viewer)?;
         let viewer = viewer.read()?;
+        if !viewer.has_looked {
+            words.fill(u64::MAX);
+            return Ok(());
+        }
         let set = viewer.viewer.visible();
         set.mark(words);
         let end = 64 * words.len() as u64;

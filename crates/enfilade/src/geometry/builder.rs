@@ -264,7 +264,7 @@ pub enum GeometryError {
         meshes: usize,
     },
     /// A cluster refers to a material that does not exist.
-    #[error("mesh {mesh} uses material {material}, but there are only {materials}")]
+    #[error("mesh {mesh} uses material {material}, but there are {materials} materials")]
     NoSuchMaterial {
         /// Mesh id.
         mesh: usize,

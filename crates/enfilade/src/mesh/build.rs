@@ -36,7 +36,7 @@ pub enum MeshError {
         position: usize,
     },
     /// An index refers to a position that does not exist.
-    #[error("corner {corner} of part {part} is position {index}, but there are only {positions}")]
+    #[error("index {corner} of part {part} is {index}, but there are only {positions} positions")]
     IndexOutOfRange {
         /// Index of the part.
         part: usize,

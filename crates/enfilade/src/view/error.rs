@@ -41,8 +41,11 @@ pub enum ViewError {
     #[error("the tangents must be finite, left below right and bottom below top")]
     Tangents,
     /// The last row of the view matrix is not (0, 0, 0, 1).
-    #[error("the last row of eye_from_sector must be (0, 0, 0, 1); is the matrix transposed?")]
+    #[error("the last row of eye_from_sector must be (0, 0, 0, 1); is the matrix transposed, or not set?")]
     NotAffine,
+    /// The projection matrix is transposed: its last row has no distance along the view direction, but the row of z has.
+    #[error("the projection matrix is transposed: its last row must be (0, 0, -1, 0) or (0, 0, 1, 0)")]
+    Transposed,
     /// A matrix has no inverse: it maps space to a plane, a line or a point.
     #[error("the matrices have no inverse")]
     Singular,

@@ -5,7 +5,7 @@
 //! Source: Hartley, Zisserman, Multiple View Geometry, 2nd edition, section 6.2, for the eye of a projective camera.
 
 use super::{View, ViewError, Viewport, check_position};
-use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4, Vec4Swizzles};
+use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 
 /// The depths z / w of the near plane and of the far end in clip space: the convention of a projection matrix.
 #[doc(alias = "reversed z")]
@@ -46,7 +46,7 @@ impl View {
     ///
     /// A matrix of depth −1 to 1 that is said to be 0 to 1, or the other way round, is not noticed: its near plane is at
     /// twice or half the distance. A parallel view of the wrong `depth` looks backwards, or begins in the middle of its
-    /// range. Nor is a transposed projection always noticed. Print [`View::z_near`], [`View::fov_y`] and [`View::toward`]
+    /// range. Nor is a transposed projection noticed if its near plane is at 1 or at ½. Print [`View::z_near`], [`View::fov_y`] and [`View::toward`]
     /// once. The coordinates of your world are handed in unchanged, whatever their handedness: a face is seen from where
     /// (b − a) × (c − a) points, computed from the numbers.
     ///
@@ -88,6 +88,9 @@ impl View {
         if is_parallel(&clip) {
             return View::of_parallel(DAffine3::from_mat4(view), clip, depth, viewport.into());
         }
+        if is_transposed(&clip) {
+            return Err(ViewError::Transposed);
+        }
         let (eye_from_sector, clip) = eye_at_origin(DAffine3::from_mat4(view), clip)?;
         let eye = -(eye_from_sector.matrix3.inverse() * eye_from_sector.translation);
         if !eye.is_finite() {
@@ -109,6 +112,13 @@ impl View {
 fn is_parallel(clip: &DMat4) -> bool {
     let w = clip.row(3);
     w.w != 0.0 && w.xyz().length() <= 1e-12 * w.w.abs()
+}
+
+/// Whether a projection is a transposed perspective one: the column of z, (0, 0, b, 0), is where the row of w belongs, and
+/// the ±1 of that row at the end of the row of z.
+fn is_transposed(clip: &DMat4) -> bool {
+    let [z, w] = [clip.row(2), clip.row(3)];
+    z.w.abs() == 1.0 && w.xy() == DVec2::ZERO && w.w == 0.0 && w.z.abs() != 1.0
 }
 
 /// A parallel projection, taken apart.

@@ -308,6 +308,18 @@ fn matrices_that_are_no_perspective_view_are_refused_by_name() {
         refused(transposed, PERSPECTIVE, zero_to_one),
         ViewError::NotAffine
     );
+    // Standard, reversed without a far plane, OpenGL; the last off-centre.
+    for [x, z, b] in [[0.0, -1.001, -0.1001], [0.0, 0.0, 0.1], [0.3, -1.002, -0.2002]] {
+        let rows = [
+            [1.3, 0.0, x, 0.0],
+            [0.0, 1.7, 0.0, 0.0],
+            [0.0, 0.0, z, b],
+            [0.0, 0.0, -1.0, 0.0],
+        ];
+        for depth in [zero_to_one, ClipDepth::OneToZero, ClipDepth::MinusOneToOne] {
+            assert_eq!(refused(IDENTITY, rows, depth), ViewError::Transposed);
+        }
+    }
     let nan = changed(PERSPECTIVE, [0, 0], f64::NAN);
     assert_eq!(
         refused(IDENTITY, nan, zero_to_one),

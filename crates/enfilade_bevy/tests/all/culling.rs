@@ -109,6 +109,21 @@ fn messages_say_what_came_into_sight_and_what_went() {
         1,
         "the wall"
     );
+    // Nothing is hidden while culling is off.
+    app.world_mut().entity_mut(camera).insert(Transform::IDENTITY);
+    app.update();
+    for (enabled, visible) in [(false, true), (true, false)] {
+        set_enabled(&mut app, enabled);
+        app.world_mut()
+            .resource_mut::<Messages<EntityVisibilityChanged>>()
+            .clear();
+        app.update();
+        let mut messages = app
+            .world_mut()
+            .resource_mut::<Messages<EntityVisibilityChanged>>();
+        let said: Vec<_> = messages.drain().map(|said| (said.entity, said.visible)).collect();
+        assert_eq!(said, [(entity, visible)]);
+    }
 }
 
 #[test]

@@ -188,3 +188,121 @@ fn a_mirror_shows_what_is_behind_the_camera() {
     house.app.update();
     assert!(sees(&house));
 }
+
+#[test]
+fn a_doorway_joins_its_rooms_wherever_it_is_in_their_wall() {
+    for case in 0..162 {
+        let [wall_of, owner, offset, turned, names_to] =
+            [case % 3, case / 3 % 3, case / 9 % 3, case / 27 % 2, case / 54 % 3];
+        let mut app = an_app();
+        let cameras = [(0.0, 0.0), (-6.0, std::f32::consts::PI)].map(|(z, turn)| {
+            let place = at(0.0, 1.5, z).with_rotation(Quat::from_rotation_y(turn));
+            add_camera(&mut app, place)
+        });
+        let floor = add_mesh(&mut app, a_box(Vec3::new(3.0, 0.05, 2.9)));
+        let small = add_mesh(&mut app, a_box(Vec3::splat(0.2)));
+        let jamb = add_mesh(&mut app, a_box(Vec3::new(1.25, 1.5, 0.1)));
+        let rooms = [0.0, -6.0].map(|z| {
+            let room = app.world_mut().spawn((Sector, at(0.0, 0.0, z))).id();
+            for y in [0.0, 3.0] {
+                let part = (Mesh3d(floor.clone()), at(0.0, y, 0.0), ChildOf(room));
+                app.world_mut().spawn(part);
+            }
+            room
+        });
+        let ends = [-5.0_f32, -1.0].map(|z| {
+            let room = usize::from(z < -3.0);
+            let place = at(0.0, 1.0, z + 6.0 * room as f32);
+            app.world_mut()
+                .spawn((Mesh3d(small.clone()), place, ChildOf(rooms[room])))
+                .id()
+        });
+        let yard = app
+            .world_mut()
+            .spawn((Mesh3d(small.clone()), at(0.0, 1.0, -20.0)))
+            .id();
+        let below = |entity: &mut EntityWorldMut, owner: usize, z: f32| {
+            match rooms.get(owner) {
+                Some(&room) => entity.insert((
+                    at(
+                        entity.get::<Transform>().map_or(0.0, |at| at.translation.x),
+                        1.5,
+                        z + 6.0 * owner as f32,
+                    ),
+                    ChildOf(room),
+                )),
+                None => entity,
+            };
+        };
+        for x in [-1.75, 1.75] {
+            let mut part = app.world_mut().spawn((Mesh3d(jamb.clone()), at(x, 1.5, -3.0)));
+            below(&mut part, wall_of, -3.0);
+        }
+        let z = -3.0 + 0.1 * (offset as f32 - 1.0);
+        let mut portal = Portal::rectangle(Vec2::new(1.0, 3.0));
+        // Without an owner, it is the one in which the other end is.
+        portal.to = (names_to > 0).then(|| rooms[if owner < 2 { 1 - owner } else { names_to - 1 }]);
+        let mut door = app.world_mut().spawn((portal, at(0.0, 1.5, z)));
+        below(&mut door, owner, z);
+        if turned == 1
+            && let Some(mut place) = door.get_mut::<Transform>()
+        {
+            place.rotation = Quat::from_rotation_y(std::f32::consts::PI);
+        }
+        app.update();
+        for (camera, end) in cameras.into_iter().zip(ends) {
+            let seen = visible(&app, camera);
+            assert!(seen.contains(&end), "case {case}");
+            assert!(!seen.contains(&yard), "case {case}: it is not linked");
+        }
+    }
+}
+
+#[test]
+fn a_doorway_in_the_middle_of_a_room_hides_nothing() {
+    let mut house = a_house();
+    let place = at(0.0, 1.0, 0.5);
+    house.app.world_mut().entity_mut(house.door).insert(place);
+    assert!(house.sees(house.beside) && house.sees(house.in_yard));
+    // In a wall that it does not know, but with a name for where it leads.
+    let mut door = house
+        .app
+        .world_mut()
+        .get_mut::<Portal>(house.door)
+        .expect("a door");
+    door.to = Some(house.rooms[1]);
+    house
+        .app
+        .world_mut()
+        .entity_mut(house.door)
+        .insert(at(0.0, 1.0, -2.0));
+    assert!(house.sees(house.in_line));
+    assert!(!house.sees(house.in_yard));
+}
+
+#[test]
+fn a_frozen_set_stays_where_no_room_is() {
+    let mut house = a_house();
+    house.app.update();
+    let before = visible(&house.app, house.camera);
+    house
+        .app
+        .world_mut()
+        .entity_mut(house.camera)
+        .insert(FreezeVisibility);
+    house.app.update();
+    let far = at(0.0, 9.0, 9.0).looking_at(Vec3::new(0.0, 0.0, -6.0), Vec3::Y);
+    house.app.world_mut().entity_mut(house.camera).insert(far);
+    house.app.update();
+    let frozen = visible(&house.app, house.camera);
+    assert!(!frozen.is_empty() && frozen.iter().all(|entity| before.contains(entity)));
+    house
+        .app
+        .world_mut()
+        .entity_mut(house.camera)
+        .remove::<FreezeVisibility>();
+    assert!(
+        house.sees(house.beside),
+        "no portal leads outdoors, so it is left alone"
+    );
+}

@@ -73,5 +73,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         ]
         .concat(),
     )?;
+    cargo(&[&["run", "--example", "rooms"], &without_renderer[..]].concat())?;
     cargo(&["test", "--features", "gizmos"])
 }

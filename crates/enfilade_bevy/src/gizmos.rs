@@ -18,7 +18,8 @@ use bevy_reflect::Reflect;
 use bevy_transform::prelude::GlobalTransform;
 use enfilade::{Aabb, View};
 
-/// Draws lines of the group [`EnfiladeGizmos`]. Add it after `GizmoPlugin`, which is one of Bevy's default plugins.
+/// Draws lines of the group [`EnfiladeGizmos`], by Bevy's `GizmoPlugin`: one of the default plugins with Bevy's feature
+/// `bevy_gizmos_render`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnfiladeGizmosPlugin;
 

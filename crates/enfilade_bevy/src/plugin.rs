@@ -9,10 +9,12 @@ use crate::messages::{EntityVisibilityChanged, SectorVisibilityChanged};
 use crate::scene::{self, EnfiladeScene};
 use crate::settings::EnfiladeSettings;
 use bevy_app::prelude::*;
-use bevy_asset::AssetEventSystems;
+use bevy_asset::{AssetEventSystems, Assets};
 use bevy_camera::visibility::VisibilitySystems;
 use bevy_diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy_ecs::prelude::*;
+use bevy_log::warn;
+use bevy_mesh::Mesh;
 use bevy_platform::time::Instant;
 
 /// Culls for all cameras.
@@ -73,6 +75,7 @@ impl Plugin for EnfiladePlugin {
                     EnfiladeSystems::Cull,
                 )
                     .chain()
+                    .run_if(resource_exists::<Assets<Mesh>>)
                     .after(VisibilitySystems::CheckVisibility)
                     .after(AssetEventSystems)
                     .before(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
@@ -99,6 +102,14 @@ impl Plugin for EnfiladePlugin {
             );
         #[cfg(feature = "gltf")]
         app.add_systems(PostUpdate, crate::gltf::read_extras.in_set(EnfiladeSystems::Read));
+    }
+
+    fn finish(&self, app: &mut App) {
+        if !app.world().contains_resource::<Assets<Mesh>>() {
+            warn!(
+                "Enfilade has nothing to cull: add Bevy's DefaultPlugins, or its AssetPlugin, MeshPlugin and VisibilityPlugin"
+            );
+        }
     }
 }
 

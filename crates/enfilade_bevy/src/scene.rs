@@ -23,13 +23,13 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemParam;
 use bevy_log::warn;
-use bevy_math::Affine3A;
+use bevy_math::{Affine3A, Vec3};
 use bevy_mesh::morph::MeshMorphWeights;
 use bevy_mesh::skinning::SkinnedMesh;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_platform::collections::{HashMap, HashSet};
 use bevy_transform::prelude::GlobalTransform;
-use enfilade::{GeometryBuilder, ItemOptions, Method, Scene, SceneError, SectorId, Transform};
+use enfilade::{GeometryBuilder, ItemOptions, Method, Ray, RayEnd, Scene, SceneError, SectorId, Transform};
 use enfilade_sync::{Changes, EntityMap, Spawn};
 
 /// The number of no mesh: an entity is culled by its box.
@@ -153,6 +153,21 @@ impl EnfiladeScene {
     /// Returns the scene, for rays and other queries. Keys of items are [`Entity::to_bits`].
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// Returns the first entity on the way from an eye to a point, such as what hides that point; `None` if the way is free.
+    /// Entities without triangles in the scene, whose boxes are culled, are not met.
+    pub fn first_between(&self, eye: Vec3, point: Vec3) -> Option<Entity> {
+        let sector = self.rooms.at(eye.to_array()).unwrap_or(OUTDOORS);
+        let ray = Ray {
+            origin: eye.to_array(),
+            direction: (point - eye).to_array(),
+        };
+        let cast = self.scene.cast(sector, &ray);
+        match cast.end {
+            RayEnd::Face(hit) if cast.distance < 1.0 => Entity::try_from_bits(hit.key),
+            _ => None,
+        }
     }
 
     /// Returns whether an entity is in the scene, so that it may be culled.

@@ -98,6 +98,9 @@ fn messages_say_what_came_into_sight_and_what_went() {
         said
     };
     assert_eq!(said(), BTreeSet::from([(wall, true), (entity, false)]));
+    let scene = app.world().resource::<EnfiladeScene>();
+    let between = |z| scene.first_between(Vec3::ZERO, Vec3::new(0.0, 0.0, z));
+    assert_eq!([between(-4.0), between(-9.0)], [None, Some(wall)]);
     app.world_mut()
         .entity_mut(camera)
         .insert(Transform::from_rotation(Quat::from_rotation_y(3.0)));

@@ -139,7 +139,7 @@ pub use ids::{
 };
 #[cfg(feature = "terrain")]
 pub use large_terrain::{HeightBytes, HeightFormat, Heights, LargeTerrain};
-pub use mesh::{Attributes, Cluster, Indices, Mesh, MeshError, Part, Vertices};
+pub use mesh::{Attributes, Cluster, Indices, Mesh, MeshDataError, MeshError, Part, Vertices};
 #[cfg(feature = "terrain")]
 pub use method::FloatingHorizon;
 #[cfg(feature = "classic")]

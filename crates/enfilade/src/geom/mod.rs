@@ -28,7 +28,7 @@ pub(crate) use bvh::Bvh;
 pub(crate) use cross::cross;
 pub(crate) use kd_tree::KdTree;
 pub use octree::Step;
-pub(crate) use octree::{Enter, Octree};
+pub(crate) use octree::{Enter, Octree, StoredNode};
 pub(crate) use pierce::{Pierced, nearest_in, pierced};
 pub use polygon::{ConvexPolygon, PolygonError};
 pub(crate) use runs::{Run, Runs};

@@ -1,7 +1,9 @@
 //! Vertex attributes besides positions, for renderers. They do not affect visibility.
 
 use super::build::{check_stride, first_used};
+use super::list::List;
 use super::{MeshError, Part, Vertices};
+use bytemuck::Pod;
 
 /// Vertex attributes of a part, for renderers. Each list is empty or has one element per position.
 ///
@@ -23,9 +25,9 @@ pub struct Attributes<'a> {
 /// The attributes of a whole mesh; each list is empty or as long as the positions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MeshAttributes {
-    pub(super) normals: Vec<[f32; 3]>,
-    pub(super) texture: Vec<[f32; 2]>,
-    pub(super) colors: Vec<[f32; 4]>,
+    pub(super) normals: List<[f32; 3]>,
+    pub(super) texture: List<[f32; 2]>,
+    pub(super) colors: List<[f32; 4]>,
 }
 
 impl Attributes<'_> {
@@ -85,9 +87,12 @@ fn gather<'a, const N: usize>(
     sources: &[(u32, u32)],
     list: impl Fn(&Attributes<'a>) -> Vertices<'a, N>,
     none: [f32; N],
-) -> Vec<[f32; N]> {
+) -> List<[f32; N]>
+where
+    [f32; N]: Pod,
+{
     if parts.iter().all(|part| list(&part.attributes).is_empty()) {
-        return Vec::new();
+        return List::default();
     }
     let value = |&(part, position): &(u32, u32)| {
         let list = list(&parts[part as usize].attributes);
@@ -97,7 +102,8 @@ fn gather<'a, const N: usize>(
             list.at(position as usize)
         }
     };
-    sources.iter().map(value).collect()
+    let values: Vec<[f32; N]> = sources.iter().map(value).collect();
+    values.into()
 }
 
 #[cfg(test)]

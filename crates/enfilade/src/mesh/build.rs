@@ -244,27 +244,44 @@ pub(super) fn build(parts: &[Part], faces: Vec<Source>) -> Mesh {
         }
         for run in members.chunk_by(|&a, &b| material(a) == material(b)) {
             for run in run.chunks(CLUSTER_FACES) {
-                numbers.push(clusters.mesh.clusters.len() as u32);
+                numbers.push(clusters.lists.clusters.len() as u32);
                 clusters.add(run);
             }
         }
     });
     let Clusters {
-        mut mesh, sources, ..
+        mut lists, sources, ..
     } = clusters;
-    mesh.attributes = MeshAttributes::gather(parts, &sources);
     if faces.iter().any(|face| face.sides != 3) {
-        mesh.starts.push(mesh.corners.len() as u32);
+        lists.starts.push(lists.corners.len() as u32);
     } else {
-        mesh.starts = Vec::new();
+        lists.starts = Vec::new();
     }
+    lists.clusters.shrink_to_fit();
+    let mut mesh = Mesh {
+        positions: lists.positions.into(),
+        attributes: MeshAttributes::gather(parts, &sources),
+        corners: lists.corners.into(),
+        starts: lists.starts.into(),
+        neighbours: lists.neighbours.into(),
+        clusters: lists.clusters,
+        ..Mesh::nothing()
+    };
     mesh.below = Below::new(&tree, |cluster| mesh.triangles_in(cluster));
     mesh.tree = tree;
     mesh.face_boxes.resize_with(mesh.clusters.len(), OnceLock::new);
     mesh.bounds = bounds.iter().fold(Aabb::EMPTY, |sum, b| sum.union(b));
-    mesh.positions.shrink_to_fit();
-    mesh.clusters.shrink_to_fit();
     mesh
+}
+
+/// The lists of a mesh that is being built.
+#[derive(Default)]
+struct Lists {
+    positions: Vec<[f32; 3]>,
+    corners: Vec<u32>,
+    starts: Vec<u32>,
+    neighbours: Vec<u8>,
+    clusters: Vec<Cluster>,
 }
 
 /// Builds the clusters of a mesh one by one.
@@ -272,7 +289,7 @@ struct Clusters<'a> {
     parts: &'a [Part<'a>],
     faces: &'a [Source],
     bounds: &'a [Aabb],
-    mesh: Mesh,
+    lists: Lists,
     /// Part and index of each position of the mesh.
     sources: Vec<(u32, u32)>,
     /// By position of the input: 1 + the last cluster that uses it, and its number there.
@@ -289,16 +306,16 @@ struct Clusters<'a> {
 
 impl<'a> Clusters<'a> {
     fn new(parts: &'a [Part], faces: &'a [Source], bounds: &'a [Aabb]) -> Clusters<'a> {
-        let mut mesh = Mesh::nothing();
+        let mut lists = Lists::default();
         let corners: usize = parts.iter().map(|part| part.corners.len()).sum();
-        mesh.corners.reserve_exact(corners);
-        mesh.neighbours.reserve_exact(corners);
+        lists.corners.reserve_exact(corners);
+        lists.neighbours.reserve_exact(corners);
         let vertices = parts.iter().map(|part| vec![(0, 0); part.positions.len()]);
         Clusters {
             parts,
             faces,
             bounds,
-            mesh,
+            lists,
             sources: Vec::new(),
             seen: vertices.collect(),
             vertices: Vec::new(),
@@ -317,28 +334,28 @@ impl<'a> Clusters<'a> {
         const UNPLACED: u32 = u32::MAX;
         self.placed.clear();
         self.placed.resize(self.vertices.len(), UNPLACED);
-        let mesh = &mut self.mesh;
-        let first_position = mesh.positions.len() as u32;
+        let lists = &mut self.lists;
+        let first_position = lists.positions.len() as u32;
         let mut bounds = Aabb::EMPTY;
         for &face in self.adjacency.order() {
             let face = usize::from(face);
             bounds = bounds.union(&self.bounds[members[face] as usize]);
-            mesh.starts.push(mesh.corners.len() as u32);
+            lists.starts.push(lists.corners.len() as u32);
             for corner in self.starts[face]..self.starts[face + 1] {
                 let vertex = self.corners[corner as usize] as usize;
                 if self.placed[vertex] == UNPLACED {
-                    self.placed[vertex] = mesh.positions.len() as u32;
-                    mesh.positions.push(self.positions[vertex]);
+                    self.placed[vertex] = lists.positions.len() as u32;
+                    lists.positions.push(self.positions[vertex]);
                     self.sources.push(self.vertices[vertex]);
                 }
-                mesh.corners.push(self.placed[vertex]);
-                mesh.neighbours.push(self.adjacency.across(corner));
+                lists.corners.push(self.placed[vertex]);
+                lists.neighbours.push(self.adjacency.across(corner));
             }
         }
-        let first_face = mesh.clusters.last().map_or(0, |cluster| cluster.faces.end);
-        mesh.clusters.push(Cluster {
+        let first_face = lists.clusters.last().map_or(0, |cluster| cluster.faces.end);
+        lists.clusters.push(Cluster {
             faces: first_face..first_face + members.len() as u32,
-            positions: first_position..mesh.positions.len() as u32,
+            positions: first_position..lists.positions.len() as u32,
             material: self.parts[self.faces[members[0] as usize].part as usize].material,
             bounds,
         });
@@ -346,7 +363,7 @@ impl<'a> Clusters<'a> {
 
     /// Collects the corners of a cluster's faces, and numbers its vertices.
     fn collect(&mut self, members: &[u32]) {
-        let stamp = self.mesh.clusters.len() as u32 + 1;
+        let stamp = self.lists.clusters.len() as u32 + 1;
         self.vertices.clear();
         self.positions.clear();
         self.corners.clear();

@@ -5,7 +5,9 @@ mod below;
 mod build;
 mod cuboid;
 mod face_boxes;
+mod list;
 mod neighbours;
+mod stored;
 mod triangles;
 mod vertices;
 
@@ -14,6 +16,7 @@ pub use build::MeshError;
 #[cfg(test)]
 pub(crate) use face_boxes::tests::soup;
 pub(crate) use neighbours::NONE;
+pub use stored::MeshDataError;
 pub use vertices::{Indices, Vertices};
 
 use crate::geom::{Aabb, Octree, Step};
@@ -22,6 +25,7 @@ use attributes::MeshAttributes;
 use below::Below;
 use build::{build, check};
 use face_boxes::FaceBoxes;
+use list::List;
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -56,13 +60,13 @@ use std::sync::OnceLock;
 #[doc(alias = "index buffer")]
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    positions: Vec<[f32; 3]>,
+    positions: List<[f32; 3]>,
     attributes: MeshAttributes,
-    corners: Vec<u32>,
+    corners: List<u32>,
     /// Start of each face in `corners`, and the end of the last; empty if all faces are triangles.
-    starts: Vec<u32>,
+    starts: List<u32>,
     /// For each corner, the face of the cluster across the edge that starts there, or [`NONE`].
-    neighbours: Vec<u8>,
+    neighbours: List<u8>,
     clusters: Vec<Cluster>,
     tree: Octree,
     below: Below,
@@ -121,11 +125,11 @@ impl Mesh {
     /// Returns a mesh without faces.
     pub(crate) fn nothing() -> Mesh {
         Mesh {
-            positions: Vec::new(),
+            positions: List::default(),
             attributes: MeshAttributes::default(),
-            corners: Vec::new(),
-            starts: Vec::new(),
-            neighbours: Vec::new(),
+            corners: List::default(),
+            starts: List::default(),
+            neighbours: List::default(),
             clusters: Vec::new(),
             tree: Octree::default(),
             below: Below::default(),

@@ -10,12 +10,14 @@
 //! A node's AABB contains every primitive of its subtree, so culling a hidden node culls only hidden primitives.
 
 mod movable;
+mod stored;
 #[cfg(test)]
 mod tests;
 
 use crate::geom::Aabb;
 use crate::geom::runs::{FreeList, Run, Runs};
 use smallvec::SmallVec;
+pub(crate) use stored::StoredNode;
 
 /// Octree over indexed AABBs, stored in two flat arrays.
 ///

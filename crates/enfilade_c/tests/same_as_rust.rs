@@ -307,3 +307,30 @@ fn a_camera_of_a_file_has_its_name_and_sector() {
     }
     enfilade_scene_free(scene);
 }
+
+#[test]
+fn before_the_first_look_nothing_is_known_to_be_hidden() {
+    let viewer = viewer();
+    let mut words = [0; 3];
+    let status = unsafe { enfilade_viewer_bits(viewer, words.as_mut_ptr(), words.len(), null_mut()) };
+    assert_eq!((status, words), (EnfiladeStatus::Ok, [u64::MAX; 3]));
+    let scene = palace();
+    let mut view = view(&cameras(scene)[0], [64, 36]);
+    view.reserved = 9;
+    let look =
+        |view: &EnfiladeView| unsafe { enfilade_viewer_look(viewer, scene, view, null_mut(), null_mut()) };
+    assert_eq!(
+        look(&view),
+        EnfiladeStatus::BadArgument,
+        "a later version may use the field"
+    );
+    view.reserved = 0;
+    assert_eq!(look(&view), EnfiladeStatus::Ok);
+    let columns = view.clip_from_eye;
+    for (place, value) in view.clip_from_eye.iter_mut().enumerate() {
+        *value = columns[4 * (place % 4) + place / 4];
+    }
+    assert_eq!(look(&view), EnfiladeStatus::BadView, "it is transposed");
+    assert_eq!(enfilade_viewer_free(viewer), EnfiladeStatus::Ok);
+    assert_eq!(enfilade_scene_free(scene), EnfiladeStatus::Ok);
+}

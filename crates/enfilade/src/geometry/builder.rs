@@ -264,7 +264,7 @@ pub enum GeometryError {
         meshes: usize,
     },
     /// A cluster refers to a material that does not exist.
-    #[error("mesh {mesh} uses material {material}, but there are {materials} materials")]
+    #[error("mesh {mesh} uses material {material}, but the number of materials is {materials}")]
     NoSuchMaterial {
         /// Mesh id.
         mesh: usize,

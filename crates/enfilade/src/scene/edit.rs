@@ -63,7 +63,9 @@ pub enum EditError {
     #[error("the mesh of item {0} has no faces; remove the item instead")]
     NoFaces(ItemLabel),
     /// The mesh of an item uses a material that the geometry of the sector does not have.
-    #[error("the mesh of item {item} uses material {material}, but its sector has {materials} materials")]
+    #[error(
+        "the mesh of item {item} uses material {material}, but the number of materials in its sector is {materials}"
+    )]
     NoSuchMaterial {
         /// The item.
         item: ItemLabel,

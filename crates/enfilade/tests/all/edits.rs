@@ -198,7 +198,7 @@ fn what_cannot_be_is_refused_and_the_item_stays_as_it_was() {
     .expect("a triangle");
     says(
         edit.add(HALL, "coin", of_gold, at(0.0)).map(|_| ()),
-        "the mesh of item `coin` (key 4) uses material 7, but its sector has only 1",
+        "the mesh of item `coin` (key 4) uses material 7, but the number of materials in its sector is 1",
     );
     says(
         edit.add(HALL, "ghost", leaf(), at(f32::NAN)).map(|_| ()),

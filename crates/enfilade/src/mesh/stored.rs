@@ -315,7 +315,7 @@ mod tests {
         };
         let sides = vec![4; quads.len() / 4];
         let parts = [part(&quads, Some(&sides[..]), 0), part(&triangles, None, 1)];
-        Mesh::new(&parts[usize::from(n % 2 == 0)..]).expect("a valid mesh")
+        Mesh::new(&parts[usize::from(n.is_multiple_of(2))..]).expect("a valid mesh")
     }
 
     fn walked(mesh: &Mesh, eye: [f64; 3]) -> Vec<String> {

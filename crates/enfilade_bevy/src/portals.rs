@@ -328,7 +328,7 @@ fn wanted(
     };
     let Some([from, other]) = ends.filter(|[from, other]| from != other) else {
         return Err(
-            "which two rooms it joins cannot be told; make it a descendant of one of them, set `to`, or move it into the \
+            "found no two rooms that it joins; make it a descendant of one of them, set `to`, or move it into the \
              wall between them"
                 .to_owned(),
         );

@@ -422,9 +422,8 @@ typedef struct EnfiladeOccluder EnfiladeOccluder;
 /// may run on several threads at once; enfilade_occlusion_begin and enfilade_occlusion_draw must be alone.
 typedef struct EnfiladeOcclusion EnfiladeOcclusion;
 
-/// Rooms of a building, and the doors, windows, openings and gaps between them. Looks do not use them, but sectors: which sector the
-/// eye is in is told by enfilade_scene_locate, at once. Queries may run on several threads at once;
-/// enfilade_rooms_set_open must be alone.
+/// Rooms of a building, and the doors, windows, openings and gaps between them. Looks use sectors instead; enfilade_scene_locate finds
+/// the sector of the eye in microseconds. Queries may run on several threads at once; enfilade_rooms_set_open must be alone.
 typedef struct EnfiladeRooms EnfiladeRooms;
 
 /// A scene: sectors with items, joined by portals.

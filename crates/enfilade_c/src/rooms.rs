@@ -14,9 +14,8 @@ use enfilade_bake::{
 use enfilade_import::{SceneRoomItems, authored_doors};
 use std::ffi::c_char;
 
-/// Rooms of a building, and the doors, windows, openings and gaps between them. Looks do not use them, but sectors: which sector the
-/// eye is in is told by enfilade_scene_locate, at once. Queries may run on several threads at once;
-/// enfilade_rooms_set_open must be alone.
+/// Rooms of a building, and the doors, windows, openings and gaps between them. Looks use sectors instead; enfilade_scene_locate finds
+/// the sector of the eye in microseconds. Queries may run on several threads at once; enfilade_rooms_set_open must be alone.
 pub struct EnfiladeRooms {
     _opaque: (),
 }

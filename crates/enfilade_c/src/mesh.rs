@@ -83,13 +83,6 @@ pub unsafe extern "C" fn enfilade_mesh_create(
         let lent: Vec<EnfiladeMeshPart> = caller.list(parts, 0, part_count, "parts")?.iter().collect();
         let mut borrowed = Vec::with_capacity(lent.len());
         for (number, part) in lent.iter().enumerate() {
-            if !part.index_count.is_multiple_of(3) {
-                let count = part.index_count;
-                let message =
-                    format_args!("index_count of part {number} is {count}; it must be a multiple of 3")
-                        .to_string();
-                return Err(Failure::new(EnfiladeStatus::BadMesh, "mesh/corners-left", message).at(number));
-            }
             let positions = caller.list::<[f32; 3]>(
                 part.positions.cast(),
                 part.position_stride,

@@ -82,7 +82,9 @@ pub enum MeshError {
         position: usize,
     },
     /// The corners do not form whole faces.
-    #[error("the faces of part {part} do not use all of its {corners} corners")]
+    #[error(
+        "the {corners} indices of part {part} are no whole faces: three per triangle, or as many as `sides` says"
+    )]
     CornersLeft {
         /// Index of the part.
         part: usize,

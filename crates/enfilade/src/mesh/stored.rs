@@ -282,6 +282,8 @@ mod tests {
     use super::*;
     use crate::chance::Dice;
     use crate::mesh::{Attributes, Indices, Part, Vertices};
+    use crate::{GeometryBuilder, Material, Method, Scene, Transform, View, Viewer};
+    use std::sync::Arc;
 
     /// A grid of quads and pairs of triangles, of two materials, bent along x.
     fn sheet(n: u32) -> Mesh {
@@ -359,10 +361,31 @@ mod tests {
         }
     }
 
+    /// Looks at a mesh by methods that together use all that is stored. Returns whether a geometry takes it.
+    fn look_at(mesh: Mesh) -> bool {
+        let mut room = GeometryBuilder::new([Material::opaque([0.5; 3]); 2]);
+        let mesh = room.mesh(mesh);
+        room.item("damaged", mesh, Transform::IDENTITY);
+        // A damaged material, or a place out of range, is an error of the geometry.
+        let Ok(room) = room.build() else { return false };
+        let room = Arc::new(room);
+        let view = View::new([3.0, -2.0, 9.0], [3.0, 3.0, 0.0], [64, 48]).expect("a valid view");
+        for method in [
+            Method::Masked,
+            Method::HierarchicalZ,
+            Method::HierarchicalS,
+            Method::Svbsp,
+        ] {
+            let scene = Scene::single(Arc::clone(&room), method).expect("a scene");
+            Viewer::new().look(&scene, &view);
+        }
+        true
+    }
+
     #[test]
-    fn damaged_bytes_are_an_error_or_a_mesh_that_can_be_walked() {
+    fn damaged_bytes_are_an_error_or_a_mesh_that_can_be_looked_at() {
         let mut dice = Dice::new(34);
-        let [mut refused, mut read] = [0, 0];
+        let [mut refused, mut read, mut looked] = [0; 3];
         for sound in [sheet(5), sheet(12)].map(|mesh| mesh.to_bytes()) {
             for length in 0..sound.len() {
                 assert!(
@@ -388,11 +411,17 @@ mod tests {
                                 <= 2 * mesh.clusters.len() + mesh.tree.node_count()
                         );
                         assert_eq!(mesh.triangle_indices().count() as u64, 3 * mesh.triangle_count());
+                        if read % 8 == 0 {
+                            looked += usize::from(look_at(mesh));
+                        }
                     }
                     Err(_) => refused += 1,
                 }
             }
         }
-        assert!(refused > 5000 && read > 5000, "{refused}, {read}");
+        assert!(
+            refused > 5000 && read > 5000 && looked > 1000,
+            "{refused}, {read}, {looked}"
+        );
     }
 }

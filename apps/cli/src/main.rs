@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod bake;
 mod bench;
 mod cameras;
 mod check;
@@ -80,6 +81,7 @@ fn main() -> ExitCode {
         Some(Verb::Portals(args)) => portals::run(&args),
         Some(Verb::Rooms(args)) => rooms::run(&args),
         Some(Verb::View(args)) => view::run(&args),
+        Some(Verb::Bake(args)) => bake::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };
     match outcome {

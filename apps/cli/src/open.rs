@@ -5,10 +5,12 @@ use crate::out;
 use crate::progress::Progress;
 use crate::run_files::RunFiles;
 use crate::values::{Choice, among};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use enfilade::{Camera, Method, Scene, SceneError, Unsuited};
 use enfilade_draw::Stage;
-use enfilade_import::{BrokenRule, ImportError, MapSummary, ReadOptions, SourceNodes};
+use enfilade_import::{
+    BakedSections, BrokenRule, Import, ImportError, MapSummary, ReadOptions, Room, SourceNodes,
+};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
@@ -30,6 +32,8 @@ pub(crate) struct OpenedScene {
     pub(crate) nodes: Vec<SourceNodes>,
     /// Summary of a compiled map; `None` for other files.
     pub(crate) map: Option<MapSummary>,
+    /// What a baked scene consists of; `None` for other files.
+    pub(crate) sections: Option<BakedSections>,
     /// Warnings of the reader, one line each; already printed.
     pub(crate) warnings: Vec<String>,
     pub(crate) load_ms: f64,
@@ -49,7 +53,7 @@ pub(crate) enum Purpose {
 /// Opens a scene and prints its warnings.
 ///
 /// With [`Choice::Own`] rooms of a file that names no method get hierarchical-z. With `portals.flat` a file is read as
-/// one room; a built-in scene keeps its portals, and the caller must not follow them. Adds the files that belong to the
+/// one room; a built-in or baked scene keeps its portals, and the caller must not follow them. Adds the files that belong to the
 /// scene to the inputs in `files`.
 pub(crate) fn open(
     scene: &OsStr,
@@ -94,6 +98,7 @@ fn open_built_in(file: &str, name: &str) -> Result<OpenedScene> {
         cameras: built.cameras,
         nodes: Vec::new(),
         map: None,
+        sections: None,
         warnings: Vec::new(),
         load_ms: 0.0,
         stage: Arc::default(),
@@ -109,8 +114,9 @@ fn open_file(
     files: &mut RunFiles,
 ) -> Result<OpenedScene> {
     let file = &*path.to_string_lossy();
+    let sections = BakedSections::read(path).ok().flatten();
     let mut options = ReadOptions {
-        flat: portals.flat,
+        flat: portals.flat && sections.is_none(),
         skip_bad_portals: portals.bad.skip,
         textures: wanted == Purpose::Pictures,
         ..ReadOptions::default()
@@ -159,9 +165,68 @@ fn open_file(
         orthographic_heights: import.orthographic_heights,
         nodes: import.rooms.into_iter().map(|room| room.nodes).collect(),
         map: import.map,
+        sections,
         warnings: import.warnings.iter().map(ToString::to_string).collect(),
         load_ms: 0.0,
         stage: Arc::default(),
+    })
+}
+
+/// Reads everything in a file, textures included; or a built-in scene as if it were read from a file. Adds the files that
+/// belong to the scene to the inputs in `files`.
+pub(crate) fn import_of(
+    scene: &OsStr,
+    flat: bool,
+    skip_bad_portals: bool,
+    limits: &LimitArgs,
+    files: &mut RunFiles,
+) -> Result<Import> {
+    let name = &*scene.to_string_lossy();
+    if let Some(built_in) = name.strip_prefix('@') {
+        let OpenedScene { scene, cameras, .. } = open_built_in(name, built_in)?;
+        ensure!(
+            !flat,
+            "{name}: a built-in scene cannot be read as flat; leave --flat out"
+        );
+        return as_import(&scene, cameras).with_context(|| name.to_owned());
+    }
+    let mut options = ReadOptions {
+        flat,
+        skip_bad_portals,
+        ..ReadOptions::default()
+    };
+    options.limit_bytes = limits.memory();
+    let import = enfilade_import::read(Path::new(scene), &options).map_err(with_ways_on)?;
+    import
+        .files
+        .iter()
+        .try_for_each(|side_file| files.reads(side_file))?;
+    Ok(import)
+}
+
+fn as_import(scene: &Scene, cameras: Vec<Camera>) -> Result<Import> {
+    let room = |id| {
+        let geometry = scene
+            .geometry(id)
+            .context("a sector of its own kind cannot be baked")?;
+        Ok(Room {
+            name: scene.sector_name(id).to_owned(),
+            geometry: Arc::clone(geometry),
+            nodes: SourceNodes::default(),
+            method: scene.method(id),
+            open_above: scene.is_open_above(id),
+            large: None,
+        })
+    };
+    Ok(Import {
+        rooms: scene.sectors().map(room).collect::<Result<_>>()?,
+        portals: scene.portals().to_vec(),
+        orthographic_heights: vec![None; cameras.len()],
+        cameras,
+        lights: scene.lights().to_vec(),
+        map: None,
+        warnings: Vec::new(),
+        files: Vec::new(),
     })
 }
 
@@ -197,6 +262,7 @@ fn format(path: &Path) -> &'static str {
         [b'B', b'S', b'P', b'2', ..] => "BSP2, a map of Quake",
         [b'I', b'B', b'S', b'P', ..] => "IBSP46, a map of Quake 3",
         [b'g', b'l', b'T', b'F', ..] => "glTF 2.0, binary",
+        [b'E', b'N', b'F', b'I', b'L', b'A', b'D', b'E', ..] => "baked scene",
         [b'{', rest @ ..] if rest.windows(13).any(|key| key == b"\"cellMetresX\"") => {
             "heightmap with a description"
         }

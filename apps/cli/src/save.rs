@@ -99,6 +99,35 @@ impl Destination {
         written.with_context(|| format!("cannot write {}", self.name.display()))
     }
 
+    /// As [`Destination::write`], for a file that `fill` writes in parts, and may read and write again.
+    ///
+    /// # Errors
+    /// Those of `fill`; and if the destination is a device or a pipe, which cannot be written in parts.
+    pub(crate) fn write_with<T>(&self, fill: impl FnOnce(&mut File) -> Result<T>) -> Result<T> {
+        let context = || format!("cannot write {}", self.name.display());
+        if self.is_special {
+            bail!("{}: it is a device or a pipe; name a file", context());
+        }
+        let mut filled = None;
+        let replaced = self.replace(|mut file| {
+            let mut writable = file.try_clone()?;
+            let result = fill(&mut writable);
+            let failed = result.is_err();
+            filled = Some(result);
+            if failed {
+                return Err(ErrorKind::Other.into());
+            }
+            file.flush()?;
+            file.sync_all()
+        });
+        match (filled, replaced) {
+            (Some(Err(why)), _) => Err(why).with_context(context),
+            (_, Err(why)) => Err(why).with_context(context),
+            (Some(Ok(value)), Ok(_)) => Ok(value),
+            (None, Ok(_)) => unreachable!("a file is only replaced by a filled one"),
+        }
+    }
+
     /// Writes a temporary file with `fill`, and renames it on success.
     fn replace(&self, fill: impl FnOnce(&File) -> io::Result<()>) -> io::Result<File> {
         let replaced = fs::metadata(&self.path).ok();

@@ -71,6 +71,7 @@ error_codes! {
         TooFar => "geometry/too-far",
         TooManyFaces => "geometry/too-many-faces",
         TooManyOpenings => "geometry/too-many-openings",
+        NotABlock => "geometry/not-a-block",
     }
     BakedCellsError {
         BadPlane => "baked-cells/bad-plane",
@@ -82,6 +83,7 @@ error_codes! {
         NoSuchCellInRow => "baked-cells/no-such-cell-in-row",
         TooManyCells => "baked-cells/too-many-cells",
         TooManyRuns => "baked-cells/too-many-runs",
+        BadRuns => "baked-cells/bad-runs",
     }
     #[cfg(feature = "terrain")]
     HeightFieldError {

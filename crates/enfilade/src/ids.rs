@@ -2,6 +2,7 @@
 
 /// Identifies a sector: its index in [`Scene::sectors`](crate::Scene::sectors).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SectorId(pub u32);
 
 /// Identifies a portal: its index in [`Scene::portals`](crate::Scene::portals).
@@ -10,6 +11,7 @@ pub struct PortalId(pub u32);
 
 /// Identifies an opening of a sector: its index in [`Geometry::openings`](crate::Geometry::openings).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OpeningId(pub u16);
 
 /// Identifies a passage of a look: its index in [`VisibleSet::passages`](crate::VisibleSet::passages).
@@ -19,6 +21,7 @@ pub struct PassageId(pub u32);
 /// Index of an item in [`Geometry::items`](crate::Geometry::items). The index of a removed item is reused by a later one;
 /// keep an [`ItemId`] to recognize that.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ItemIndex(pub u32);
 
 /// Identifies an item of a sector for as long as the sector keeps its geometry: an index and a generation.
@@ -54,10 +57,12 @@ pub struct MaterialId(pub u32);
 
 /// Identifies a texture: its index in [`Geometry::textures`](crate::Geometry::textures).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TextureId(pub u32);
 
 /// Identifies a cell: its index in the list of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CellId(pub u32);
 
 /// Identifies a light: its index in [`Scene::lights`](crate::Scene::lights).

@@ -128,6 +128,8 @@ pub use cover::{OccluderMesh, OccluderMeshError, OcclusionBuffer};
 pub use error_codes::ERROR_CODES;
 pub use faces::{FaceSource, Faces};
 pub use geom::{Aabb, ConvexPolygon, MAX_COORDINATE, Transform};
+#[cfg(feature = "terrain")]
+pub use geometry::Terrain;
 pub use geometry::{
     Alpha, BakedCells, BakedCellsError, CellNode, CellSide, CellTree, Filter, Geometry, GeometryBuilder,
     GeometryError, Item, ItemLabel, ItemOptions, Material, Minify, MovedItem, Opening, Owner, Owners,

@@ -1,7 +1,7 @@
 //! Errors of reading a file.
 
 use crate::spoken::{bytes, unreadable};
-use crate::{AuthoringErrors, BspError, ObjError, PrtError, TerrainError};
+use crate::{AuthoringErrors, BspError, EnfError, ObjError, PrtError, TerrainError};
 use enfilade::{BakedCellsError, GeometryError, MAX_COORDINATE, MeshError};
 use std::io;
 use thiserror::Error;
@@ -48,6 +48,9 @@ pub enum BrokenRule {
     /// A terrain description, or its heights, violates a rule.
     #[error("{0}")]
     Terrain(Box<TerrainError>),
+    /// A baked scene (`.enf`) cannot be read.
+    #[error("{0}")]
+    Enf(EnfError),
     /// A portal file (`.prt`) violates a rule.
     #[error("{0}")]
     Prt(Box<PrtError>),

@@ -108,18 +108,20 @@
 //! [`Import::warnings`] names everything that is not drawn or not supported yet (skins, animations, metallic-roughness
 //! textures). An image that cannot be read becomes grey, with a warning that gives the reason. A file that violates a
 //! rule returns an [`ImportError`] that names the element and the rule.
-// `deny`, not `forbid`: one function in `terrain/map.rs` needs an exception to map a file into memory.
+// `deny`, not `forbid`: one function in `map.rs` needs an exception to map a file into memory.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(unsafe_code)]
 
 mod authoring;
 mod budget;
+mod enf;
 mod error;
 mod faults;
 mod gltf;
 mod images;
 #[cfg(feature = "levels")]
 mod levels;
+mod map;
 mod obj;
 mod pin;
 mod quake;
@@ -131,6 +133,7 @@ mod terrain;
 mod warning;
 
 pub use authoring::AuthoringError;
+pub use enf::{BakeError, BakedSections, EnfError, SectionTotal, bake};
 pub use error::{BrokenRule, ImportError};
 pub use faults::AuthoringErrors;
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
@@ -281,6 +284,12 @@ impl Default for ReadOptions {
 /// Returns an [`ImportError`] for the first violated rule, deterministically. Errors in rooms, portals and terrain are
 /// collected and returned together ([`AuthoringErrors`]).
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
+    if let Some(baked) = enf::read(path, options) {
+        return baked.map_err(|rule| ImportError {
+            file: path.display().to_string(),
+            rule,
+        });
+    }
     read_file(path, options, |bytes, name, budget| {
         let is_called_obj = path
             .extension()
@@ -341,6 +350,9 @@ fn import(
 ) -> Result<Import, BrokenRule> {
     if terrain::describes_terrain(bytes) {
         return terrain::import(bytes, folder, name, options, budget);
+    }
+    if enf::begins_like_enf(bytes) {
+        return enf::import(bytes.to_vec().into(), options, budget);
     }
     let name = &*name.to_string_lossy();
     if gltf::begins_like_gltf(bytes) {

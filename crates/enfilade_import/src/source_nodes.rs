@@ -1,6 +1,7 @@
 //! Maps the items of a room to the nodes of its file.
 
 use enfilade::ItemIndex;
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The nodes that the items of a room come from: their indices in the file, and ids that other programs assigned to
@@ -8,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 ///
 /// Empty for formats without nodes: OBJ, compiled maps and terrain descriptions. Takes 8 bytes per node, however many
 /// items the node makes, and nothing for the id of a node without one.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct SourceNodes {
     /// First item of each node, with the node's index, in item order.
     firsts: Vec<(ItemIndex, u32)>,

@@ -1,11 +1,12 @@
 //! Warnings: what a reader leaves out or repairs.
 
 use crate::AuthoringError;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
 /// Something in a file that was not read, or that looks wrong. Displays as one line.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warning {
     /// Category of the warning.
     pub kind: WarningKind,
@@ -16,7 +17,7 @@ pub struct Warning {
 }
 
 /// Category of a warning, worst first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum WarningKind {
     /// The scene has no triangles.

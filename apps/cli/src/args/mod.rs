@@ -63,8 +63,40 @@ pub(crate) enum Verb {
     /// Walk through a scene in a window, freeze what is visible, and see why things are hidden
     #[command(disable_help_flag = true)]
     View(ViewArgs),
+    /// Bake a scene into a file that opens at once
+    Bake(BakeArgs),
     /// Print the contents of a scene file
     Info(InfoArgs),
+}
+
+/// Options of `bake`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+A baked scene (.enf) holds what importing computes: meshes with their clusters and trees, rooms, portals, baked cells, \
+materials, images, cameras and lights. Every verb that reads scenes reads it too, maps it into memory and uses the meshes \
+in place. Do not write to it while a program has it open; bake replaces it as a whole. The same scene gives the same \
+bytes.
+
+Examples:
+  enfilade bake scene.glb -o scene.enf
+  enfilade bake map.bsp -o map.enf
+  enfilade info scene.enf")]
+#[command(mut_arg("memory", |arg| arg.help(MEMORY_TO_READ)))]
+pub(crate) struct BakeArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArg,
+    /// Write the baked scene to this file (atomically)
+    #[arg(short, long, value_name = "FILE.enf")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+    /// Read the file as one room with plain holes for openings
+    #[arg(long)]
+    pub(crate) flat: bool,
+    #[command(flatten)]
+    pub(crate) bad: BadPortalArgs,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
 }
 
 /// Options of `view`.
@@ -281,7 +313,7 @@ pub(crate) struct InfoArgs {
 /// Selects the scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SceneArg {
-    /// A .glb, .gltf, .obj or .bsp file, a .json that describes a heightmap, or @NAME for a built-in scene
+    /// A .glb, .gltf, .obj, .bsp or .enf file, a .json that describes a heightmap, or @NAME for a built-in scene
     #[arg(value_name = "SCENE", default_value = "@enfilade")]
     pub(crate) scene: OsString,
 }
@@ -405,7 +437,7 @@ impl From<TightnessArg> for Tightness {
 /// Controls how portals are followed.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(crate) struct PortalArgs {
-    /// Follow no portals: read a file as one room with plain holes for openings; in a built-in scene, stay in the
+    /// Follow no portals: read a file as one room with plain holes for openings; in a built-in or baked scene, stay in the
     /// camera's room
     #[arg(long)]
     pub(crate) flat: bool,
@@ -486,7 +518,7 @@ mod tests {
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");
         helps.extend(verbs.map(|verb| verb.render_help().to_string()));
-        assert_eq!(helps.len(), 12);
+        assert_eq!(helps.len(), 13);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
             assert!(

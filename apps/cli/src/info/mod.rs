@@ -5,6 +5,7 @@ mod occluders;
 
 use crate::Outcome;
 use crate::args::InfoArgs;
+use crate::bake::{SectionEntry, entries};
 use crate::json::{Sink, rounded};
 use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
@@ -46,6 +47,8 @@ struct Inventory {
     ways: Vec<PortalEntry>,
     openings: usize,
     occluders: Occluders,
+    /// Baked scenes only.
+    sections: Vec<SectionEntry>,
     bytes: u64,
     load_ms: f64,
     warnings: Vec<String>,
@@ -184,6 +187,7 @@ impl Inventory {
             ways: ways(scene),
             openings: scene.sectors().map(|id| scene.sector(id).openings().len()).sum(),
             occluders: Occluders::of(&geometries),
+            sections: opened.sections.as_ref().map_or(Vec::new(), entries),
             bytes: scene.bytes(),
             load_ms: rounded(opened.load_ms),
             cameras: opened
@@ -326,6 +330,9 @@ impl Inventory {
                 ms(build_ms)
             ),
         );
+        for section in &self.sections {
+            say("section", section.for_people());
+        }
         say("memory", bytes(self.bytes));
         say("loaded in", format!("{} ms", ms(self.load_ms)));
         for warning in &self.warnings {

@@ -7,6 +7,8 @@ use thiserror::Error;
 /// Planar convex polygon of at least three corners, counter-clockwise seen from the front.
 #[doc(alias = "portal polygon")]
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Vec<[f32; 3]>", into = "Vec<[f32; 3]>"))]
 pub struct ConvexPolygon {
     corners: Vec<[f32; 3]>,
     normal: [f64; 3],
@@ -158,6 +160,20 @@ impl ConvexPolygon {
             corners: self.corners.iter().rev().copied().collect(),
             normal: self.normal.map(|value| -value),
         }
+    }
+}
+
+impl TryFrom<Vec<[f32; 3]>> for ConvexPolygon {
+    type Error = PolygonError;
+
+    fn try_from(corners: Vec<[f32; 3]>) -> Result<ConvexPolygon, PolygonError> {
+        ConvexPolygon::new(&corners)
+    }
+}
+
+impl From<ConvexPolygon> for Vec<[f32; 3]> {
+    fn from(polygon: ConvexPolygon) -> Vec<[f32; 3]> {
+        polygon.corners
     }
 }
 

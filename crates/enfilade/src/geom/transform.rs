@@ -11,6 +11,8 @@ use std::ops::Mul;
 #[doc(alias = "matrix")]
 #[doc(alias = "affine")]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "[[f64; 3]; 4]", into = "[[f64; 3]; 4]"))]
 pub struct Transform(pub(crate) DAffine3);
 
 impl Transform {
@@ -152,6 +154,18 @@ impl Transform {
 impl From<Transform> for DAffine3 {
     fn from(transform: Transform) -> DAffine3 {
         transform.0
+    }
+}
+
+impl From<[[f64; 3]; 4]> for Transform {
+    fn from(columns: [[f64; 3]; 4]) -> Transform {
+        Transform::from_columns_f64(columns)
+    }
+}
+
+impl From<Transform> for [[f64; 3]; 4] {
+    fn from(transform: Transform) -> [[f64; 3]; 4] {
+        transform.columns_f64()
     }
 }
 

@@ -87,6 +87,13 @@ impl GeometryBuilder {
         }
     }
 
+    /// Returns the mesh of an item; `None` if there is no such item or mesh.
+    #[cfg(feature = "terrain")]
+    pub(super) fn mesh_of_item(&self, item: u32) -> Option<(MeshId, &Mesh)> {
+        let mesh = self.items.get(item as usize)?.mesh;
+        Some((mesh, self.meshes.get(mesh.0 as usize)?))
+    }
+
     /// Adds an opening, visible from its front, the side from which its corners are counter-clockwise. Leave a hole in the
     /// wall there. Without an open portal it is an opaque face. [`SceneBuilder`](crate::SceneBuilder) connects it to another sector by a door or a portal.
     pub fn opening(&mut self, name: &str, outline: ConvexPolygon) -> OpeningId {
@@ -297,4 +304,7 @@ pub enum GeometryError {
     /// The sector has more than 60,000 openings; openings have 16-bit ids.
     #[error("{0} openings in one sector; split it into sectors of at most 60,000")]
     TooManyOpenings(usize),
+    /// An item is not the block of the height field that it should be.
+    #[error("item {} is not a block of the height field", .0.0)]
+    NotABlock(ItemIndex),
 }

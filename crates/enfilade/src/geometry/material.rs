@@ -4,6 +4,7 @@ use crate::ids::TextureId;
 
 /// The material of a face. Only `alpha`, `double_sided` and `detail` affect visibility; the rest is for the renderer.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Material {
     /// Base color: red, green, blue and coverage, linear, 0 to 1.
     pub base_color: [f32; 4],
@@ -32,6 +33,7 @@ pub struct Material {
 #[doc(alias = "blend mode")]
 #[doc(alias = "alpha test")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Alpha {
     /// Opaque: an occluder.
     Opaque,

@@ -34,7 +34,7 @@ use slots::Slots;
 use std::any::Any;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 #[cfg(feature = "terrain")]
-pub(crate) use terrain::Terrain;
+pub use terrain::Terrain;
 
 /// A mesh with a transform: the unit that an engine draws and that [`VisibleSet`](crate::VisibleSet) lists.
 #[doc(alias = "instance")]
@@ -68,6 +68,7 @@ impl Item {
 #[doc(alias = "portal polygon")]
 #[doc(alias = "window")]
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Opening {
     /// Name for display and lookup.
     pub name: String,
@@ -272,8 +273,9 @@ impl Geometry {
         }
     }
 
+    /// Returns the height fields whose blocks are items.
     #[cfg(feature = "terrain")]
-    pub(crate) fn terrains(&self) -> &[Terrain] {
+    pub fn terrains(&self) -> &[Terrain] {
         &self.terrains
     }
 

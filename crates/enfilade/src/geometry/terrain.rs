@@ -7,9 +7,9 @@ use crate::terrain::HeightField;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A height field in a geometry.
+/// A height field in a geometry, whose blocks are items: see [`GeometryBuilder::terrain`].
 #[derive(Clone, Debug)]
-pub(crate) struct Terrain {
+pub struct Terrain {
     pub(crate) field: Arc<HeightField>,
     /// Item ids of its blocks.
     pub(crate) blocks: Range<u32>,
@@ -19,6 +19,21 @@ pub(crate) struct Terrain {
 }
 
 impl Terrain {
+    /// Returns the height field.
+    pub fn field(&self) -> &Arc<HeightField> {
+        &self.field
+    }
+
+    /// Returns the item of the first block; those of the other blocks follow.
+    pub fn first_block(&self) -> ItemIndex {
+        ItemIndex(self.blocks.start)
+    }
+
+    /// Returns the transform from the space of the field to that of the sector.
+    pub fn sector_from_field(&self) -> &Transform {
+        &self.sector_from_field
+    }
+
     /// Returns `true` if all blocks are still in the geometry, unchanged.
     pub(crate) fn is_whole(&self, geometry: &Geometry) -> bool {
         let place = self.sector_from_field.columns();
@@ -70,5 +85,39 @@ impl GeometryBuilder {
             sector_from_field,
         });
         Ok(ItemIndex(blocks.start)..ItemIndex(blocks.end))
+    }
+
+    /// Declares items that were added already, from `first_block` on, as the blocks of a height field: those that
+    /// [`GeometryBuilder::terrain`] added to another geometry, whose meshes were stored, for example.
+    ///
+    /// # Errors
+    /// [`GeometryError::NotABlock`] for the first item that is missing or not as large as its block.
+    pub fn terrain_of_items(
+        &mut self,
+        field: impl Into<Arc<HeightField>>,
+        first_block: ItemIndex,
+        sector_from_field: Transform,
+    ) -> Result<(), GeometryError> {
+        let field = field.into();
+        let [columns, rows] = field.blocks();
+        let first = self.mesh_of_item(first_block.0);
+        let first_mesh = first.map_or(MeshId(0), |(mesh, _)| mesh);
+        for block in 0..columns * rows {
+            let item = first_block.0.saturating_add(block);
+            let is_block = self.mesh_of_item(item).is_some_and(|(id, mesh)| {
+                id.0 == first_mesh.0 + block
+                    && mesh.bounds() == field.bounds_of([block % columns, block / columns])
+            });
+            if !is_block {
+                return Err(GeometryError::NotABlock(ItemIndex(item)));
+            }
+        }
+        self.terrains.push(Terrain {
+            field,
+            blocks: first_block.0..first_block.0 + columns * rows,
+            first_mesh,
+            sector_from_field,
+        });
+        Ok(())
     }
 }

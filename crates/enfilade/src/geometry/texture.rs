@@ -22,6 +22,7 @@ pub struct Texture {
 
 /// Wrap mode: the color for texture coordinates outside 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Wrap {
     /// Repeats the image.
     #[default]
@@ -34,6 +35,7 @@ pub enum Wrap {
 
 /// Texture filter: how texels are interpolated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Filter {
     /// Takes the nearest texel.
     Nearest,
@@ -44,6 +46,7 @@ pub enum Filter {
 
 /// Minification filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Minify {
     /// Filter within one mipmap level.
     pub texels: Filter,

@@ -8,6 +8,7 @@ use crate::ids::{LightId, SectorId};
 /// [`ShadowCasters`](crate::ShadowCasters) finds what casts shadows.
 #[doc(alias = "lamp")]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Light {
     /// The sector of the light. A sun is outside it and lights all of it.
     pub sector: SectorId,
@@ -26,6 +27,7 @@ pub struct Light {
 ///
 /// Source: The Khronos Group, KHR_lights_punctual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LightShape {
     /// Point light: shines in all directions.
     #[default]

@@ -12,6 +12,7 @@ use crate::ids::{OpeningId, SectorId};
 #[doc(alias = "doorway")]
 #[doc(alias = "gateway")]
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Portal {
     /// The source sector.
     pub from: SectorId,

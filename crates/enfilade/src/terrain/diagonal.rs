@@ -2,6 +2,7 @@
 
 /// Named for its northern end; north is −z, east +x.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Diagonal {
     /// From the north-east corner to the south-west corner.
     #[default]

@@ -12,7 +12,7 @@ mod tests;
 
 pub use diagonal::Diagonal;
 
-use crate::geom::{MAX_COORDINATE, is_in_range};
+use crate::geom::{Aabb, MAX_COORDINATE, is_in_range};
 use crate::ids::MaterialId;
 use crate::mesh::{Indices, Mesh, Part, Vertices};
 use carried::FieldAttributes;
@@ -220,6 +220,18 @@ impl HeightField {
             self.height(column, row),
             rows[row as usize],
         ]
+    }
+
+    /// Returns the diagonal along which its cells are split.
+    pub fn diagonal(&self) -> Diagonal {
+        self.diagonal
+    }
+
+    /// Returns the AABB of the samples of a block.
+    pub(crate) fn bounds_of(&self, block: [u32; 2]) -> Aabb {
+        let [columns, rows] = self.samples_of(block);
+        let row = |row| columns.clone().map(move |column| self.position(column, row));
+        Aabb::of(rows.flat_map(row))
     }
 
     /// Returns the number of blocks from west to east and from north to south.

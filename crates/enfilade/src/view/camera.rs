@@ -9,6 +9,7 @@ use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
 ///
 /// Space is right-handed. Engines that have matrices need none: see [`View::from_matrices`].
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Camera {
     /// Name for display and lookup; may be empty.
     pub name: String,

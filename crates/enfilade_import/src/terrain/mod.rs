@@ -24,12 +24,12 @@
 mod error;
 mod files;
 pub(crate) mod grid;
-mod map;
 
 pub use error::TerrainError;
 pub use grid::{GridError, GridPlace};
 
 use crate::budget::Budget;
+use crate::map::Map;
 use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, read_regular_file};
 use enfilade::{
     Diagonal, Geometry, GeometryBuilder, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights,
@@ -145,7 +145,7 @@ pub(crate) fn import(
     } else {
         budget.take(samples / CELLS_OF_BLOCK * BYTES_OF_BLOCK, place)?;
         let mapped = usize::try_from(needs).map_err(|_| std::io::ErrorKind::OutOfMemory.into());
-        let mapped = mapped.and_then(|bytes| map::map(&path, bytes));
+        let mapped = mapped.and_then(|bytes| crate::map::map(&path, bytes));
         let mapped = mapped.map_err(|why| in_file(BrokenRule::Unreadable(why)))?;
         let nothing = GeometryBuilder::new([] as [Material; 0]).build();
         Room {
@@ -254,7 +254,7 @@ impl Description {
     }
 
     /// Builds the terrain from heights that stay in their file.
-    fn large(&self, mapped: map::Map, format: HeightFormat) -> Result<LargeTerrain, TerrainError> {
+    fn large(&self, mapped: Map, format: HeightFormat) -> Result<LargeTerrain, TerrainError> {
         let stored = self.stored(mapped.clone(), format, self.no_data)?;
         let terrain = LargeTerrain::new(stored, [self.cell_x, self.cell_z], GROUND);
         let terrain = terrain.map_err(|why| self.refusal(why, mapped, format))?;

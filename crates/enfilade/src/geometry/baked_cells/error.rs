@@ -65,6 +65,9 @@ pub enum BakedCellsError {
     /// The rows have too many runs of cells; runs have 32-bit numbers. Holds the row that exceeds the limit.
     #[error("the rows up to row {0} have more than 4 billion runs of cells; let cells share rows")]
     TooManyRuns(usize),
+    /// The runs of a stored row are empty, out of order, or not as many as it says. Holds the row.
+    #[error("the stored runs of row {0} are damaged")]
+    BadRuns(usize),
 }
 
 fn on_a_side(of: Option<u32>, front: bool) -> String {

@@ -10,6 +10,8 @@
 
 mod error;
 mod row;
+#[cfg(feature = "serde")]
+mod stored;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -24,6 +26,7 @@ use row::Rows;
 
 /// A child of a BSP node: what is on one side of its plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CellSide {
     /// Another node, by its index in [`CellTree::nodes`].
     Node(u32),
@@ -35,6 +38,7 @@ pub enum CellSide {
 
 /// A node of a BSP tree: a plane that splits space.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CellNode {
     /// Normal of the plane, of any length above zero, in the space of the sector.
     pub normal: [f64; 3],
@@ -49,6 +53,7 @@ pub struct CellNode {
 /// A BSP tree that splits the space of a sector into cells.
 #[doc(alias = "BSP")]
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CellTree {
     /// The root: usually node 0, or a cell that fills all of space.
     pub root: CellSide,
@@ -82,6 +87,11 @@ pub struct CellTree {
 #[doc(alias = "PVS")]
 #[doc(alias = "potentially visible set")]
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "stored::StoredCells", into = "stored::StoredCells")
+)]
 pub struct BakedCells {
     tree: CellTree,
     /// Row of each cell; `None`: all cells are visible from it.
@@ -109,7 +119,16 @@ impl BakedCells {
             return Err(BakedCellsError::TooManyCells(cells));
         }
         let depth = tree::check(&mut tree, cells)?;
-        let rows = Rows::new(rows, cells)?;
+        BakedCells::of(tree, depth, row_of.to_vec(), Rows::new(rows, cells)?)
+    }
+
+    /// Checks the row of each cell.
+    fn of(
+        tree: CellTree,
+        depth: u32,
+        row_of: Vec<Option<u32>>,
+        rows: Rows,
+    ) -> Result<BakedCells, BakedCellsError> {
         for (cell, row) in row_of.iter().enumerate() {
             if let Some(row) = row.filter(|&row| row as usize >= rows.count()) {
                 return Err(BakedCellsError::NoSuchRow {
@@ -121,7 +140,7 @@ impl BakedCells {
         }
         Ok(BakedCells {
             tree,
-            row_of: row_of.to_vec(),
+            row_of,
             rows,
             depth,
         })

@@ -44,6 +44,47 @@ impl Rows {
         Ok(built)
     }
 
+    /// Returns the number of runs of each row, and all runs.
+    #[cfg(feature = "serde")]
+    pub(super) fn into_runs(self) -> (Vec<u32>, Vec<[u32; 2]>) {
+        let lengths = self.starts.windows(2).map(|ends| ends[1] - ends[0]);
+        (lengths.collect(), self.runs)
+    }
+
+    /// Returns the rows that [`Rows::into_runs`] took apart, checked.
+    #[cfg(feature = "serde")]
+    pub(super) fn of_runs(
+        lengths: &[u32],
+        runs: Vec<[u32; 2]>,
+        cells: usize,
+    ) -> Result<Rows, BakedCellsError> {
+        let mut starts = vec![0_usize];
+        for (row, &length) in lengths.iter().enumerate() {
+            let start = starts[row];
+            let end = start.saturating_add(length as usize);
+            let of_row = runs.get(start..end).ok_or(BakedCellsError::BadRuns(row))?;
+            let is_sound = of_row.iter().all(|run| run[0] < run[1])
+                && of_row.windows(2).all(|pair| pair[0][1] < pair[1][0]);
+            if !is_sound {
+                return Err(BakedCellsError::BadRuns(row));
+            }
+            if let Some(&[_, end]) = of_row.last().filter(|run| run[1] as usize > cells) {
+                let cell = end - 1;
+                return Err(BakedCellsError::NoSuchCellInRow { row, cell, cells });
+            }
+            starts.push(end);
+        }
+        if starts[lengths.len()] != runs.len() {
+            return Err(BakedCellsError::BadRuns(lengths.len()));
+        }
+        let too_many = BakedCellsError::TooManyRuns(lengths.len());
+        let starts = starts.into_iter().map(u32::try_from).collect::<Result<_, _>>();
+        Ok(Rows {
+            starts: starts.map_err(|_| too_many)?,
+            runs,
+        })
+    }
+
     pub(super) fn count(&self) -> usize {
         self.starts.len() - 1
     }

@@ -79,6 +79,10 @@ fn unit(node: &CellNode) -> Option<([f64; 3], f64)> {
     let scale = normal.abs().max_element();
     let sound = normal.is_finite() && scale > 0.0 && node.distance.is_finite();
     let scaled = normal / scale;
+    // A unit normal stays as it is, so that a stored tree is the same again.
+    if sound && (normal.length_squared() - 1.0).abs() < 2e-15 {
+        return Some((node.normal, node.distance));
+    }
     let length = scaled.length();
     let distance = node.distance / scale / length;
     let plane = (scaled / length).to_array();

@@ -52,6 +52,11 @@ pub struct MapSummary {
     pub visibility_bytes: usize,
 }
 
+impl MapSummary {
+    /// The names of all formats.
+    pub(crate) const FORMATS: [&str; 3] = ["BSP29", "BSP2", "IBSP46"];
+}
+
 /// Returns `true` if the bytes begin like a supported map.
 pub(crate) fn begins_like_map(bytes: &[u8]) -> bool {
     let begins = [&b"BSP2"[..], b"IBSP", &29u32.to_le_bytes()];

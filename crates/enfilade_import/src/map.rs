@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// The bytes of a mapped file.
 #[derive(Clone, Debug)]
-pub(super) struct Map(Arc<Mmap>);
+pub(crate) struct Map(Arc<Mmap>);
 
 impl AsRef<[u8]> for Map {
     fn as_ref(&self) -> &[u8] {
@@ -20,10 +20,10 @@ impl AsRef<[u8]> for Map {
 
 /// Maps the first `bytes` bytes of a file.
 #[allow(unsafe_code)]
-pub(super) fn map(path: &Path, bytes: usize) -> std::io::Result<Map> {
+pub(crate) fn map(path: &Path, bytes: usize) -> std::io::Result<Map> {
     let file = File::open(path)?;
-    // SAFETY: the bytes are only read. `ReadOptions::limit_bytes` requires that nobody truncates or writes the file
-    // while it is mapped; the caller checked its length, and no more is mapped.
+    // SAFETY: the bytes are only read. `read` and `ReadOptions::limit_bytes` require that nobody truncates or writes the
+    // file while it is mapped; the caller checked its length, and no more is mapped.
     let map = unsafe { MmapOptions::new().len(bytes).map(&file)? };
     Ok(Map(Arc::new(map)))
 }

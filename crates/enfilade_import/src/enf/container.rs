@@ -1,0 +1,329 @@
+//! The container of baked scenes: sections with checksums, and a table of them.
+//!
+//! Layout, all little-endian: [`Header`], the sections, each aligned to [`ALIGNMENT`], and the table: an [`Entry`] for each
+//! section, in the order of the sections. A section is identified by its kind and its number among those of the kind. The
+//! checksums are xxh3 of 64 bits.
+//! Source: xxHash, Collet.
+//! Cost: opening reads the header and the table.
+
+use super::{EnfError, SectionTotal};
+use bytemuck::{Pod, Zeroable};
+use bytes::Bytes;
+use std::fmt;
+use std::io::{self, Seek, SeekFrom, Write};
+use xxhash_rust::xxh3::xxh3_64;
+
+pub(super) const MAGIC: [u8; 8] = *b"ENFILADE";
+
+/// Change it with every change of what is stored, meshes included: a test compares the bytes of a baked scene.
+pub(super) const VERSION: u32 = 1;
+
+/// Sections start at multiples of this: cache lines.
+const ALIGNMENT: u64 = 64;
+
+/// The kinds of sections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub(super) enum Kind {
+    /// Rooms, portals, materials, cameras, lights: a [`StoredScene`](super::stored::StoredScene) as MessagePack.
+    Scene = 1,
+    /// A [`MeshRecord`](super::stored::MeshRecord) for each mesh.
+    Meshes = 2,
+    /// An [`ItemRecord`](super::stored::ItemRecord) for each item, room after room.
+    Items = 3,
+    /// The names of all items, one after another.
+    Names = 4,
+    /// Meshes that are near each other, as [`Mesh::to_bytes`](enfilade::Mesh::to_bytes).
+    Page = 5,
+    /// A texture, as PNG.
+    Image = 6,
+}
+
+impl Kind {
+    const ALL: [Kind; 6] = [
+        Kind::Scene,
+        Kind::Meshes,
+        Kind::Items,
+        Kind::Names,
+        Kind::Page,
+        Kind::Image,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Kind::Scene => "scene",
+            Kind::Meshes => "meshes",
+            Kind::Items => "items",
+            Kind::Names => "names",
+            Kind::Page => "page",
+            Kind::Image => "image",
+        }
+    }
+}
+
+/// A section: its kind, and its number among those of this kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Section(pub(super) Kind, pub(super) u32);
+
+impl fmt::Display for Section {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Section(kind, number) = self;
+        match kind {
+            Kind::Page | Kind::Image => write!(f, "{} {number}", kind.name()),
+            _ => f.write_str(kind.name()),
+        }
+    }
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Header {
+    magic: [u8; 8],
+    version: u32,
+    sections: u32,
+    /// Where the table starts; the file ends with it.
+    table: u64,
+    file_length: u64,
+    table_checksum: u64,
+    reserved: [u64; 2],
+    /// Of the header before it.
+    checksum: u64,
+}
+
+const HEADER: usize = size_of::<Header>();
+
+impl Header {
+    fn sum(&self) -> u64 {
+        xxh3_64(&bytemuck::bytes_of(self)[..HEADER - size_of::<u64>()])
+    }
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Entry {
+    kind: u32,
+    number: u32,
+    offset: u64,
+    length: u64,
+    checksum: u64,
+}
+
+impl Entry {
+    fn section(&self) -> (u32, u32) {
+        (self.kind, self.number)
+    }
+}
+
+/// Writes a container, section after section.
+pub(super) struct Writer<W> {
+    to: W,
+    /// Bytes written so far.
+    at: u64,
+    entries: Vec<Entry>,
+}
+
+impl<W: Write + Seek> Writer<W> {
+    /// Writes to the start of `to`.
+    pub(super) fn new(mut to: W) -> io::Result<Writer<W>> {
+        to.seek(SeekFrom::Start(0))?;
+        to.write_all(&[0; HEADER])?;
+        let at = HEADER as u64;
+        Ok(Writer {
+            to,
+            at,
+            entries: Vec::new(),
+        })
+    }
+
+    /// Writes a section; each once, in any order.
+    pub(super) fn section(&mut self, Section(kind, number): Section, bytes: &[u8]) -> io::Result<()> {
+        self.align()?;
+        self.entries.push(Entry {
+            kind: kind as u32,
+            number,
+            offset: self.at,
+            length: bytes.len() as u64,
+            checksum: xxh3_64(bytes),
+        });
+        self.put(bytes)
+    }
+
+    /// Writes the table and the header. Returns the length of the file.
+    pub(super) fn finish(mut self) -> io::Result<u64> {
+        self.align()?;
+        let table = self.at;
+        let entries = std::mem::take(&mut self.entries);
+        let bytes: &[u8] = bytemuck::cast_slice(&entries);
+        self.put(bytes)?;
+        let mut header = Header {
+            magic: MAGIC,
+            version: VERSION,
+            sections: entries.len() as u32,
+            table,
+            file_length: self.at,
+            table_checksum: xxh3_64(bytes),
+            reserved: [0; 2],
+            checksum: 0,
+        };
+        header.checksum = header.sum();
+        self.to.seek(SeekFrom::Start(0))?;
+        self.to.write_all(bytemuck::bytes_of(&header))?;
+        self.to.flush()?;
+        Ok(self.at)
+    }
+
+    fn align(&mut self) -> io::Result<()> {
+        let padding = self.at.next_multiple_of(ALIGNMENT) - self.at;
+        self.put(&[0; ALIGNMENT as usize][..padding as usize])
+    }
+
+    fn put(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.to.write_all(bytes)?;
+        self.at += bytes.len() as u64;
+        Ok(())
+    }
+}
+
+/// A container whose header and table are checked. Sections are checked as they are read.
+pub(super) struct Container {
+    bytes: Bytes,
+    entries: Vec<Entry>,
+}
+
+impl Container {
+    /// Checks the header and the table.
+    pub(super) fn open(bytes: Bytes) -> Result<Container, EnfError> {
+        let has = bytes.len() as u64;
+        let start = bytes.get(..HEADER).ok_or(EnfError::Truncated {
+            needs: HEADER as u64,
+            has,
+        })?;
+        let header: Header = bytemuck::pod_read_unaligned(start);
+        if header.version != VERSION {
+            return Err(EnfError::Version(header.version));
+        }
+        let damaged = |section: &'static str| EnfError::Damaged(section.to_owned());
+        if header.checksum != header.sum() || header.magic != MAGIC {
+            return Err(damaged("header"));
+        }
+        let needs = header.file_length;
+        if needs != has {
+            return Err(EnfError::Truncated { needs, has });
+        }
+        let end = u64::from(header.sections) * size_of::<Entry>() as u64;
+        let table = (header.table.checked_add(end) == Some(has)).then(|| &bytes[header.table as usize..]);
+        let table = table.filter(|table| xxh3_64(table) == header.table_checksum);
+        let mut entries: Vec<Entry> =
+            bytemuck::pod_collect_to_vec(table.ok_or(damaged("table of sections"))?);
+        let mut last = HEADER as u64;
+        for entry in &entries {
+            let end = entry.offset.checked_add(entry.length);
+            let end = end.filter(|&end| entry.offset >= last && end <= header.table);
+            last = end.ok_or(damaged("table of sections"))?;
+        }
+        entries.sort_by_key(Entry::section);
+        if entries
+            .windows(2)
+            .any(|pair| pair[0].section() == pair[1].section())
+        {
+            return Err(damaged("table of sections"));
+        }
+        Ok(Container { bytes, entries })
+    }
+
+    /// Returns a section, whose checksum is correct.
+    pub(super) fn section(&self, section: Section) -> Result<Bytes, EnfError> {
+        let Section(kind, number) = section;
+        let damaged = || EnfError::Damaged(section.to_string());
+        let found = self
+            .entries
+            .binary_search_by_key(&(kind as u32, number), Entry::section);
+        let entry = &self.entries[found.map_err(|_| damaged())?];
+        let bytes = self
+            .bytes
+            .slice(entry.offset as usize..(entry.offset + entry.length) as usize);
+        if xxh3_64(&bytes) != entry.checksum {
+            return Err(damaged());
+        }
+        Ok(bytes)
+    }
+
+    /// Returns the number of sections of a kind.
+    pub(super) fn count(&self, kind: Kind) -> u32 {
+        let of_kind = self.entries.iter().filter(|entry| entry.kind == kind as u32);
+        of_kind.count() as u32
+    }
+
+    /// Returns the number and the bytes of all sections of each kind.
+    pub(super) fn totals(&self) -> impl Iterator<Item = SectionTotal> {
+        Kind::ALL.into_iter().map(|kind| {
+            let of_kind = self.entries.iter().filter(move |entry| entry.kind == kind as u32);
+            SectionTotal {
+                kind: kind.name(),
+                count: self.count(kind),
+                bytes: of_kind.map(|entry| entry.length).sum(),
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    fn written() -> Vec<u8> {
+        let mut file = Cursor::new(Vec::new());
+        let mut writer = Writer::new(&mut file).expect("started");
+        for (section, bytes) in [
+            (Section(Kind::Scene, 0), &b"a scene"[..]),
+            (Section(Kind::Page, 0), &[]),
+            (Section(Kind::Page, 1), &[7; 1000]),
+        ] {
+            writer.section(section, bytes).expect("written");
+        }
+        assert_eq!(writer.finish().expect("finished"), file.get_ref().len() as u64);
+        file.into_inner()
+    }
+
+    fn sections(bytes: Vec<u8>) -> Result<Vec<Bytes>, EnfError> {
+        let container = Container::open(bytes.into())?;
+        let sections = [
+            Section(Kind::Scene, 0),
+            Section(Kind::Page, 0),
+            Section(Kind::Page, 1),
+        ];
+        sections
+            .into_iter()
+            .map(|section| container.section(section))
+            .collect()
+    }
+
+    #[test]
+    fn a_damaged_byte_anywhere_is_an_error_or_lies_between_sections() {
+        let whole = written();
+        let read = sections(whole.clone()).expect("sections");
+        assert_eq!(read, [&b"a scene"[..], &[], &[7; 1000]]);
+        for at in 0..whole.len() {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 0x10;
+            match sections(damaged) {
+                Ok(still) => assert_eq!(still, read, "byte {at}"),
+                Err(EnfError::Damaged(section)) => {
+                    assert!(["header", "table of sections", "scene", "page 1"].contains(&&*section));
+                }
+                Err(EnfError::Version(_)) => assert!((8..12).contains(&at), "byte {at}"),
+                Err(other) => panic!("byte {at}: {other}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_of_any_other_length_is_an_error() {
+        let whole = written();
+        for length in 0..whole.len() {
+            assert!(sections(whole[..length].to_vec()).is_err(), "{length} bytes");
+        }
+        assert!(sections([&whole[..], &[0]].concat()).is_err());
+    }
+}

@@ -1,0 +1,320 @@
+//! Reads baked scenes.
+
+use super::EnfError;
+use super::container::{Container, Kind, MAGIC, Section};
+use super::stored::{
+    ItemRecord, MeshRecord, StoredMap, StoredRoom, StoredScene, StoredTerrain, StoredTexture,
+};
+use crate::budget::Budget;
+use crate::quake::MapSummary;
+use crate::{BrokenRule, Import, ReadOptions, Room, map};
+use bytemuck::Pod;
+use bytes::Bytes;
+use enfilade::{
+    Geometry, GeometryBuilder, GeometryError, HeightField, ItemIndex, Material, Mesh, MeshId, Method,
+    Texture, Transform,
+};
+use image::{ImageFormat, ImageReader};
+use rayon::prelude::*;
+use std::fmt::Display;
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Returns `true` if the bytes begin like a baked scene.
+pub(crate) fn begins_like_enf(bytes: &[u8]) -> bool {
+    bytes.starts_with(&MAGIC)
+}
+
+/// Maps a file into memory; `None` if it does not begin like a baked scene.
+pub(super) fn mapped(path: &Path) -> Result<Option<Bytes>, BrokenRule> {
+    // Checked before opening: opening a pipe blocks until it has a writer.
+    if !std::fs::metadata(path).map_err(BrokenRule::Unreadable)?.is_file() {
+        return Ok(None);
+    }
+    let mut file = File::open(path).map_err(BrokenRule::Unreadable)?;
+    let mut start = [0; MAGIC.len()];
+    if file.read_exact(&mut start).is_err() || !begins_like_enf(&start) {
+        return Ok(None);
+    }
+    let length = file.metadata().map_err(BrokenRule::Unreadable)?.len();
+    let length = usize::try_from(length).map_err(|_| std::io::ErrorKind::OutOfMemory.into());
+    let map = length.and_then(|length| map::map(path, length));
+    Ok(Some(Bytes::from_owner(map.map_err(BrokenRule::Unreadable)?)))
+}
+
+/// Reads a file; `None` if it does not begin like a baked scene.
+pub(crate) fn read(path: &Path, options: &ReadOptions) -> Option<Result<Import, BrokenRule>> {
+    let bytes = mapped(path).ok()??;
+    let mut budget = Budget::new(options.limit_bytes);
+    let taken = budget.take(bytes.len() as u64, || "the file".to_owned());
+    Some(taken.and_then(|()| import(bytes, options, budget)))
+}
+
+fn invalid(section: Section, rule: impl Display) -> EnfError {
+    EnfError::Invalid {
+        section: section.to_string(),
+        rule: rule.to_string(),
+    }
+}
+
+const SCENE: Section = Section(Kind::Scene, 0);
+const MESHES: Section = Section(Kind::Meshes, 0);
+const ITEMS: Section = Section(Kind::Items, 0);
+const NAMES: Section = Section(Kind::Names, 0);
+
+/// Reads a baked scene.
+pub(crate) fn import(bytes: Bytes, options: &ReadOptions, mut budget: Budget) -> Result<Import, BrokenRule> {
+    if options.flat {
+        return Err(EnfError::Flat.into());
+    }
+    let container = Container::open(bytes)?;
+    let scene = container.section(SCENE)?;
+    let scene: StoredScene = rmp_serde::from_slice(&scene).map_err(|why| invalid(SCENE, why))?;
+    let meshes = read_meshes(&container)?;
+    let textures = if options.textures {
+        read_textures(&container, &scene.textures, &mut budget)?
+    } else {
+        Vec::new()
+    };
+    let items = records::<ItemRecord>(&container, ITEMS)?;
+    let names = container.section(NAMES)?;
+    let names = std::str::from_utf8(&names).map_err(|why| invalid(NAMES, why))?;
+    let mut reader = RoomReader {
+        tables: Tables::new(&scene, textures, options.textures)?,
+        meshes,
+        items: &items,
+        names,
+    };
+    let rooms = scene
+        .rooms
+        .into_iter()
+        .map(|room| reader.room(room))
+        .collect::<Result<_, _>>()?;
+    if !reader.items.is_empty() || !reader.names.is_empty() {
+        return Err(invalid(ITEMS, "there are more items than the rooms have").into());
+    }
+    let import = Import {
+        rooms,
+        portals: scene.portals,
+        cameras: scene.cameras,
+        orthographic_heights: scene.orthographic_heights,
+        lights: scene.lights,
+        map: scene.map.map(map_summary).transpose()?,
+        warnings: scene.warnings,
+        files: Vec::new(),
+    };
+    if import.rooms.is_empty() {
+        return Err(invalid(SCENE, "there are no rooms").into());
+    }
+    if import.cameras.len() != import.orthographic_heights.len() {
+        return Err(invalid(SCENE, "there is not one height for each camera").into());
+    }
+    Ok(import)
+}
+
+/// Reads a section of records.
+fn records<T: Pod>(container: &Container, section: Section) -> Result<Vec<T>, EnfError> {
+    let bytes = container.section(section)?;
+    if !bytes.len().is_multiple_of(size_of::<T>()) {
+        return Err(invalid(section, "it ends within a record"));
+    }
+    Ok(bytemuck::pod_collect_to_vec(&bytes))
+}
+
+/// Reads all pages, in parallel, and returns the meshes in the order of their records.
+fn read_meshes(container: &Container) -> Result<Vec<Arc<Mesh>>, EnfError> {
+    let records = records::<MeshRecord>(container, MESHES)?;
+    let pages = container.count(Kind::Page) as usize;
+    let mut in_page = vec![Vec::new(); pages];
+    for (index, record) in records.iter().enumerate() {
+        let page = in_page.get_mut(record.page as usize);
+        page.ok_or_else(|| invalid(MESHES, "a mesh is in a page that does not exist"))?
+            .push(index);
+    }
+    let read: Vec<(usize, Arc<Mesh>)> = (in_page.par_iter().enumerate())
+        .map(|(page, meshes)| {
+            let section = Section(Kind::Page, page as u32);
+            let bytes = container.section(section)?;
+            let read = |&index: &usize| Ok((index, Arc::new(read_mesh(&bytes, &records[index], section)?)));
+            meshes.iter().map(read).collect()
+        })
+        .collect::<Result<Vec<Vec<_>>, EnfError>>()?
+        .concat();
+    let mut meshes: Vec<Option<Arc<Mesh>>> = vec![None; records.len()];
+    for (index, mesh) in read {
+        meshes[index] = Some(mesh);
+    }
+    Ok(meshes.into_iter().flatten().collect())
+}
+
+fn read_mesh(page: &Bytes, record: &MeshRecord, section: Section) -> Result<Mesh, EnfError> {
+    let [start, length] = [record.start, record.length].map(|number| number as usize);
+    let end = start.checked_add(length).filter(|&end| end <= page.len());
+    let end = end.ok_or_else(|| invalid(MESHES, "a mesh ends after its page"))?;
+    let mesh = Mesh::from_bytes(page.slice(start..end)).map_err(|why| invalid(section, why))?;
+    let bounds = mesh.bounds();
+    if mesh.face_count() != record.faces || [bounds.min, bounds.max] != record.bounds {
+        return Err(invalid(section, "a mesh is not as the section of meshes says"));
+    }
+    Ok(mesh)
+}
+
+fn read_textures(
+    container: &Container,
+    stored: &[StoredTexture],
+    budget: &mut Budget,
+) -> Result<Vec<Arc<Texture>>, BrokenRule> {
+    for texture in stored {
+        let [width, height] = texture.size.map(u64::from);
+        budget.take(4 * width * height, || format!("texture `{}`", texture.name))?;
+    }
+    let read = |(number, texture): (usize, &StoredTexture)| {
+        let section = Section(Kind::Image, number as u32);
+        let bytes = container.section(section)?;
+        let image = ImageReader::with_format(Cursor::new(&bytes[..]), ImageFormat::Png);
+        // Checked before anything is allocated, because a small image may say that it is large.
+        let size = image.into_dimensions().map_err(|why| invalid(section, why))?;
+        if <[u32; 2]>::from(size) != texture.size {
+            return Err(invalid(
+                section,
+                "its size is not as the section of the scene says",
+            ));
+        }
+        let image = ImageReader::with_format(Cursor::new(&bytes[..]), ImageFormat::Png);
+        let image = image.decode().map_err(|why| invalid(section, why))?.into_rgba8();
+        let texels = bytemuck::allocation::pod_collect_to_vec(&image.into_raw());
+        let mut read =
+            Texture::new(&texture.name, texture.size, texels).map_err(|why| invalid(section, why))?;
+        (read.wrap, read.magnify, read.minify) = (texture.wrap, texture.magnify, texture.minify);
+        Ok(Arc::new(read))
+    };
+    Ok(stored
+        .par_iter()
+        .enumerate()
+        .map(read)
+        .collect::<Result<_, EnfError>>()?)
+}
+
+/// Tables that rooms share.
+struct Tables {
+    materials: Vec<Arc<[Material]>>,
+    textures: Vec<Arc<[Arc<Texture>]>>,
+}
+
+impl Tables {
+    fn new(scene: &StoredScene, textures: Vec<Arc<Texture>>, has_textures: bool) -> Result<Tables, EnfError> {
+        if !has_textures {
+            let without = |table: &Arc<[Material]>| {
+                let plain = |material: &Material| Material {
+                    texture: None,
+                    emission_texture: None,
+                    ..*material
+                };
+                table.iter().map(plain).collect()
+            };
+            return Ok(Tables {
+                materials: scene.materials.iter().map(without).collect(),
+                textures: vec![Arc::default(); scene.texture_tables.len()],
+            });
+        }
+        let table = |table: &Vec<u32>| {
+            let texture = |&index: &u32| textures.get(index as usize).cloned();
+            let table: Option<Arc<[Arc<Texture>]>> = table.iter().map(texture).collect();
+            table.ok_or_else(|| invalid(SCENE, "a texture does not exist"))
+        };
+        Ok(Tables {
+            materials: scene.materials.clone(),
+            textures: scene.texture_tables.iter().map(table).collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+/// Reads the rooms, one after another.
+struct RoomReader<'a> {
+    tables: Tables,
+    meshes: Vec<Arc<Mesh>>,
+    /// What no room has taken yet.
+    items: &'a [ItemRecord],
+    names: &'a str,
+}
+
+impl RoomReader<'_> {
+    fn room(&mut self, room: StoredRoom) -> Result<Room, BrokenRule> {
+        let geometry = self.geometry(&room)?;
+        let method = room.method.map(|name| {
+            let method = Method::by_name(&name);
+            method.ok_or_else(|| invalid(SCENE, format!("method `{name}` is unknown")))
+        });
+        Ok(Room {
+            name: room.name,
+            geometry: Arc::new(geometry),
+            nodes: room.nodes,
+            method: method.transpose()?,
+            open_above: room.open_above,
+            large: None,
+        })
+    }
+
+    fn geometry(&mut self, room: &StoredRoom) -> Result<Geometry, BrokenRule> {
+        let no_such = |what| move || invalid(SCENE, format!("a table of {what} does not exist"));
+        let materials = self.tables.materials.get(room.materials as usize);
+        let mut builder = GeometryBuilder::new(Arc::clone(materials.ok_or_else(no_such("materials"))?));
+        let textures = self.tables.textures.get(room.textures as usize);
+        builder.textures(Arc::clone(textures.ok_or_else(no_such("textures"))?));
+        for &mesh in &room.meshes {
+            let mesh = self.meshes.get(mesh as usize);
+            builder.mesh(Arc::clone(mesh.ok_or_else(no_such("meshes"))?));
+        }
+        let items = self.items.split_at_checked(room.items as usize);
+        let (items, rest) =
+            items.ok_or_else(|| invalid(ITEMS, "there are fewer items than the rooms have"))?;
+        self.items = rest;
+        for item in items {
+            let split = self.names.split_at_checked(item.name as usize);
+            let (name, rest) = split.ok_or_else(|| invalid(NAMES, "there is not a name for each item"))?;
+            self.names = rest;
+            let place = Transform::from_columns(item.sector_from_item);
+            let id = builder.item(name, MeshId(item.mesh), place);
+            builder.set_key(id, item.key);
+            builder.set_options(id, item.options());
+        }
+        for opening in &room.openings {
+            builder.opening(&opening.name, opening.outline.clone());
+        }
+        if let Some(cells) = &room.cells {
+            builder.cells(Arc::clone(cells));
+        }
+        for terrain in &room.terrains {
+            add_terrain(&mut builder, terrain)?;
+        }
+        builder.build().map_err(|why| invalid(ITEMS, why).into())
+    }
+}
+
+fn add_terrain(builder: &mut GeometryBuilder, terrain: &StoredTerrain) -> Result<(), EnfError> {
+    let lines = [&terrain.columns, &terrain.rows].map(|lines| &lines[..]);
+    let field = HeightField::on_lines(lines[0], lines[1], &terrain.heights[..]);
+    let field = field
+        .map_err(|why| invalid(SCENE, why))?
+        .cut_along(terrain.diagonal);
+    let first_block = ItemIndex(terrain.first_block);
+    let declared = builder.terrain_of_items(field, first_block, terrain.sector_from_field);
+    declared.map_err(|why: GeometryError| invalid(SCENE, why))
+}
+
+fn map_summary(stored: StoredMap) -> Result<MapSummary, EnfError> {
+    let format = MapSummary::FORMATS
+        .into_iter()
+        .find(|format| *format == stored.format);
+    Ok(MapSummary {
+        format: format.ok_or_else(|| invalid(SCENE, "the format of the map is unknown"))?,
+        leafs: stored.leafs as usize,
+        clusters: stored.clusters.map(|clusters| clusters as usize),
+        faces: stored.faces as usize,
+        models: stored.models as usize,
+        entities: stored.entities as usize,
+        visibility_bytes: stored.visibility_bytes as usize,
+    })
+}

@@ -1,0 +1,45 @@
+//! How much of a baked scene is what.
+
+use super::container::Container;
+use super::read::mapped;
+use crate::ImportError;
+use std::path::Path;
+
+/// The sections of a baked scene, by kind.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BakedSections {
+    /// The sections of each kind that there are.
+    pub totals: Vec<SectionTotal>,
+}
+
+/// The sections of a kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SectionTotal {
+    /// Name of the kind.
+    pub kind: &'static str,
+    /// Number of sections.
+    pub count: u32,
+    /// Their size together.
+    pub bytes: u64,
+}
+
+impl BakedSections {
+    /// Reads the table of sections of a baked scene; `None` if the file is no baked scene.
+    ///
+    /// # Errors
+    /// Returns an [`ImportError`] if the header or the table is damaged.
+    pub fn read(path: &Path) -> Result<Option<BakedSections>, ImportError> {
+        let failed = |rule| ImportError {
+            file: path.display().to_string(),
+            rule,
+        };
+        let Some(bytes) = mapped(path).map_err(failed)? else {
+            return Ok(None);
+        };
+        let container = Container::open(bytes).map_err(|why| failed(why.into()))?;
+        let totals = container.totals().filter(|total| total.count > 0);
+        Ok(Some(BakedSections {
+            totals: totals.collect(),
+        }))
+    }
+}

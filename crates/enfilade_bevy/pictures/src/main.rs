@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release -p enfilade_bevy_pictures -- SCENE.glb VIEWS.jsonl FRAMES [--without-rooms]`: the views are those
 //! that `enfilade look --path` reads, and the path leads from one to the next. A second camera looks the other way. A
-//! software driver will do. Without rooms, the file's extras are ignored, and the path may lead through walls.
+//! software driver will do. Without rooms, the file's extras are ignored, and the path may lead through walls. Where FRAMES is
+//! `300:192`, only frame 192 of the 300 is drawn.
 //!
 //! The palace, `crates/enfilade_scenes/src/palace.glb`, is compressed by extensions that Bevy does not read;
 //! `tools/palace` writes it without them.
@@ -42,10 +43,23 @@ fn main() -> Result<()> {
         [scene, views, frames, "--without-rooms"] => (scene, views, frames, false),
         _ => bail!("usage: enfilade_bevy_pictures SCENE.glb VIEWS.jsonl FRAMES [--without-rooms]"),
     };
-    let frames = frames.parse().context("FRAMES is a number")?;
+    let (frames, only) = frames
+        .split_once(':')
+        .map_or((frames, None), |(all, only)| (all, Some(only)));
+    let number = |text: &str| {
+        text.parse::<usize>()
+            .context("FRAMES is a number, or two with a colon")
+    };
+    let only = only.map(number).transpose()?;
+    let mut path: Vec<_> = read_path(views, number(frames)?)?
+        .into_iter()
+        .enumerate()
+        .collect();
+    path.retain(|(number, _)| only.is_none_or(|only| *number == only));
+    let frames = path.len();
     let mut stage = Stage::open(Path::new(scene), has_rooms)?;
     let mut sums = Sums::default();
-    for (number, place) in read_path(views, frames)?.into_iter().enumerate() {
+    for (number, place) in path {
         stage.look_from(place);
         stage.draw(number, Drawn::With);
         sums.with += stage.drawn();

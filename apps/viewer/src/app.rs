@@ -185,7 +185,7 @@ impl App {
             match &self.message {
                 Some((message, true)) => ui.colored_label(Color32::from_rgb(255, 120, 100), message),
                 Some((message, false)) => ui.label(message),
-                None => ui.label("Drop a .glb, .gltf, .obj or .bsp file here to open it."),
+                None => ui.label("Drop a .glb, .gltf, .obj, .bsp or .enf file here to open it."),
             };
         });
         ui.horizontal_wrapped(|ui| {

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, Parser)]
 #[command(name = "enfilade-viewer", version, max_term_width = 100)]
 pub struct Args {
-    /// A .glb, .gltf, .obj, .bsp or terrain .json file, or @NAME for a built-in scene
+    /// A .glb, .gltf, .obj, .bsp, .enf or terrain .json file, or @NAME for a built-in scene
     #[arg(default_value = "@enfilade", value_parser = scene)]
     pub scene: String,
     /// Start at this camera of the scene

@@ -34,7 +34,7 @@ pub enum BrokenRule {
     },
     /// The file is of no supported format.
     #[error(
-        "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it {begins}; name a scene in glTF 2.0 (.glb, or .gltf with \
+        "is neither glTF nor OBJ, nor a map of Quake, terrain or a baked scene: it {begins}; name a scene in glTF 2.0 (.glb, or .gltf with \
          its .bin files), OBJ (.obj with its .mtl files), a compiled map (.bsp: BSP29, BSP2, IBSP46), or terrain (.json with \
          its .raw file)"
     )]

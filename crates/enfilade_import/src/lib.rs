@@ -1,7 +1,7 @@
 //! Reads 3D scenes from files as [`enfilade`] scenes, with their rooms, portals, materials, cameras and lights.
 //!
 //! Formats: glTF 2.0 (`.glb`, or `.gltf` with embedded or separate buffers); OBJ with its MTL files and images;
-//! compiled maps of Quake and Quake 3 (`.bsp`); terrain as a raw heightmap with a JSON description.
+//! compiled maps of Quake and Quake 3 (`.bsp`); terrain as a raw heightmap with a JSON description; baked scenes (`.enf`).
 //!
 //! ```
 //! use enfilade::{SectorId, Method};
@@ -88,6 +88,12 @@
 //! the eighth block from the west. The diagonal of each cell runs from its north-east to its south-west corner, unless
 //! the description says otherwise. x points east, z south and y up; units are metres.
 //!
+//! # Baked scenes
+//!
+//! [`bake`] writes what was read as a baked scene (`.enf`). [`read`] maps it into memory, uses its meshes in place, and returns
+//! the same [`Import`]. Do not truncate or write the file until everything read from it is dropped: write a new one and rename
+//! it. [`Pages`] reads its meshes one group at a time.
+//!
 //! # What is read of glTF
 //!
 //! Base color and emissive textures (PNG and JPEG; embedded, in separate files, or data URIs), samplers, alpha test and
@@ -133,7 +139,7 @@ mod terrain;
 mod warning;
 
 pub use authoring::AuthoringError;
-pub use enf::{BakeError, BakedSections, EnfError, SectionTotal, bake};
+pub use enf::{BakeError, BakedSections, EnfError, Pages, SectionTotal, bake};
 pub use error::{BrokenRule, ImportError};
 pub use faults::AuthoringErrors;
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};

@@ -106,10 +106,17 @@ fn the_examples_of_info_run() {
 }
 
 #[test]
+fn the_examples_of_bake_run() {
+    let folder = Folder::new();
+    folder.add("map.bsp", crate::support::map::map(true));
+    examples_run_in(&folder, "bake");
+}
+
+#[test]
 fn no_line_of_a_help_ends_before_it_is_full_but_where_a_paragraph_does() {
     let folder = Folder::new();
     for verb in [
-        "draw", "look", "compare", "bench", "link", "vis", "portals", "info",
+        "draw", "look", "compare", "bench", "link", "vis", "portals", "bake", "info",
     ] {
         let help = folder.run(&format!("help {verb}")).stdout;
         let (before, _) = help.split_once("\nExamples:\n").expect("examples at the end");

@@ -6,6 +6,7 @@ mod carved;
 mod support;
 
 mod bad_input;
+mod bake;
 mod bench;
 mod choose;
 mod compare;

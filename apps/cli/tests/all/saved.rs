@@ -51,7 +51,7 @@ fn run_with_little_space(folder: &Folder, blocks: usize, arguments: &str) -> Run
 }
 
 /// Every kind of output, and the name of the file.
-const OUTPUTS: [(&str, &str); 9] = [
+const OUTPUTS: [(&str, &str); 10] = [
     ("draw scene.glb --size 64x36 -o old.png", "old.png"),
     ("look scene.glb --size 64x36 --json old.json", "old.json"),
     ("info scene.glb --json old.json", "old.json"),
@@ -59,6 +59,7 @@ const OUTPUTS: [(&str, &str); 9] = [
         "compare scene.glb --size 16x9 --method z-buffer -o old.html",
         "old.html",
     ),
+    ("bake scene.glb -o old.enf", "old.enf"),
     ("choose scene.glb --size 16x9 -o old.glb", "old.glb"),
     ("link world.toml -o old.glb", "old.glb"),
     ("vis map.bsp -o old.bsp", "old.bsp"),

@@ -7,10 +7,13 @@
 //! Cost: opening reads the header and the table.
 
 use super::{EnfError, SectionTotal};
+use crate::BrokenRule;
 use bytemuck::{Pod, Zeroable};
 use bytes::Bytes;
 use std::fmt;
-use std::io::{self, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use xxhash_rust::xxh3::xxh3_64;
 
 pub(super) const MAGIC: [u8; 8] = *b"ENFILADE";
@@ -184,37 +187,82 @@ impl<W: Write + Seek> Writer<W> {
     }
 }
 
+/// Where the bytes of a container are.
+pub(super) enum Source {
+    /// In memory, or mapped into it. Sections are used in place.
+    Memory(Bytes),
+    /// In a file. Sections are copied when they are read, so that dropping them frees their memory.
+    File(Mutex<File>),
+}
+
+impl Source {
+    fn length(&self) -> io::Result<u64> {
+        match self {
+            Source::Memory(bytes) => Ok(bytes.len() as u64),
+            Source::File(file) => Ok(unpoisoned(file).metadata()?.len()),
+        }
+    }
+
+    /// Returns a range of bytes, which must lie in the file.
+    fn read(&self, offset: u64, length: u64) -> io::Result<Bytes> {
+        match self {
+            Source::Memory(bytes) => Ok(bytes.slice(offset as usize..(offset + length) as usize)),
+            Source::File(file) => {
+                let mut bytes = Vec::new();
+                let length = usize::try_from(length).map_err(|_| io::ErrorKind::OutOfMemory)?;
+                bytes
+                    .try_reserve_exact(length)
+                    .map_err(|_| io::ErrorKind::OutOfMemory)?;
+                bytes.resize(length, 0);
+                let mut file = unpoisoned(file);
+                file.seek(SeekFrom::Start(offset))?;
+                file.read_exact(&mut bytes)?;
+                Ok(bytes.into())
+            }
+        }
+    }
+}
+
+fn unpoisoned(file: &Mutex<File>) -> MutexGuard<'_, File> {
+    file.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// A container whose header and table are checked. Sections are checked as they are read.
 pub(super) struct Container {
-    bytes: Bytes,
+    source: Source,
     entries: Vec<Entry>,
 }
 
 impl Container {
     /// Checks the header and the table.
-    pub(super) fn open(bytes: Bytes) -> Result<Container, EnfError> {
-        let has = bytes.len() as u64;
-        let start = bytes.get(..HEADER).ok_or(EnfError::Truncated {
-            needs: HEADER as u64,
-            has,
-        })?;
-        let header: Header = bytemuck::pod_read_unaligned(start);
+    pub(super) fn open(source: Source) -> Result<Container, BrokenRule> {
+        let has = source.length().map_err(BrokenRule::Unreadable)?;
+        let needs = HEADER as u64;
+        if has < needs {
+            return Err(EnfError::Truncated { needs, has }.into());
+        }
+        let read = |offset, length| source.read(offset, length).map_err(BrokenRule::Unreadable);
+        let header: Header = bytemuck::pod_read_unaligned(&read(0, needs)?);
         if header.version != VERSION {
-            return Err(EnfError::Version(header.version));
+            return Err(EnfError::Version(header.version).into());
         }
         let damaged = |section: &'static str| EnfError::Damaged(section.to_owned());
         if header.checksum != header.sum() || header.magic != MAGIC {
-            return Err(damaged("header"));
+            return Err(damaged("header").into());
         }
         let needs = header.file_length;
         if needs != has {
-            return Err(EnfError::Truncated { needs, has });
+            return Err(EnfError::Truncated { needs, has }.into());
         }
-        let end = u64::from(header.sections) * size_of::<Entry>() as u64;
-        let table = (header.table.checked_add(end) == Some(has)).then(|| &bytes[header.table as usize..]);
-        let table = table.filter(|table| xxh3_64(table) == header.table_checksum);
-        let mut entries: Vec<Entry> =
-            bytemuck::pod_collect_to_vec(table.ok_or(damaged("table of sections"))?);
+        let length = u64::from(header.sections) * size_of::<Entry>() as u64;
+        if header.table.checked_add(length) != Some(has) {
+            return Err(damaged("table of sections").into());
+        }
+        let table = read(header.table, length)?;
+        if xxh3_64(&table) != header.table_checksum {
+            return Err(damaged("table of sections").into());
+        }
+        let mut entries: Vec<Entry> = bytemuck::pod_collect_to_vec(&table);
         let mut last = HEADER as u64;
         for entry in &entries {
             let end = entry.offset.checked_add(entry.length);
@@ -226,26 +274,41 @@ impl Container {
             .windows(2)
             .any(|pair| pair[0].section() == pair[1].section())
         {
-            return Err(damaged("table of sections"));
+            return Err(damaged("table of sections").into());
         }
-        Ok(Container { bytes, entries })
+        Ok(Container { source, entries })
     }
 
     /// Returns a section, whose checksum is correct.
-    pub(super) fn section(&self, section: Section) -> Result<Bytes, EnfError> {
-        let Section(kind, number) = section;
+    pub(super) fn section(&self, section: Section) -> Result<Bytes, BrokenRule> {
         let damaged = || EnfError::Damaged(section.to_string());
+        let entry = self.entry(section).ok_or_else(damaged)?;
+        let bytes = self
+            .source
+            .read(entry.offset, entry.length)
+            .map_err(BrokenRule::Unreadable)?;
+        if xxh3_64(&bytes) != entry.checksum {
+            return Err(damaged().into());
+        }
+        Ok(bytes)
+    }
+
+    /// Returns the length of a section, in bytes; 0 if it does not exist.
+    pub(super) fn length(&self, section: Section) -> u64 {
+        self.entry(section).map_or(0, |entry| entry.length)
+    }
+
+    /// Returns the length of all sections of other kinds, in bytes.
+    pub(super) fn length_without(&self, kind: Kind) -> u64 {
+        let others = self.entries.iter().filter(|entry| entry.kind != kind as u32);
+        others.map(|entry| entry.length).sum()
+    }
+
+    fn entry(&self, Section(kind, number): Section) -> Option<&Entry> {
         let found = self
             .entries
             .binary_search_by_key(&(kind as u32, number), Entry::section);
-        let entry = &self.entries[found.map_err(|_| damaged())?];
-        let bytes = self
-            .bytes
-            .slice(entry.offset as usize..(entry.offset + entry.length) as usize);
-        if xxh3_64(&bytes) != entry.checksum {
-            return Err(damaged());
-        }
-        Ok(bytes)
+        Some(&self.entries[found.ok()?])
     }
 
     /// Returns the number of sections of a kind.
@@ -286,8 +349,8 @@ mod tests {
         file.into_inner()
     }
 
-    fn sections(bytes: Vec<u8>) -> Result<Vec<Bytes>, EnfError> {
-        let container = Container::open(bytes.into())?;
+    fn sections(bytes: Vec<u8>) -> Result<Vec<Bytes>, BrokenRule> {
+        let container = Container::open(Source::Memory(bytes.into()))?;
         let sections = [
             Section(Kind::Scene, 0),
             Section(Kind::Page, 0),
@@ -309,10 +372,10 @@ mod tests {
             damaged[at] ^= 0x10;
             match sections(damaged) {
                 Ok(still) => assert_eq!(still, read, "byte {at}"),
-                Err(EnfError::Damaged(section)) => {
+                Err(BrokenRule::Enf(EnfError::Damaged(section))) => {
                     assert!(["header", "table of sections", "scene", "page 1"].contains(&&*section));
                 }
-                Err(EnfError::Version(_)) => assert!((8..12).contains(&at), "byte {at}"),
+                Err(BrokenRule::Enf(EnfError::Version(_))) => assert!((8..12).contains(&at), "byte {at}"),
                 Err(other) => panic!("byte {at}: {other}"),
             }
         }

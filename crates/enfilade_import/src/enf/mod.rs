@@ -8,6 +8,7 @@
 //! Hostile input: sizes are checked against the file before anything is allocated; no value is trusted.
 
 mod container;
+mod paged;
 mod pages;
 mod read;
 mod sections;
@@ -16,6 +17,7 @@ mod stored;
 mod tests;
 mod write;
 
+pub use paged::Pages;
 pub use sections::{BakedSections, SectionTotal};
 pub use write::{BakeError, bake};
 
@@ -43,6 +45,9 @@ pub enum EnfError {
     /// It was to be read as [flat](crate::ReadOptions::flat), but only the rooms are stored.
     #[error("is a baked scene, whose rooms cannot become one; bake it with --flat")]
     Flat,
+    /// The file is no baked scene, but only those have pages.
+    #[error("is no baked scene; bake it first (enfilade bake)")]
+    NotBaked,
     /// The file is longer or shorter than it says.
     #[error("is a baked scene of {needs} bytes, but the file has {has}; copy it again, or bake it again")]
     Truncated {

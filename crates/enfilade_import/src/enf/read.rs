@@ -1,7 +1,7 @@
 //! Reads baked scenes.
 
 use super::EnfError;
-use super::container::{Container, Kind, MAGIC, Section};
+use super::container::{Container, Kind, MAGIC, Section, Source};
 use super::stored::{
     ItemRecord, MeshRecord, StoredMap, StoredRoom, StoredScene, StoredTerrain, StoredTexture,
 };
@@ -52,7 +52,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions) -> Option<Result<Import, 
     Some(taken.and_then(|()| import(bytes, options, budget)))
 }
 
-fn invalid(section: Section, rule: impl Display) -> EnfError {
+pub(super) fn invalid(section: Section, rule: impl Display) -> EnfError {
     EnfError::Invalid {
         section: section.to_string(),
         rule: rule.to_string(),
@@ -60,25 +60,41 @@ fn invalid(section: Section, rule: impl Display) -> EnfError {
 }
 
 const SCENE: Section = Section(Kind::Scene, 0);
-const MESHES: Section = Section(Kind::Meshes, 0);
+pub(super) const MESHES: Section = Section(Kind::Meshes, 0);
 const ITEMS: Section = Section(Kind::Items, 0);
 const NAMES: Section = Section(Kind::Names, 0);
 
 /// Reads a baked scene.
-pub(crate) fn import(bytes: Bytes, options: &ReadOptions, mut budget: Budget) -> Result<Import, BrokenRule> {
+pub(crate) fn import(bytes: Bytes, options: &ReadOptions, budget: Budget) -> Result<Import, BrokenRule> {
+    let container = Container::open(Source::Memory(bytes))?;
+    let scene = stored_scene(&container, options)?;
+    let meshes = read_meshes(&container)?;
+    build(scene, meshes, &container, options, budget)
+}
+
+/// Reads the section of the scene.
+pub(super) fn stored_scene(container: &Container, options: &ReadOptions) -> Result<StoredScene, BrokenRule> {
     if options.flat {
         return Err(EnfError::Flat.into());
     }
-    let container = Container::open(bytes)?;
     let scene = container.section(SCENE)?;
-    let scene: StoredScene = rmp_serde::from_slice(&scene).map_err(|why| invalid(SCENE, why))?;
-    let meshes = read_meshes(&container)?;
+    Ok(rmp_serde::from_slice(&scene).map_err(|why| invalid(SCENE, why))?)
+}
+
+/// Builds the rooms over these meshes.
+pub(super) fn build(
+    scene: StoredScene,
+    meshes: Vec<Arc<Mesh>>,
+    container: &Container,
+    options: &ReadOptions,
+    mut budget: Budget,
+) -> Result<Import, BrokenRule> {
     let textures = if options.textures {
-        read_textures(&container, &scene.textures, &mut budget)?
+        read_textures(container, &scene.textures, &mut budget)?
     } else {
         Vec::new()
     };
-    let items = records::<ItemRecord>(&container, ITEMS)?;
+    let items = records::<ItemRecord>(container, ITEMS)?;
     let names = container.section(NAMES)?;
     let names = std::str::from_utf8(&names).map_err(|why| invalid(NAMES, why))?;
     let mut reader = RoomReader {
@@ -115,38 +131,52 @@ pub(crate) fn import(bytes: Bytes, options: &ReadOptions, mut budget: Budget) ->
 }
 
 /// Reads a section of records.
-fn records<T: Pod>(container: &Container, section: Section) -> Result<Vec<T>, EnfError> {
+fn records<T: Pod>(container: &Container, section: Section) -> Result<Vec<T>, BrokenRule> {
     let bytes = container.section(section)?;
     if !bytes.len().is_multiple_of(size_of::<T>()) {
-        return Err(invalid(section, "it ends within a record"));
+        return Err(invalid(section, "it ends within a record").into());
     }
     Ok(bytemuck::pod_collect_to_vec(&bytes))
 }
 
-/// Reads all pages, in parallel, and returns the meshes in the order of their records.
-fn read_meshes(container: &Container) -> Result<Vec<Arc<Mesh>>, EnfError> {
+/// Reads the section of meshes. Returns it with the meshes of each page, by their index.
+pub(super) fn mesh_records(container: &Container) -> Result<(Vec<MeshRecord>, Vec<Vec<u32>>), BrokenRule> {
     let records = records::<MeshRecord>(container, MESHES)?;
-    let pages = container.count(Kind::Page) as usize;
-    let mut in_page = vec![Vec::new(); pages];
-    for (index, record) in records.iter().enumerate() {
-        let page = in_page.get_mut(record.page as usize);
+    let mut of_pages = vec![Vec::new(); container.count(Kind::Page) as usize];
+    for (index, record) in (0..).zip(&records) {
+        let page = of_pages.get_mut(record.page as usize);
         page.ok_or_else(|| invalid(MESHES, "a mesh is in a page that does not exist"))?
             .push(index);
     }
-    let read: Vec<(usize, Arc<Mesh>)> = (in_page.par_iter().enumerate())
-        .map(|(page, meshes)| {
-            let section = Section(Kind::Page, page as u32);
-            let bytes = container.section(section)?;
-            let read = |&index: &usize| Ok((index, Arc::new(read_mesh(&bytes, &records[index], section)?)));
-            meshes.iter().map(read).collect()
-        })
-        .collect::<Result<Vec<Vec<_>>, EnfError>>()?
-        .concat();
-    let mut meshes: Vec<Option<Arc<Mesh>>> = vec![None; records.len()];
-    for (index, mesh) in read {
-        meshes[index] = Some(mesh);
-    }
-    Ok(meshes.into_iter().flatten().collect())
+    Ok((records, of_pages))
+}
+
+/// Reads all pages, in parallel, and returns the meshes in the order of their records.
+fn read_meshes(container: &Container) -> Result<Vec<Arc<Mesh>>, BrokenRule> {
+    let (records, of_pages) = mesh_records(container)?;
+    let pages = of_pages.par_iter().enumerate();
+    let read = pages.map(|(page, meshes)| read_page(container, page as u32, meshes, &records));
+    let mut read = read.collect::<Result<Vec<_>, _>>()?.concat();
+    read.sort_unstable_by_key(|(index, _)| *index);
+    Ok(read.into_iter().map(|(_, mesh)| mesh).collect())
+}
+
+/// Reads the meshes of a page, with their index.
+pub(super) fn read_page(
+    container: &Container,
+    page: u32,
+    meshes: &[u32],
+    records: &[MeshRecord],
+) -> Result<Vec<(u32, Arc<Mesh>)>, BrokenRule> {
+    let section = Section(Kind::Page, page);
+    let bytes = container.section(section)?;
+    let read = |&index: &u32| {
+        Ok((
+            index,
+            Arc::new(read_mesh(&bytes, &records[index as usize], section)?),
+        ))
+    };
+    meshes.iter().map(read).collect()
 }
 
 fn read_mesh(page: &Bytes, record: &MeshRecord, section: Section) -> Result<Mesh, EnfError> {
@@ -170,17 +200,14 @@ fn read_textures(
         let [width, height] = texture.size.map(u64::from);
         budget.take(4 * width * height, || format!("texture `{}`", texture.name))?;
     }
-    let read = |(number, texture): (usize, &StoredTexture)| {
+    let read = |(number, texture): (usize, &StoredTexture)| -> Result<_, BrokenRule> {
         let section = Section(Kind::Image, number as u32);
         let bytes = container.section(section)?;
         let image = ImageReader::with_format(Cursor::new(&bytes[..]), ImageFormat::Png);
         // Checked before anything is allocated, because a small image may say that it is large.
         let size = image.into_dimensions().map_err(|why| invalid(section, why))?;
         if <[u32; 2]>::from(size) != texture.size {
-            return Err(invalid(
-                section,
-                "its size is not as the section of the scene says",
-            ));
+            return Err(invalid(section, "its size is not as the section of the scene says").into());
         }
         let image = ImageReader::with_format(Cursor::new(&bytes[..]), ImageFormat::Png);
         let image = image.decode().map_err(|why| invalid(section, why))?.into_rgba8();
@@ -190,11 +217,7 @@ fn read_textures(
         (read.wrap, read.magnify, read.minify) = (texture.wrap, texture.magnify, texture.minify);
         Ok(Arc::new(read))
     };
-    Ok(stored
-        .par_iter()
-        .enumerate()
-        .map(read)
-        .collect::<Result<_, EnfError>>()?)
+    stored.par_iter().enumerate().map(read).collect()
 }
 
 /// Tables that rooms share.

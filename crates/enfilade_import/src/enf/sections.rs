@@ -1,6 +1,6 @@
 //! How much of a baked scene is what.
 
-use super::container::Container;
+use super::container::{Container, Source};
 use super::read::mapped;
 use crate::ImportError;
 use std::path::Path;
@@ -36,7 +36,7 @@ impl BakedSections {
         let Some(bytes) = mapped(path).map_err(failed)? else {
             return Ok(None);
         };
-        let container = Container::open(bytes).map_err(|why| failed(why.into()))?;
+        let container = Container::open(Source::Memory(bytes)).map_err(failed)?;
         let totals = container.totals().filter(|total| total.count > 0);
         Ok(Some(BakedSections {
             totals: totals.collect(),

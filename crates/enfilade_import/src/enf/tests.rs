@@ -1,6 +1,6 @@
 //! A scene of everything, baked, read, and damaged.
 
-use super::container::{Container, Kind, Section, Writer};
+use super::container::{Container, Kind, Section, Source, Writer};
 use super::*;
 use crate::budget::Budget;
 use crate::quake::MapSummary;
@@ -234,7 +234,7 @@ fn the_bytes_depend_on_the_scene_alone_and_any_change_of_them_is_a_new_version()
 
 /// Returns the file with one section changed, and all checksums correct.
 fn with_section(bytes: &[u8], of: (Kind, u32), change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
-    let container = Container::open(bytes.to_vec().into()).expect("a container");
+    let container = Container::open(Source::Memory(bytes.to_vec().into())).expect("a container");
     let mut change = Some(change);
     let mut file = Cursor::new(Vec::new());
     let mut writer = Writer::new(&mut file).expect("started");
@@ -274,7 +274,7 @@ const ALL: [(Kind, &str); 6] = [
 fn a_damaged_byte_in_any_section_is_an_error_that_names_it() {
     let bytes = baked(&everything());
     for (kind, name) in ALL {
-        let section = Container::open(bytes.clone().into())
+        let section = Container::open(Source::Memory(bytes.clone().into()))
             .expect("open")
             .section(Section(kind, 0))
             .expect("whole");

@@ -187,19 +187,19 @@ fn other_formats_are_told_what_is_read() {
     for (bytes, begins) in [
         (
             &b""[..],
-            "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it is empty",
+            "is neither glTF nor OBJ, nor a map of Quake, terrain or a baked scene: it is empty",
         ),
         (
             b"# a poem\nby v 0 0 0",
-            "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it begins with `# a poem\\nby `",
+            "is neither glTF nor OBJ, nor a map of Quake, terrain or a baked scene: it begins with `# a poem\\nby `",
         ),
         (
             b"VBSP\x14\0\0\0",
-            "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it begins with `VBSP\\x14\\x00\\x00\\x00`",
+            "is neither glTF nor OBJ, nor a map of Quake, terrain or a baked scene: it begins with `VBSP\\x14\\x00\\x00\\x00`",
         ),
         (
             b"GLTF\x02\0\0\0",
-            "is neither glTF nor OBJ, nor a map of Quake, nor terrain: it begins with `GLTF\\x02\\x00\\x00\\x00`",
+            "is neither glTF nor OBJ, nor a map of Quake, terrain or a baked scene: it begins with `GLTF\\x02\\x00\\x00\\x00`",
         ),
     ] {
         let said = refusal(bytes).expect("not glTF");

@@ -39,7 +39,7 @@ fn what_has_no_line_of_obj_is_not_obj_though_it_is_called_so() {
         let error = read_among(&[("a.obj", text)], &ReadOptions::default()).expect_err("no OBJ");
         assert!(
             error.to_string().contains(&format!(
-                "a.obj: is neither glTF nor OBJ, nor a map of Quake, nor terrain: it {begins}; name a scene"
+                "a.obj: is neither glTF nor OBJ, nor a map of Quake, terrain or a baked scene: it {begins}; name a scene"
             )),
             "{error}"
         );

@@ -1,0 +1,150 @@
+//! `bake`: a baked scene is the scene for every verb, opens whatever the machine, and is refused if it is damaged.
+
+use crate::support::Folder;
+use crate::support::quake::Grid;
+use serde_json::{Value, json};
+use std::fs;
+
+/// Removes what no two runs have in common: times, and the name, format and memory of the file.
+fn without_times(value: &mut Value) {
+    match value {
+        Value::Object(entries) => {
+            entries.retain(|key, _| {
+                !(key.ends_with("ms")
+                    || key.starts_with("ms_")
+                    || ["file", "format", "bytes", "sections"].contains(&&**key))
+            });
+            entries.values_mut().for_each(without_times);
+        }
+        Value::Array(list) => list.iter_mut().for_each(without_times),
+        _ => {}
+    }
+}
+
+#[test]
+fn looks_at_a_baked_scene_find_the_same_and_do_the_same_work() {
+    let folder = Folder::new();
+    folder.add("map.bsp", Grid::row(3).bsp());
+    for scene in ["scene.glb", "@two-rooms", "map.bsp"] {
+        let baked = folder.json(&format!("bake {scene} -o baked.enf"));
+        let length = fs::metadata(folder.path("baked.enf")).expect("it is there").len();
+        assert_eq!(
+            (&baked["bytes"], &baked["file"]),
+            (&json!(length), &json!("baked.enf"))
+        );
+        let kinds: Vec<&str> = baked["sections"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .map(|section| section["kind"].as_str().expect("a name"))
+            .collect();
+        assert!(
+            ["scene", "meshes", "items", "names"]
+                .iter()
+                .all(|kind| kinds.contains(kind))
+        );
+        let [mut before, mut after] = [scene, "baked.enf"].map(|scene| {
+            folder.json(&format!(
+                "look {scene} --survey 3 --method all --size 96x54 --check"
+            ))
+        });
+        without_times(&mut before);
+        without_times(&mut after);
+        assert!(before == after, "{scene}");
+        let mut info = folder.json("info baked.enf");
+        assert_eq!(
+            (&info["format"], &info["sections"]),
+            (&json!("baked scene"), &baked["sections"])
+        );
+        let mut plain = folder.json(&format!("info {scene}"));
+        without_times(&mut info);
+        without_times(&mut plain);
+        assert_eq!(info, plain, "{scene}");
+    }
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes_and_the_same_picture() {
+    let folder = Folder::new();
+    let bake = |arguments: &str| {
+        let run = folder.run(&format!("bake scene.glb -o baked.enf {arguments}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        fs::read(folder.path("baked.enf")).expect("a file")
+    };
+    let once = bake("--threads 1");
+    assert!(once == bake("--threads 3"));
+    let picture = |scene: &str| {
+        let run = folder.run(&format!("draw {scene} -o picture.png --size 64x36"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        fs::read(folder.path("picture.png")).expect("a file")
+    };
+    assert!(picture("scene.glb") == picture("baked.enf"));
+}
+
+#[test]
+fn rooms_are_kept_and_flat_is_decided_when_baking_or_looking() {
+    let folder = Folder::new();
+    folder.json("bake @two-rooms -o rooms.enf");
+    let names = |arguments: &str| folder.json(arguments)["views"][0]["passages"].clone();
+    let [all, flat] =
+        ["", " --flat"].map(|flat| names(&format!("look rooms.enf --size 64x36 --method masked{flat}")));
+    assert_eq!(all, names("look @two-rooms --size 64x36 --method masked"));
+    assert_eq!((all.as_u64() > Some(1), flat), (true, json!(1)));
+}
+
+#[test]
+fn a_baked_scene_that_is_damaged_or_of_another_kind_is_refused_with_a_remedy() {
+    let folder = Folder::new();
+    folder.json("bake scene.glb -o whole.enf");
+    let whole = fs::read(folder.path("whole.enf")).expect("a file");
+    let refused = |bytes: &[u8], words: &[&str]| {
+        folder.add("bad.enf", bytes);
+        for verb in ["look", "info", "draw -o picture.png"] {
+            let run = folder.run(&format!("{verb} bad.enf"));
+            assert_eq!(run.code, Some(2), "{}", run.stdout);
+            for word in words.iter().chain(&["bad.enf", "bake it again"]) {
+                assert!(
+                    run.stderr.contains(word),
+                    "`{}` does not say `{word}`",
+                    run.stderr
+                );
+            }
+            assert!(!run.stderr.contains("panicked"), "{}", run.stderr);
+        }
+    };
+    let with = |at: usize, byte: u8| {
+        let mut bytes = whole.clone();
+        bytes[at] = byte;
+        bytes
+    };
+    refused(&whole[..whole.len() - 1], &["but the file has"]);
+    refused(&whole[..40], &["but the file has"]);
+    refused(&[&whole[..], &[0]].concat(), &["but the file has"]);
+    refused(&with(8, 99), &["format 99"]);
+    refused(&with(20, whole[20] ^ 1), &["`header`"]);
+    // The first section.
+    refused(&with(100, whole[100] ^ 1), &["`page 0`"]);
+    refused(&with(whole.len() - 3, 0x5A), &["`table of sections`"]);
+    // Cut before the magic number ends, it is of no format.
+    folder.add("bad.enf", &whole[..7]);
+    assert_eq!(folder.run("look bad.enf").code, Some(2));
+    let run = folder.run("bake scene.glb -o scene2.glb");
+    assert!(
+        run.code == Some(2) && run.stderr.contains(".enf"),
+        "{}",
+        run.stderr
+    );
+    assert!(!folder.path("scene2.glb").exists());
+    let run = folder.run("bake whole.enf -o whole.enf");
+    assert!(
+        run.code == Some(2) && run.stderr.contains("it is the input"),
+        "{}",
+        run.stderr
+    );
+    let run = folder.run("bake whole.enf -o flat.enf --flat");
+    assert!(
+        run.code == Some(2) && run.stderr.contains("--flat"),
+        "{}",
+        run.stderr
+    );
+}

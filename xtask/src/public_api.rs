@@ -27,6 +27,7 @@ const CRATES: [&str; 7] = [
     "enfilade_detail",
     "enfilade_draw",
     "enfilade_import",
+    "enfilade_stream",
     "enfilade_sync",
     "enfilade_walk",
 ];

@@ -21,7 +21,7 @@ pub(crate) struct Args {
 }
 
 /// The libraries whose API is listed, each in its `public-api.txt`. That of `enfilade_c` is its header.
-const CRATES: [&str; 7] = [
+const CRATES: [&str; 8] = [
     "enfilade",
     "enfilade_bake",
     "enfilade_detail",

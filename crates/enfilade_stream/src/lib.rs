@@ -27,7 +27,7 @@
 //! ```
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, for octree subtrees that are loaded as needed and
 //!     dropped when not.
-//! Cost: a step is O(visible items), plus an edit of the items of the pages that came or went.
+//! Cost: a step is O(visible items + pages), plus an edit of the items of the pages that came or went.
 //! The visible set of any look contains all that a look at the whole scene would see, and is equal to it once nothing visible
 //! is absent (exact methods).
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -232,7 +232,7 @@ impl Pager {
 
     /// Waits until a page has arrived, for loading screens. Returns `false` if none did before the timeout, or none is being
     /// read.
-    pub fn wait(&mut self, timeout: Duration) -> bool {
+    pub fn wait(&self, timeout: Duration) -> bool {
         self.loader.wait(timeout)
     }
 

@@ -3,7 +3,6 @@
 use enfilade::Mesh;
 use enfilade_import::{ImportError, Pages};
 use std::collections::{BTreeSet, VecDeque};
-use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -14,16 +13,14 @@ type Read = Result<Vec<(u32, Arc<Mesh>)>, ImportError>;
 /// Threads that read pages. Dropping it ends them.
 pub(crate) struct Loader {
     queue: Arc<Queue>,
-    results: Receiver<(u32, Read)>,
-    /// A result that [`Loader::wait`] has taken off already.
-    first: Option<(u32, Read)>,
     threads: Vec<JoinHandle<()>>,
 }
 
 #[derive(Default)]
 struct Queue {
     state: Mutex<QueueState>,
-    has_changed: Condvar,
+    has_work: Condvar,
+    has_read: Condvar,
 }
 
 #[derive(Default)]
@@ -31,6 +28,7 @@ struct QueueState {
     waiting: VecDeque<u32>,
     /// Pages that a thread has taken, until [`Loader::arrived`] returns them.
     being_read: BTreeSet<u32>,
+    read: VecDeque<(u32, Read)>,
     has_ended: bool,
 }
 
@@ -41,44 +39,41 @@ impl Queue {
 
     /// Waits for a page to read; `None` at the end.
     fn take(&self) -> Option<u32> {
-        let mut state = self.lock();
-        loop {
-            if state.has_ended {
-                return None;
-            }
-            if let Some(page) = state.waiting.pop_front() {
-                state.being_read.insert(page);
-                return Some(page);
-            }
-            state = self
-                .has_changed
-                .wait(state)
-                .unwrap_or_else(PoisonError::into_inner);
+        let is_idle = |state: &mut QueueState| state.waiting.is_empty() && !state.has_ended;
+        let state = self.has_work.wait_while(self.lock(), is_idle);
+        let mut state = state.unwrap_or_else(PoisonError::into_inner);
+        if state.has_ended {
+            return None;
         }
+        let page = state.waiting.pop_front()?;
+        state.being_read.insert(page);
+        Some(page)
     }
 }
 
 impl Loader {
     pub(crate) fn new(pages: Arc<Pages>, threads: usize) -> Loader {
         let queue = Arc::new(Queue::default());
-        let (sender, results) = channel();
         let thread = |_| {
-            let (pages, queue, sender) = (Arc::clone(&pages), Arc::clone(&queue), sender.clone());
-            std::thread::spawn(move || read_pages(&pages, &queue, &sender))
+            let (pages, queue) = (Arc::clone(&pages), Arc::clone(&queue));
+            std::thread::spawn(move || {
+                while let Some(page) = queue.take() {
+                    let read = pages.load(page);
+                    queue.lock().read.push_back((page, read));
+                    queue.has_read.notify_all();
+                }
+            })
         };
         Loader {
             threads: (0..threads).map(thread).collect(),
             queue,
-            results,
-            first: None,
         }
     }
 
     /// Replaces the pages that wait to be read.
     pub(crate) fn ask(&self, pages: Vec<u32>) {
-        let mut state = self.queue.lock();
-        state.waiting = pages.into();
-        self.queue.has_changed.notify_all();
+        self.queue.lock().waiting = pages.into();
+        self.queue.has_work.notify_all();
     }
 
     /// Returns the pages that a thread has taken and that have not arrived, and forgets those that wait.
@@ -89,40 +84,34 @@ impl Loader {
     }
 
     /// Returns a page that has been read.
-    pub(crate) fn arrived(&mut self) -> Option<(u32, Read)> {
-        let (page, read) = self.first.take().or_else(|| self.results.try_recv().ok())?;
-        self.queue.lock().being_read.remove(&page);
+    pub(crate) fn arrived(&self) -> Option<(u32, Read)> {
+        let mut state = self.queue.lock();
+        let (page, read) = state.read.pop_front()?;
+        state.being_read.remove(&page);
         Some((page, read))
     }
 
     /// Waits until a page has been read; returns `false` if none was before the timeout, or none is being read.
-    pub(crate) fn wait(&mut self, timeout: Duration) -> bool {
-        let is_idle = {
-            let state = self.queue.lock();
-            state.waiting.is_empty() && state.being_read.is_empty()
+    pub(crate) fn wait(&self, timeout: Duration) -> bool {
+        let is_busy = |state: &mut QueueState| {
+            state.read.is_empty() && !(state.waiting.is_empty() && state.being_read.is_empty())
         };
-        if self.first.is_none() && !is_idle {
-            self.first = self.results.recv_timeout(timeout).ok();
-        }
-        self.first.is_some()
+        let waited = self
+            .queue
+            .has_read
+            .wait_timeout_while(self.queue.lock(), timeout, is_busy);
+        let (state, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        !state.read.is_empty()
     }
 }
 
 impl Drop for Loader {
     fn drop(&mut self) {
         self.queue.lock().has_ended = true;
-        self.queue.has_changed.notify_all();
+        self.queue.has_work.notify_all();
         for thread in self.threads.drain(..) {
             // A thread that panicked has nothing left to do.
             let _ = thread.join();
-        }
-    }
-}
-
-fn read_pages(pages: &Pages, queue: &Queue, sender: &Sender<(u32, Read)>) {
-    while let Some(page) = queue.take() {
-        if sender.send((page, pages.load(page))).is_err() {
-            return;
         }
     }
 }

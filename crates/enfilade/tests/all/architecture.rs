@@ -285,7 +285,7 @@ fn the_library_opens_nothing_reads_no_clock_starts_no_thread_and_fuses_nothing()
 
 #[test]
 fn no_source_holds_unsafe_code_but_the_one_that_maps_files_and_the_border_of_c() {
-    const MAPS_FILES: &str = "enfilade_import/src/terrain/map.rs";
+    const MAPS_FILES: &str = "enfilade_import/src/map.rs";
     let word = ["un", "safe"].concat();
     let (mut roots, mut mapping, mut promised) = (0, 0, 0);
     for folder in ["crates", "apps"] {

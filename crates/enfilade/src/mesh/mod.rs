@@ -259,6 +259,16 @@ impl Mesh {
         }
     }
 
+    /// Returns the mesh with other materials: where a cluster has `old`, it gets `new(old)`. They share all lists.
+    #[must_use]
+    pub fn with_materials(&self, new: impl Fn(MaterialId) -> MaterialId) -> Mesh {
+        let mut mesh = self.clone();
+        for cluster in &mut mesh.clusters {
+            cluster.material = new(cluster.material);
+        }
+        mesh
+    }
+
     /// Returns the AABB of all faces, in object space, or that of [`Mesh::bounds_only`]; empty for other meshes without
     /// faces.
     pub fn bounds(&self) -> Aabb {

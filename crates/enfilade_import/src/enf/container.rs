@@ -40,16 +40,19 @@ pub(super) enum Kind {
     Page = 5,
     /// A texture, as PNG.
     Image = 6,
+    /// What the scene was baked from, in the words of the program that baked it.
+    Source = 7,
 }
 
 impl Kind {
-    const ALL: [Kind; 6] = [
+    const ALL: [Kind; 7] = [
         Kind::Scene,
         Kind::Meshes,
         Kind::Items,
         Kind::Names,
         Kind::Page,
         Kind::Image,
+        Kind::Source,
     ];
 
     fn name(self) -> &'static str {
@@ -60,6 +63,7 @@ impl Kind {
             Kind::Names => "names",
             Kind::Page => "page",
             Kind::Image => "image",
+            Kind::Source => "source",
         }
     }
 }

@@ -19,7 +19,7 @@ mod write;
 
 pub use paged::Pages;
 pub use sections::{BakedSections, SectionTotal};
-pub use write::{BakeError, bake};
+pub use write::{BakeError, Baker, bake};
 
 pub(crate) use read::{begins_like_enf, import, read};
 

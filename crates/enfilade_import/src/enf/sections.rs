@@ -1,6 +1,6 @@
 //! How much of a baked scene is what.
 
-use super::container::{Container, Source};
+use super::container::{Container, Kind, Section, Source};
 use super::read::mapped;
 use crate::ImportError;
 use std::path::Path;
@@ -10,6 +10,8 @@ use std::path::Path;
 pub struct BakedSections {
     /// The sections of each kind that there are.
     pub totals: Vec<SectionTotal>,
+    /// What it was baked from: see [`Baker::note_source`](crate::Baker::note_source). Empty if that is not noted.
+    pub source: Vec<u8>,
 }
 
 /// The sections of a kind.
@@ -38,8 +40,16 @@ impl BakedSections {
         };
         let container = Container::open(Source::Memory(bytes)).map_err(failed)?;
         let totals = container.totals().filter(|total| total.count > 0);
+        let source = match container.count(Kind::Source) {
+            0 => Vec::new(),
+            _ => container
+                .section(Section(Kind::Source, 0))
+                .map_err(failed)?
+                .to_vec(),
+        };
         Ok(Some(BakedSections {
             totals: totals.collect(),
+            source,
         }))
     }
 }

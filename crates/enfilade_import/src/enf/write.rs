@@ -2,16 +2,24 @@
 
 use super::container::{Kind, Section, Writer};
 use super::pages::Meshes;
-use super::stored::{ItemRecord, MeshRecord, StoredMap, StoredRoom, StoredScene, StoredTerrain, flags};
-use crate::{Import, Room};
+use super::stored::{
+    ItemRecord, MeshRecord, StoredMap, StoredRoom, StoredScene, StoredTerrain, StoredTexture, flags,
+};
+use crate::{Import, Room, SourceNodes, Warning};
 use bytemuck::Zeroable;
-use enfilade::{Geometry, ItemIndex, Material, Terrain, Texture};
+use enfilade::{
+    Camera, Geometry, ItemIndex, Light, Material, MaterialId, Mesh, Portal, SectorId, Terrain, Texture,
+    TextureId,
+};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::io::{self, Seek, Write};
 use std::sync::Arc;
 use thiserror::Error;
+use xxhash_rust::xxh3::xxh3_128;
 
 /// Why a scene cannot be baked.
 #[derive(Debug, Error)]
@@ -45,99 +53,355 @@ const PAGES_AT_ONCE: usize = 64;
 /// # Errors
 /// Returns a [`BakeError`] if the scene has terrain that does not fit in memory, or writing fails.
 pub fn bake(import: &Import, to: impl Write + Seek) -> Result<u64, BakeError> {
-    if let Some(room) = import.rooms.iter().find(|room| room.large.is_some()) {
-        return Err(BakeError::LargeTerrain(room.name.clone()));
-    }
-    let mut writer = Writer::new(to)?;
-    let meshes = Meshes::of(import);
-    let records = write_pages(&meshes, &mut writer)?;
-    writer.section(Section(Kind::Meshes, 0), bytemuck::cast_slice(&records))?;
-    write_items(import, &mut writer)?;
-    let mut tables = Tables::default();
-    let rooms = import.rooms.iter().zip(meshes.of_rooms);
-    let rooms = rooms
-        .map(|(room, meshes)| stored_room(room, meshes, tables.add(&room.geometry)))
-        .collect();
-    for (number, &texture) in (0..).zip(&tables.textures) {
-        writer.section(Section(Kind::Image, number), &png(texture)?)?;
-    }
-    let scene = StoredScene {
-        rooms,
-        portals: import.portals.clone(),
-        cameras: import.cameras.clone(),
-        orthographic_heights: import.orthographic_heights.clone(),
-        lights: import.lights.clone(),
-        map: import.map.as_ref().map(|map| StoredMap {
-            format: map.format.to_owned(),
-            leafs: map.leafs as u64,
-            clusters: map.clusters.map(|clusters| clusters as u64),
-            faces: map.faces as u64,
-            models: map.models as u64,
-            entities: map.entities as u64,
-            visibility_bytes: map.visibility_bytes as u64,
-        }),
-        warnings: import.warnings.clone(),
-        texture_tables: tables.texture_tables(),
-        materials: tables.materials.iter().map(|&table| table.into()).collect(),
-        textures: tables.textures.iter().map(|&texture| texture.into()).collect(),
-    };
-    let scene = rmp_serde::to_vec_named(&scene).map_err(|why| BakeError::Encoding(why.to_string()))?;
-    writer.section(Section(Kind::Scene, 0), &scene)?;
-    Ok(writer.finish()?)
+    let mut baker = Baker::new(to, "")?;
+    baker.add(import, None)?;
+    baker.finish()
 }
 
-/// Writes the meshes, page by page. Returns where each is.
-fn write_pages(
-    meshes: &Meshes,
-    writer: &mut Writer<impl Write + Seek>,
-) -> Result<Vec<MeshRecord>, BakeError> {
-    let mut records = vec![MeshRecord::zeroed(); meshes.list.len()];
-    let mut number = 0;
-    for pages in meshes.pages.chunks(PAGES_AT_ONCE) {
-        let encoded: Vec<Vec<Vec<u8>>> = pages
-            .par_iter()
-            .map(|page| {
-                page.iter()
-                    .map(|&mesh| meshes.list[mesh as usize].to_bytes())
-                    .collect()
-            })
-            .collect();
-        for (page, encoded) in pages.iter().zip(encoded) {
-            let mut bytes = Vec::with_capacity(encoded.iter().map(Vec::len).sum());
-            for (&mesh, encoded) in page.iter().zip(encoded) {
-                let held = meshes.list[mesh as usize];
-                let places = [bytes.len(), encoded.len()].map(u32::try_from);
-                let [Ok(start), Ok(length)] = places else {
-                    return Err(BakeError::LargeMesh(held.face_count()));
-                };
-                records[mesh as usize] = MeshRecord {
-                    page: number,
-                    start,
-                    length,
-                    faces: held.face_count(),
-                    bounds: [held.bounds().min, held.bounds().max],
-                };
-                bytes.extend(encoded);
-            }
-            writer.section(Section(Kind::Page, number), &bytes)?;
-            number += 1;
+/// Bakes several scenes into one, one after another: tiles of a world, of which only one needs to be in memory.
+///
+/// The meshes of a scene are written when it is added.
+pub struct Baker<W> {
+    writer: Writer<W>,
+    /// Name of the room that tiles share.
+    name: String,
+    /// Index of that room.
+    shared: Option<usize>,
+    rooms: Vec<BakedRoom>,
+    meshes: Vec<MeshRecord>,
+    pages: u32,
+    materials: Vec<Vec<Material>>,
+    textures: Vec<StoredTexture>,
+    texture_tables: Vec<Vec<u32>>,
+    /// The index of each texture by the hash of its image and its sampler.
+    known_textures: HashMap<u128, u32>,
+    portals: Vec<Portal>,
+    cameras: Vec<Camera>,
+    orthographic_heights: Vec<Option<f32>>,
+    lights: Vec<Light>,
+    map: Option<StoredMap>,
+    warnings: Vec<Warning>,
+}
+
+/// A room whose items are not written yet.
+struct BakedRoom {
+    stored: StoredRoom,
+    items: Vec<ItemRecord>,
+    names: String,
+}
+
+impl<W: Write + Seek> Baker<W> {
+    /// Starts to write at the start of `to`. `name` is that of the room that tiles share.
+    ///
+    /// # Errors
+    /// Returns [`BakeError::Io`] if writing fails.
+    pub fn new(to: W, name: &str) -> Result<Baker<W>, BakeError> {
+        Ok(Baker {
+            writer: Writer::new(to)?,
+            name: name.to_owned(),
+            shared: None,
+            rooms: Vec::new(),
+            meshes: Vec::new(),
+            pages: 0,
+            materials: Vec::new(),
+            textures: Vec::new(),
+            texture_tables: Vec::new(),
+            known_textures: HashMap::new(),
+            portals: Vec::new(),
+            cameras: Vec::new(),
+            orthographic_heights: Vec::new(),
+            lights: Vec::new(),
+            map: None,
+            warnings: Vec::new(),
+        })
+    }
+
+    /// Adds a scene. With `tile`, the name of a tile, its rooms, items and cameras are called `TILE/NAME`, and if it has one
+    /// room alone, without portals, baked cells and terrain, its items join those of other such tiles in one room; they lose the
+    /// nodes of their file, and items whose key is their index get that of the new room.
+    ///
+    /// # Errors
+    /// Returns a [`BakeError`] if the scene has terrain that does not fit in memory, or writing fails.
+    pub fn add(&mut self, import: &Import, tile: Option<&str>) -> Result<(), BakeError> {
+        if let Some(room) = import.rooms.iter().find(|room| room.large.is_some()) {
+            return Err(BakeError::LargeTerrain(room.name.clone()));
         }
+        let named = |name: &str| match tile {
+            Some(tile) => format!("{tile}/{name}"),
+            None => name.to_owned(),
+        };
+        let first_room = self.rooms.len();
+        let first_mesh = self.meshes.len() as u32;
+        let Meshes {
+            list,
+            mut of_rooms,
+            pages,
+        } = Meshes::of(import);
+        of_rooms.iter_mut().flatten().for_each(|mesh| *mesh += first_mesh);
+        let alone = match &import.rooms[..] {
+            [room] if tile.is_some() && joins(room) && import.portals.is_empty() => Some(room),
+            _ => None,
+        };
+        if let Some(room) = alone {
+            let index = self.shared_room();
+            let materials = self.join_materials(index, &room.geometry)?;
+            let is_same = materials.iter().enumerate().all(|(old, &new)| old as u32 == new);
+            let changed = (!is_same).then_some(&materials[..]);
+            self.write_pages(&list, &pages, changed)?;
+            let joined = &mut self.rooms[index];
+            joined.stored.method = joined
+                .stored
+                .method
+                .take()
+                .or(room.method.map(|method| method.name().to_owned()));
+            joined.stored.open_above |= room.open_above;
+            let meshes = joined.stored.meshes.len() as u32;
+            joined.stored.meshes.extend(of_rooms.concat());
+            joined.add_items(&room.geometry, meshes, named);
+        } else {
+            self.write_pages(&list, &pages, None)?;
+            let mut tables = HashMap::new();
+            for (room, meshes) in import.rooms.iter().zip(of_rooms) {
+                let stored = self.stored_room(room, named(&room.name), meshes, &mut tables)?;
+                let mut baked = BakedRoom {
+                    stored,
+                    items: Vec::new(),
+                    names: String::new(),
+                };
+                baked.add_items(&room.geometry, 0, named);
+                self.rooms.push(baked);
+            }
+        }
+        let sector = |SectorId(room): SectorId| match (alone, self.shared) {
+            (Some(_), Some(shared)) => SectorId(shared as u32),
+            _ => SectorId(first_room as u32 + room),
+        };
+        self.portals.extend(import.portals.iter().map(|portal| Portal {
+            from: sector(portal.from),
+            to: sector(portal.to),
+            ..portal.clone()
+        }));
+        self.cameras.extend(import.cameras.iter().map(|camera| Camera {
+            name: named(&camera.name),
+            sector: camera.sector.map(sector),
+            ..camera.clone()
+        }));
+        self.orthographic_heights.extend(&import.orthographic_heights);
+        self.lights.extend(import.lights.iter().map(|light| Light {
+            sector: sector(light.sector),
+            ..*light
+        }));
+        self.map = self.map.take().or(import.map.as_ref().map(StoredMap::from));
+        self.warnings.extend(import.warnings.iter().cloned());
+        Ok(())
     }
-    Ok(records)
+
+    /// Notes what the scene is baked from, such as a hash of its files, for [`BakedSections::source`](crate::BakedSections). At
+    /// most once.
+    ///
+    /// # Errors
+    /// Returns [`BakeError::Io`] if writing fails.
+    pub fn note_source(&mut self, source: &[u8]) -> Result<(), BakeError> {
+        Ok(self.writer.section(Section(Kind::Source, 0), source)?)
+    }
+
+    /// Writes everything but the meshes. Returns the length of the file, in bytes.
+    ///
+    /// # Errors
+    /// Returns a [`BakeError`] if writing fails.
+    pub fn finish(mut self) -> Result<u64, BakeError> {
+        self.writer
+            .section(Section(Kind::Meshes, 0), bytemuck::cast_slice(&self.meshes))?;
+        let (mut items, mut names, mut rooms) = (Vec::new(), String::new(), Vec::new());
+        for mut room in self.rooms {
+            room.stored.items = room.items.len() as u32;
+            items.append(&mut room.items);
+            names += &room.names;
+            rooms.push(room.stored);
+        }
+        self.writer
+            .section(Section(Kind::Items, 0), bytemuck::cast_slice(&items))?;
+        self.writer.section(Section(Kind::Names, 0), names.as_bytes())?;
+        let scene = StoredScene {
+            rooms,
+            portals: self.portals,
+            cameras: self.cameras,
+            orthographic_heights: self.orthographic_heights,
+            lights: self.lights,
+            map: self.map,
+            warnings: self.warnings,
+            materials: self.materials.into_iter().map(Into::into).collect(),
+            textures: self.textures,
+            texture_tables: self.texture_tables,
+        };
+        let scene = rmp_serde::to_vec_named(&scene).map_err(|why| BakeError::Encoding(why.to_string()))?;
+        self.writer.section(Section(Kind::Scene, 0), &scene)?;
+        Ok(self.writer.finish()?)
+    }
+
+    /// Writes meshes page by page, with other materials if `materials` has them.
+    fn write_pages(
+        &mut self,
+        meshes: &[&Mesh],
+        pages: &[Vec<u32>],
+        materials: Option<&[u32]>,
+    ) -> Result<(), BakeError> {
+        let first = self.meshes.len();
+        self.meshes.resize(first + meshes.len(), MeshRecord::zeroed());
+        let encode = |&mesh: &u32| {
+            let mesh = meshes[mesh as usize];
+            match materials {
+                None => mesh.to_bytes(),
+                Some(new) => mesh
+                    .with_materials(|old| MaterialId(new[old.0 as usize]))
+                    .to_bytes(),
+            }
+        };
+        for pages in pages.chunks(PAGES_AT_ONCE) {
+            let encoded: Vec<Vec<Vec<u8>>> = pages
+                .par_iter()
+                .map(|page| page.iter().map(encode).collect())
+                .collect();
+            for (page, encoded) in pages.iter().zip(encoded) {
+                let mut bytes = Vec::with_capacity(encoded.iter().map(Vec::len).sum());
+                for (&mesh, encoded) in page.iter().zip(encoded) {
+                    let held = meshes[mesh as usize];
+                    let places = [bytes.len(), encoded.len()].map(u32::try_from);
+                    let [Ok(start), Ok(length)] = places else {
+                        return Err(BakeError::LargeMesh(held.face_count()));
+                    };
+                    self.meshes[first + mesh as usize] = MeshRecord {
+                        page: self.pages,
+                        start,
+                        length,
+                        faces: held.face_count(),
+                        bounds: [held.bounds().min, held.bounds().max],
+                    };
+                    bytes.extend(encoded);
+                }
+                self.writer.section(Section(Kind::Page, self.pages), &bytes)?;
+                self.pages += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the index of the room that tiles share.
+    fn shared_room(&mut self) -> usize {
+        if let Some(shared) = self.shared {
+            return shared;
+        }
+        self.materials.push(Vec::new());
+        self.texture_tables.push(Vec::new());
+        let mut stored = empty_room(self.name.clone());
+        stored.materials = self.materials.len() as u32 - 1;
+        stored.textures = self.texture_tables.len() as u32 - 1;
+        self.rooms.push(BakedRoom {
+            stored,
+            items: Vec::new(),
+            names: String::new(),
+        });
+        *self.shared.insert(self.rooms.len() - 1)
+    }
+
+    /// Adds materials to the table of a room. Returns the new index of each.
+    fn join_materials(&mut self, room: usize, geometry: &Geometry) -> Result<Vec<u32>, BakeError> {
+        let textures = self.store_textures(geometry.textures())?;
+        let StoredRoom {
+            materials: table,
+            textures: texture_table,
+            ..
+        } = self.rooms[room].stored;
+        let known = &mut self.texture_tables[texture_table as usize];
+        let mut place = |texture: TextureId| TextureId(index_in(known, textures[texture.0 as usize]));
+        let table = &mut self.materials[table as usize];
+        let join = |material: &Material| {
+            let material = Material {
+                texture: material.texture.map(&mut place),
+                emission_texture: material.emission_texture.map(&mut place),
+                ..*material
+            };
+            index_in(table, material)
+        };
+        Ok(geometry.materials().iter().map(join).collect())
+    }
+
+    /// Stores textures that are not stored yet, and returns their indices.
+    fn store_textures(&mut self, textures: &[Arc<Texture>]) -> Result<Vec<u32>, BakeError> {
+        let images = textures
+            .par_iter()
+            .map(|texture| png(texture))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut indices = Vec::with_capacity(textures.len());
+        for (texture, image) in textures.iter().zip(images) {
+            let stored = StoredTexture::from(&**texture);
+            let encoded = rmp_serde::to_vec(&stored).map_err(|why| BakeError::Encoding(why.to_string()))?;
+            let hash = xxh3_128(&[&encoded[..], &image].concat());
+            let index = match self.known_textures.entry(hash) {
+                Entry::Occupied(known) => *known.get(),
+                Entry::Vacant(free) => {
+                    let index = self.textures.len() as u32;
+                    self.writer.section(Section(Kind::Image, index), &image)?;
+                    self.textures.push(stored);
+                    *free.insert(index)
+                }
+            };
+            indices.push(index);
+        }
+        Ok(indices)
+    }
+
+    /// Stores a room without its items. `tables` are those of rooms of the same scene, by their address.
+    fn stored_room(
+        &mut self,
+        room: &Room,
+        name: String,
+        meshes: Vec<u32>,
+        tables: &mut HashMap<(*const Material, *const Arc<Texture>), [u32; 2]>,
+    ) -> Result<StoredRoom, BakeError> {
+        let geometry = &room.geometry;
+        let (materials, textures) = (geometry.materials(), geometry.textures());
+        let [materials, textures] = match tables.entry((materials.as_ptr(), textures.as_ptr())) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(free) => {
+                let table = self.store_textures(textures)?;
+                self.texture_tables.push(table);
+                self.materials.push(materials.to_vec());
+                let last = [self.materials.len(), self.texture_tables.len()];
+                *free.insert(last.map(|count| count as u32 - 1))
+            }
+        };
+        Ok(StoredRoom {
+            method: room.method.map(|method| method.name().to_owned()),
+            open_above: room.open_above,
+            nodes: room.nodes.clone(),
+            meshes,
+            materials,
+            textures,
+            openings: geometry.openings().to_vec(),
+            cells: geometry.cells().cloned(),
+            terrains: geometry.terrains().iter().map(stored_terrain).collect(),
+            ..empty_room(name)
+        })
+    }
 }
 
-fn write_items(import: &Import, writer: &mut Writer<impl Write + Seek>) -> Result<(), BakeError> {
-    let (mut records, mut names) = (Vec::new(), Vec::new());
-    for room in &import.rooms {
-        let geometry = &room.geometry;
+impl BakedRoom {
+    /// Adds the items of a geometry, whose meshes follow the first `meshes` of the room.
+    fn add_items(&mut self, geometry: &Geometry, meshes: u32, named: impl Fn(&str) -> String) {
         for index in (0..geometry.items().len() as u32).map(ItemIndex) {
             let item = geometry.item(index);
-            let name = geometry.name(index);
-            names.extend_from_slice(name.as_bytes());
-            records.push(ItemRecord {
-                key: geometry.key(index),
+            let name = named(geometry.name(index));
+            let own_key = geometry.key(index);
+            self.names += &name;
+            self.items.push(ItemRecord {
+                key: if own_key == u64::from(index.0) {
+                    self.items.len() as u64
+                } else {
+                    own_key
+                },
                 sector_from_item: item.sector_from_item,
-                mesh: item.mesh.0,
+                mesh: meshes + item.mesh.0,
                 name: name.len() as u32,
                 layers: item.options.layers,
                 max_distance: item.options.max_distance,
@@ -146,65 +410,36 @@ fn write_items(import: &Import, writer: &mut Writer<impl Write + Seek>) -> Resul
             });
         }
     }
-    writer.section(Section(Kind::Items, 0), bytemuck::cast_slice(&records))?;
-    writer.section(Section(Kind::Names, 0), &names)?;
-    Ok(())
 }
 
-/// Tables that rooms share, each once.
-#[derive(Default)]
-struct Tables<'a> {
-    materials: Vec<&'a [Material]>,
-    texture_tables: Vec<&'a [Arc<Texture>]>,
-    textures: Vec<&'a Texture>,
+/// Returns `true` if the items of a room may join those of other tiles.
+fn joins(room: &Room) -> bool {
+    let geometry = &room.geometry;
+    geometry.cells().is_none() && geometry.terrains().is_empty() && geometry.openings().is_empty()
 }
 
-impl<'a> Tables<'a> {
-    fn add(&mut self, geometry: &'a Geometry) -> [u32; 2] {
-        let textures = geometry.textures();
-        for texture in textures {
-            index_in(&mut self.textures, &**texture);
-        }
-        [
-            index_in(&mut self.materials, geometry.materials()),
-            index_in(&mut self.texture_tables, textures),
-        ]
-    }
-
-    /// Returns the texture tables by the indices of their textures.
-    fn texture_tables(&mut self) -> Vec<Vec<u32>> {
-        let textures = &mut self.textures;
-        let tables = self.texture_tables.iter();
-        let mut index = |texture: &'a Arc<Texture>| index_in(textures, &**texture);
-        tables
-            .map(|table| table.iter().map(&mut index).collect())
-            .collect()
-    }
-}
-
-/// Returns the index of an element, which is added if it is not there yet.
-fn index_in<'a, T: ?Sized>(list: &mut Vec<&'a T>, element: &'a T) -> u32 {
-    let known = list.iter().position(|known| std::ptr::eq(*known, element));
+/// Returns the index of an element, which is added if there is none like it.
+fn index_in<T: PartialEq>(list: &mut Vec<T>, element: T) -> u32 {
+    let known = list.iter().position(|known| *known == element);
     known.unwrap_or_else(|| {
         list.push(element);
         list.len() - 1
     }) as u32
 }
 
-fn stored_room(room: &Room, meshes: Vec<u32>, [materials, textures]: [u32; 2]) -> StoredRoom {
-    let geometry = &room.geometry;
+fn empty_room(name: String) -> StoredRoom {
     StoredRoom {
-        name: room.name.clone(),
-        method: room.method.map(|method| method.name().to_owned()),
-        open_above: room.open_above,
-        nodes: room.nodes.clone(),
-        items: geometry.items().len() as u32,
-        meshes,
-        materials,
-        textures,
-        openings: geometry.openings().to_vec(),
-        cells: geometry.cells().cloned(),
-        terrains: geometry.terrains().iter().map(stored_terrain).collect(),
+        name,
+        method: None,
+        open_above: false,
+        nodes: SourceNodes::default(),
+        items: 0,
+        meshes: Vec::new(),
+        materials: 0,
+        textures: 0,
+        openings: Vec::new(),
+        cells: None,
+        terrains: Vec::new(),
     }
 }
 

@@ -235,6 +235,31 @@ pub(crate) fn check(text: &str) -> Result<u32, String> {
     }
 }
 
+/// A share of work: that of the `index`th of `count` processes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shard {
+    pub(crate) index: u32,
+    pub(crate) count: u32,
+}
+
+impl Shard {
+    /// Returns `true` if this share has a piece of work, by its number.
+    pub(crate) fn has(self, number: usize) -> bool {
+        number % self.count as usize == self.index as usize
+    }
+}
+
+/// Parses a share of work, `0/4` to `3/4` for four processes.
+pub(crate) fn shard(text: &str) -> Result<Shard, String> {
+    let shard = text.split_once('/').and_then(|(index, count)| {
+        let (index, count) = (index.parse().ok()?, count.parse().ok()?);
+        (index < count).then_some(Shard { index, count })
+    });
+    shard.ok_or_else(|| {
+        "expected a share of the work, such as 0/4, 1/4, 2/4 or 3/4 for four processes".to_owned()
+    })
+}
+
 /// Parses a SIMD level that this machine supports.
 pub(crate) fn simd(text: &str) -> Result<String, String> {
     if enfilade::simd_levels().any(|level| level == text) {

@@ -10,7 +10,7 @@ pub(crate) use choose::ChooseArgs;
 pub(crate) use maps::{PortalsArgs, VisArgs};
 pub(crate) use rooms::RoomsArgs;
 
-use crate::values::{self, Choice};
+use crate::values::{self, Choice, Shard};
 use clap::{Parser, Subcommand};
 use enfilade::Tightness;
 use enfilade_draw::Show;
@@ -77,17 +77,35 @@ materials, images, cameras and lights. Every verb that reads scenes reads it too
 in place. Do not write to it while a program has it open; bake replaces it as a whole. The same scene gives the same \
 bytes.
 
+Several files are tiles of one world, read one after another: those of one room join in one room, and names get the name \
+of their tile, as in TILE/NAME. With --parts each tile is baked into FOLDER/TILE.enf first, unless that was baked from the \
+same files before; so an interrupted run goes on, after an edit only the edited tiles are baked again, and several \
+machines can bake a share each. The world has the same bytes whichever way it is baked.
+
 Examples:
   enfilade bake scene.glb -o scene.enf
   enfilade bake map.bsp -o map.enf
-  enfilade info scene.enf")]
+  enfilade bake scene.glb map.bsp -o world.enf
+  enfilade bake scene.glb map.bsp --parts . --shard 0/2
+  enfilade bake scene.glb map.bsp --parts . -o world.enf
+  enfilade info world.enf")]
 #[command(mut_arg("memory", |arg| arg.help(MEMORY_TO_READ)))]
 pub(crate) struct BakeArgs {
-    #[command(flatten)]
-    pub(crate) scene: SceneArg,
+    /// Scenes: .glb, .gltf, .obj, .bsp or .enf files, .json that describe heightmaps, or @NAME for a built-in scene
+    #[arg(value_name = "SCENE", required = true)]
+    pub(crate) scenes: Vec<OsString>,
     /// Write the baked scene to this file (atomically)
-    #[arg(short, long, value_name = "FILE.enf")]
-    pub(crate) output: PathBuf,
+    #[arg(short, long, value_name = "FILE.enf", required_unless_present = "shard")]
+    pub(crate) output: Option<PathBuf>,
+    /// Bake each tile into a file of this folder, and leave those alone that are up to date
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) parts: Option<PathBuf>,
+    /// Only bake a share of the tiles into --parts: 0/4, 1/4, 2/4 or 3/4 for four processes
+    #[arg(long, value_name = "I/N", value_parser = values::shard, requires = "parts", conflicts_with = "output")]
+    pub(crate) shard: Option<Shard>,
+    /// Join the tiles in --parts, and fail if one is missing or not up to date instead of baking it
+    #[arg(long, requires_all = ["parts", "output"])]
+    pub(crate) merge: bool,
     #[command(flatten)]
     pub(crate) json: JsonArg,
     /// Read the file as one room with plain holes for openings

@@ -148,3 +148,113 @@ fn a_baked_scene_that_is_damaged_or_of_another_kind_is_refused_with_a_remedy() {
         run.stderr
     );
 }
+
+/// Three tiles of one room each, and one with portals.
+fn tiles() -> Folder {
+    let folder = Folder::new();
+    fs::copy(folder.path("scene.glb"), folder.path("east.glb")).expect("copied");
+    folder.add("west.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
+    fs::create_dir(folder.path("parts")).expect("a folder");
+    folder
+}
+
+const TILES: &str = "bake scene.glb east.glb west.obj @two-rooms";
+
+/// Returns the tiles that were baked, and those that were up to date.
+fn parts(folder: &Folder, arguments: &str) -> [usize; 2] {
+    let report = folder.json(arguments);
+    ["parts_baked", "parts_unchanged"].map(|key| report[key].as_array().expect("a list").len())
+}
+
+#[test]
+fn a_world_has_the_same_bytes_at_once_in_shares_and_again() {
+    let folder = tiles();
+    folder.json(&format!("{TILES} -o world.enf"));
+    let world = || fs::read(folder.path("world.enf")).expect("a file");
+    let at_once = world();
+    let rooms = folder.json("info world.enf");
+    let names: Vec<&str> = rooms["sectors"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|sector| sector["name"].as_str().expect("a name"))
+        .collect();
+    assert!(
+        names[0] == "world" && names[1..].iter().all(|name| name.starts_with("two-rooms/")),
+        "{names:?}"
+    );
+    let run = folder.run(&format!("{TILES} --parts parts --merge -o world.enf"));
+    assert_eq!(run.code, Some(2), "{}", run.stdout);
+    assert!(run.stderr.contains("scene.enf is missing"), "{}", run.stderr);
+    assert!(world() == at_once, "the old file stays");
+    // Five shares of four tiles, the last first.
+    let shares: Vec<[usize; 2]> = (0..5)
+        .rev()
+        .map(|share| parts(&folder, &format!("{TILES} --parts parts --shard {share}/5")))
+        .collect();
+    assert_eq!(shares, [[0, 0], [1, 0], [1, 0], [1, 0], [1, 0]]);
+    assert_eq!(
+        parts(&folder, &format!("{TILES} --parts parts --merge -o world.enf")),
+        [0, 4]
+    );
+    assert!(world() == at_once);
+    assert_eq!(
+        parts(&folder, &format!("{TILES} --parts parts -o world.enf")),
+        [0, 4]
+    );
+    assert!(world() == at_once);
+}
+
+#[test]
+fn after_an_edit_only_the_edited_tile_is_baked_again_and_so_is_a_damaged_one() {
+    let folder = tiles();
+    let bake = format!("{TILES} --parts parts -o world.enf");
+    assert_eq!(parts(&folder, &bake), [4, 0]);
+    let same_as_at_once = || {
+        let world = fs::read(folder.path("world.enf")).expect("a file");
+        folder.json(&format!("{TILES} -o world.enf"));
+        assert!(world == fs::read(folder.path("world.enf")).expect("a file"));
+    };
+    // A vertex moves, a face is added, and a material file appears.
+    for text in [
+        "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3",
+        "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\nf 3 2 1",
+        "mtllib west.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3",
+    ] {
+        folder.add("west.obj", text);
+        assert_eq!(parts(&folder, &bake), [1, 3]);
+        same_as_at_once();
+    }
+    folder.add("west.mtl", "newmtl red\nKd 1 0 0\n");
+    assert_eq!(parts(&folder, &bake), [1, 3]);
+    same_as_at_once();
+    assert_eq!(parts(&folder, &format!("{bake} --skip-bad-portals")), [4, 0]);
+    assert_eq!(parts(&folder, &bake), [4, 0]);
+    let part = folder.path("parts/east.enf");
+    let mut bytes = fs::read(&part).expect("a part");
+    bytes[200] ^= 1;
+    fs::write(&part, bytes).expect("damaged");
+    assert_eq!(parts(&folder, &bake), [1, 3]);
+    same_as_at_once();
+}
+
+#[test]
+fn shares_and_tiles_that_make_no_sense_are_refused() {
+    let folder = tiles();
+    for (arguments, word) in [
+        ("bake scene.glb", "-o"),
+        ("bake -o a.enf", "SCENE"),
+        ("bake scene.glb --shard 0/2", "--parts"),
+        ("bake scene.glb --parts parts --shard 2/2", "0/4"),
+        ("bake scene.glb --parts parts --shard 0/2 -o a.enf", "-o"),
+        ("bake scene.glb --parts nowhere -o a.enf", "no such folder"),
+        ("bake scene.glb --merge -o a.enf", "--parts"),
+        ("bake scene.glb parts/scene.glb -o a.enf", "different names"),
+        ("bake scene.glb absent.glb -o a.enf", "absent.glb"),
+    ] {
+        let run = folder.run(arguments);
+        assert_eq!(run.code, Some(2), "{arguments}: {}", run.stdout);
+        assert!(run.stderr.contains(word), "{arguments}: {}", run.stderr);
+        assert!(!folder.path("a.enf").exists(), "{arguments}");
+    }
+}

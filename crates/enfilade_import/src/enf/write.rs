@@ -196,6 +196,11 @@ impl<W: Write + Seek> Baker<W> {
         Ok(())
     }
 
+    /// Returns the number of rooms so far.
+    pub fn room_count(&self) -> usize {
+        self.rooms.len()
+    }
+
     /// Notes what the scene is baked from, such as a hash of its files, for [`BakedSections::source`](crate::BakedSections). At
     /// most once.
     ///

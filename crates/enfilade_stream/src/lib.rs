@@ -108,6 +108,7 @@ pub struct Pager {
 /// A page, and the items with its meshes.
 struct Page {
     items: Vec<PagedItem>,
+    /// Memory of its meshes: their lists and what is computed of them; an estimate before they were read.
     bytes: u64,
     state: State,
     /// The last step in which one of its items was visible, and the size of the largest on the screen in that step.
@@ -143,7 +144,7 @@ impl Pager {
         let mut list: Vec<Page> = (0..pages.count())
             .map(|page| Page {
                 items: Vec::new(),
-                bytes: pages.bytes(page),
+                bytes: pages.bytes(page) / 4 * 5,
                 state: State::Absent,
                 seen_at: 0,
                 size_px: 0,
@@ -207,6 +208,7 @@ impl Pager {
             let page = &mut self.pages[number as usize];
             match read {
                 Ok(meshes) => {
+                    page.bytes = meshes.iter().map(|(_, mesh)| mesh.bytes()).sum();
                     page.state = State::Present(meshes);
                     changed.push(Changed {
                         number,
@@ -278,6 +280,21 @@ impl Pager {
         unseen.sort_by_key(|&page| (pages[page as usize].seen_at, page));
         let mut unseen = unseen.into_iter();
         let (mut dropped, mut asked) = (Vec::new(), Vec::new());
+        // Returns whether there is room for so many bytes more, after what has not been seen for longest has left.
+        let mut make_room = |pages: &mut [Page], bytes: &mut u64, needs: u64| {
+            while *bytes + needs > self.options.bytes
+                && let Some(number) = unseen.next()
+            {
+                let page = &mut pages[number as usize];
+                *bytes -= page.bytes;
+                if let State::Present(before) = std::mem::replace(&mut page.state, State::Absent) {
+                    dropped.push(Changed { number, before });
+                }
+            }
+            *bytes + needs <= self.options.bytes
+        };
+        // Pages may take more than was estimated before they were read.
+        make_room(pages, &mut bytes, 0);
         // The largest hide others, which then need not be read.
         let at_once = (self.options.pages_per_step.max(1) as usize).saturating_sub(being_read.len());
         for number in wanted {
@@ -285,17 +302,7 @@ impl Pager {
                 break;
             }
             let needs = pages[number as usize].bytes;
-            while bytes + needs > self.options.bytes
-                && let Some(oldest) = unseen.next()
-            {
-                let page = &mut pages[oldest as usize];
-                bytes -= page.bytes;
-                if let State::Present(before) = std::mem::replace(&mut page.state, State::Absent) {
-                    let number = oldest;
-                    dropped.push(Changed { number, before });
-                }
-            }
-            if bytes + needs > self.options.bytes {
+            if !make_room(pages, &mut bytes, needs) {
                 stats.over_budget += 1;
                 continue;
             }

@@ -195,8 +195,10 @@ fn join(
                     import
                 }
                 Some(part) => {
-                    let mut options = ReadOptions::default();
-                    options.limit_bytes = args.limits.memory();
+                    let options = ReadOptions {
+                        limit_bytes: args.limits.memory(),
+                        ..ReadOptions::default()
+                    };
                     enfilade_import::read(part, &options)?
                 }
             };

@@ -52,9 +52,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 const METHOD: Method = Method::Masked;
 
 fn unlimited() -> ReadOptions {
-    let mut options = ReadOptions::default();
-    options.limit_bytes = u64::MAX;
-    options
+    ReadOptions {
+        limit_bytes: u64::MAX,
+        ..ReadOptions::default()
+    }
 }
 
 fn whole(file: &Path, method: Method) -> Result<Scene, Box<dyn Error>> {

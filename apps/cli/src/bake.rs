@@ -154,9 +154,8 @@ fn bake_parts(args: &BakeArgs, tiles: &[Tile], files: &mut RunFiles, report: &mu
             bail!("{shown} is missing or not up to date; bake it first, without --merge");
         } else {
             let destination = files.writes(part)?;
-            let import = read(args, tile.scene, files)?;
+            let (import, source) = read_with_source(args, tile.scene, files)?;
             note_warnings(tile.scene, &import, report);
-            let source = Source::of(args, tile.scene, &import)?;
             destination.write_with(|file| {
                 let mut baker = Baker::new(file, "")?;
                 baker.add(&import, None)?;
@@ -222,6 +221,18 @@ fn read(args: &BakeArgs, scene: &OsStr, files: &mut RunFiles) -> Result<Import> 
     import_of(scene, args.flat, args.bad.skip, &args.limits, files)
 }
 
+/// Reads a scene, and hashes its files before they are read: if one changes meanwhile, the part is not up to date.
+fn read_with_source(args: &BakeArgs, scene: &OsStr, files: &mut RunFiles) -> Result<(Import, Source)> {
+    let source = Source::of(args, scene, &[])?;
+    let import = read(args, scene, files)?;
+    if import.files.is_empty() {
+        return Ok((import, source));
+    }
+    // Only reading tells which files belong to it.
+    let source = Source::of(args, scene, &import.files)?;
+    Ok((read(args, scene, files)?, source))
+}
+
 fn note_warnings(scene: &OsStr, import: &Import, report: &mut BakeReport) {
     for warning in &import.warnings {
         let warning = format!("{}: {warning}", scene.display());
@@ -240,13 +251,9 @@ struct Source {
 }
 
 impl Source {
-    fn of(args: &BakeArgs, scene: &OsStr, import: &Import) -> Result<Source> {
+    fn of(args: &BakeArgs, scene: &OsStr, side_files: &[PathBuf]) -> Result<Source> {
         let folder = folder_of(scene);
-        let files = import
-            .files
-            .iter()
-            .map(PathBuf::as_path)
-            .chain([Path::new(scene)]);
+        let files = side_files.iter().map(PathBuf::as_path).chain([Path::new(scene)]);
         let hashed = |file: &Path| {
             Ok((
                 file.strip_prefix(folder).unwrap_or(file).to_owned(),
@@ -276,7 +283,6 @@ fn is_up_to_date(part: &Path, scene: &OsStr, args: &BakeArgs) -> bool {
     source.is_some_and(|mut source| {
         let files = std::mem::take(&mut source.files);
         source == Source::without_files(args)
-            && !files.is_empty()
             && files.contains_key(Path::new(Path::new(scene).file_name().unwrap_or(scene)))
             && files
                 .iter()
@@ -289,11 +295,10 @@ fn folder_of(scene: &OsStr) -> &Path {
     Path::new(scene).parent().unwrap_or(Path::new(""))
 }
 
-/// Returns `true` if all sections of a part that hold no images are as they were written.
+/// Returns `true` if all sections of a part are as they were written.
 fn is_whole(part: &Path) -> bool {
     let options = ReadOptions {
         limit_bytes: u64::MAX,
-        textures: false,
         ..ReadOptions::default()
     };
     enfilade_import::read(part, &options).is_ok()

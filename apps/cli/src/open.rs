@@ -210,23 +210,17 @@ fn as_import(scene: &Scene, cameras: Vec<Camera>) -> Result<Import> {
             .geometry(id)
             .context("a sector of its own kind cannot be baked")?;
         Ok(Room {
-            name: scene.sector_name(id).to_owned(),
-            geometry: Arc::clone(geometry),
-            nodes: SourceNodes::default(),
             method: scene.method(id),
             open_above: scene.is_open_above(id),
-            large: None,
+            ..Room::new(scene.sector_name(id), Arc::clone(geometry))
         })
     };
     Ok(Import {
-        rooms: scene.sectors().map(room).collect::<Result<_>>()?,
         portals: scene.portals().to_vec(),
         orthographic_heights: vec![None; cameras.len()],
         cameras,
         lights: scene.lights().to_vec(),
-        map: None,
-        warnings: Vec::new(),
-        files: Vec::new(),
+        ..Import::of_rooms(scene.sectors().map(room).collect::<Result<_>>()?)
     })
 }
 

@@ -1,7 +1,7 @@
 //! A short run of the fuzz driver; `cargo run --release -p enfilade_c --example fuzz` runs it for longer.
 #![allow(unsafe_code, reason = "calls the functions as C does")]
 
-#[path = "../examples/fuzz.rs"]
+#[path = "../examples/fuzz/main.rs"]
 mod driver;
 
 use std::sync::Mutex;

@@ -217,7 +217,35 @@ pub struct Room {
     pub large: Option<Arc<LargeTerrain>>,
 }
 
+impl Room {
+    /// Creates a room without a chosen method, for an [`Import`] of your own.
+    pub fn new(name: &str, geometry: impl Into<Arc<Geometry>>) -> Room {
+        Room {
+            name: name.to_owned(),
+            geometry: geometry.into(),
+            nodes: SourceNodes::default(),
+            method: None,
+            open_above: false,
+            large: None,
+        }
+    }
+}
+
 impl Import {
+    /// Creates an import of rooms alone, such as to [`bake`] a scene that is in no file. There must be at least one.
+    pub fn of_rooms(rooms: Vec<Room>) -> Import {
+        Import {
+            rooms,
+            portals: Vec::new(),
+            cameras: Vec::new(),
+            orthographic_heights: Vec::new(),
+            lights: Vec::new(),
+            map: None,
+            warnings: Vec::new(),
+            files: Vec::new(),
+        }
+    }
+
     /// Builds a scene from the rooms and their portals. Rooms without a chosen method use `method`. The data structures
     /// that a method builds may take up to `limit_bytes` per room.
     ///

@@ -5,7 +5,7 @@ use enfilade::{
     Attributes, GeometryBuilder, Indices, ItemOptions, Material, MaterialId, Method, Part, Transform,
     Vertices, View, Viewer,
 };
-use enfilade_import::{ReadOptions, Room, SourceNodes, bake};
+use enfilade_import::{ReadOptions, Room, bake};
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -72,23 +72,7 @@ fn town() -> Import {
             Transform::translation([x, 0.0, z]),
         );
     }
-    Import {
-        rooms: vec![Room {
-            name: "town".to_owned(),
-            geometry: Arc::new(builder.build().expect("a town")),
-            nodes: SourceNodes::default(),
-            method: None,
-            open_above: false,
-            large: None,
-        }],
-        portals: Vec::new(),
-        cameras: Vec::new(),
-        orthographic_heights: Vec::new(),
-        lights: Vec::new(),
-        map: None,
-        warnings: Vec::new(),
-        files: Vec::new(),
-    }
+    Import::of_rooms(vec![Room::new("town", builder.build().expect("a town"))])
 }
 
 /// The town as a file, and as a scene with everything in memory.

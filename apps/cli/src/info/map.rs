@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Summary of a compiled map.
 #[derive(Debug, Serialize)]
 pub(super) struct MapEntry {
-    format: &'static str,
+    format: String,
     leafs: usize,
     /// Quake 3 only.
     clusters: Option<usize>,
@@ -41,7 +41,7 @@ impl MapEntry {
             entities,
             visibility_bytes,
             ..
-        } = *map;
+        } = map.clone();
         MapEntry {
             format,
             leafs,

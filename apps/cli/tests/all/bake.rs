@@ -258,3 +258,21 @@ fn shares_and_tiles_that_make_no_sense_are_refused() {
         assert!(!folder.path("a.enf").exists(), "{arguments}");
     }
 }
+
+#[test]
+fn a_tile_with_a_damaged_image_is_baked_again() {
+    let folder = Folder::new();
+    folder.add("map.bsp", crate::support::map::map(true));
+    let bake = "bake map.bsp --parts . -o world.enf";
+    assert_eq!(parts(&folder, bake), [1, 0]);
+    let part = folder.path("map.enf");
+    let mut bytes = fs::read(&part).expect("a part");
+    let image = bytes
+        .windows(4)
+        .position(|word| word == b"IDAT")
+        .expect("an image");
+    bytes[image + 6] ^= 1;
+    fs::write(&part, bytes).expect("damaged");
+    assert_eq!(parts(&folder, bake), [1, 0]);
+    assert_eq!(parts(&folder, bake), [0, 1]);
+}

@@ -2,11 +2,8 @@
 
 use super::EnfError;
 use super::container::{Container, Kind, MAGIC, Section, Source};
-use super::stored::{
-    ItemRecord, MeshRecord, StoredMap, StoredRoom, StoredScene, StoredTerrain, StoredTexture,
-};
+use super::stored::{ItemRecord, MeshRecord, StoredRoom, StoredScene, StoredTerrain, StoredTexture};
 use crate::budget::Budget;
-use crate::quake::MapSummary;
 use crate::{BrokenRule, Import, ReadOptions, Room, map};
 use bytemuck::Pod;
 use bytes::Bytes;
@@ -117,7 +114,7 @@ pub(super) fn build(
         cameras: scene.cameras,
         orthographic_heights: scene.orthographic_heights,
         lights: scene.lights,
-        map: scene.map.map(map_summary).transpose()?,
+        map: scene.map,
         warnings: scene.warnings,
         files: Vec::new(),
     };
@@ -229,7 +226,7 @@ struct Tables {
 impl Tables {
     fn new(scene: &StoredScene, textures: Vec<Arc<Texture>>, has_textures: bool) -> Result<Tables, EnfError> {
         if !has_textures {
-            let without = |table: &Arc<[Material]>| {
+            let without = |table: &Vec<Material>| {
                 let plain = |material: &Material| Material {
                     texture: None,
                     emission_texture: None,
@@ -248,7 +245,7 @@ impl Tables {
             table.ok_or_else(|| invalid(SCENE, "a texture does not exist"))
         };
         Ok(Tables {
-            materials: scene.materials.clone(),
+            materials: scene.materials.iter().map(|table| (&table[..]).into()).collect(),
             textures: scene.texture_tables.iter().map(table).collect::<Result<_, _>>()?,
         })
     }
@@ -325,19 +322,4 @@ fn add_terrain(builder: &mut GeometryBuilder, terrain: &StoredTerrain) -> Result
     let first_block = ItemIndex(terrain.first_block);
     let declared = builder.terrain_of_items(field, first_block, terrain.sector_from_field);
     declared.map_err(|why: GeometryError| invalid(SCENE, why))
-}
-
-fn map_summary(stored: StoredMap) -> Result<MapSummary, EnfError> {
-    let format = MapSummary::FORMATS
-        .into_iter()
-        .find(|format| *format == stored.format);
-    Ok(MapSummary {
-        format: format.ok_or_else(|| invalid(SCENE, "the format of the map is unknown"))?,
-        leafs: stored.leafs as usize,
-        clusters: stored.clusters.map(|clusters| clusters as usize),
-        faces: stored.faces as usize,
-        models: stored.models as usize,
-        entities: stored.entities as usize,
-        visibility_bytes: stored.visibility_bytes as usize,
-    })
 }

@@ -11,23 +11,23 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Everything but meshes, items and images.
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 pub(super) struct StoredScene {
     pub(super) rooms: Vec<StoredRoom>,
     pub(super) portals: Vec<Portal>,
     pub(super) cameras: Vec<Camera>,
     pub(super) orthographic_heights: Vec<Option<f32>>,
     pub(super) lights: Vec<Light>,
-    pub(super) map: Option<StoredMap>,
+    pub(super) map: Option<MapSummary>,
     pub(super) warnings: Vec<Warning>,
     /// Tables of materials, each used by at least one room.
-    pub(super) materials: Vec<Arc<[Material]>>,
+    pub(super) materials: Vec<Vec<Material>>,
     pub(super) textures: Vec<StoredTexture>,
     /// Tables of textures, by their index in `textures`.
     pub(super) texture_tables: Vec<Vec<u32>>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 pub(super) struct StoredRoom {
     pub(super) name: String,
     pub(super) method: Option<String>,
@@ -74,32 +74,6 @@ impl From<&Texture> for StoredTexture {
             wrap: texture.wrap,
             magnify: texture.magnify,
             minify: texture.minify,
-        }
-    }
-}
-
-/// A [`MapSummary`](crate::MapSummary).
-#[derive(Serialize, Deserialize)]
-pub(super) struct StoredMap {
-    pub(super) format: String,
-    pub(super) leafs: u64,
-    pub(super) clusters: Option<u64>,
-    pub(super) faces: u64,
-    pub(super) models: u64,
-    pub(super) entities: u64,
-    pub(super) visibility_bytes: u64,
-}
-
-impl From<&MapSummary> for StoredMap {
-    fn from(map: &MapSummary) -> StoredMap {
-        StoredMap {
-            format: map.format.to_owned(),
-            leafs: map.leafs as u64,
-            clusters: map.clusters.map(|clusters| clusters as u64),
-            faces: map.faces as u64,
-            models: map.models as u64,
-            entities: map.entities as u64,
-            visibility_bytes: map.visibility_bytes as u64,
         }
     }
 }

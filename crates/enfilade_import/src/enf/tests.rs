@@ -35,13 +35,10 @@ fn everything() -> Import {
     let cuboid =
         |at: f32, material| Mesh::cuboid([at; 3], [at + 1.0; 3], MaterialId(material)).expect("a cuboid");
     let shared = Arc::new(cuboid(0.0, 1));
-    let room = |name: &str, builder: GeometryBuilder, method| Room {
-        name: name.to_owned(),
-        geometry: Arc::new(builder.build().expect("a room")),
-        nodes: SourceNodes::default(),
+    let room = |name: &str, builder: GeometryBuilder, method: Option<Method>| Room {
         method,
         open_above: method.is_none(),
-        large: None,
+        ..Room::new(name, builder.build().expect("a room"))
     };
     let outline = ConvexPolygon::rectangle([0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.5, 0.0]).expect("a rectangle");
 
@@ -122,7 +119,7 @@ fn everything() -> Import {
             },
         ],
         map: Some(MapSummary {
-            format: "BSP2",
+            format: "BSP2".to_owned(),
             leafs: 1,
             clusters: Some(2),
             faces: 3,
@@ -248,14 +245,7 @@ fn tile(at: f32, colors: &[f32]) -> Import {
     }
     let mut import = everything();
     import.portals.clear();
-    import.rooms = vec![Room {
-        name: "alone".to_owned(),
-        geometry: Arc::new(builder.build().expect("a room")),
-        nodes: SourceNodes::default(),
-        method: None,
-        open_above: false,
-        large: None,
-    }];
+    import.rooms = vec![Room::new("alone", builder.build().expect("a room"))];
     for light in &mut import.lights {
         light.sector = SectorId(0);
     }

@@ -2,10 +2,8 @@
 
 use super::container::{Kind, Section, Writer};
 use super::pages::Meshes;
-use super::stored::{
-    ItemRecord, MeshRecord, StoredMap, StoredRoom, StoredScene, StoredTerrain, StoredTexture, flags,
-};
-use crate::{Import, Room, SourceNodes, Warning};
+use super::stored::{ItemRecord, MeshRecord, StoredRoom, StoredScene, StoredTerrain, StoredTexture, flags};
+use crate::{Import, Room};
 use bytemuck::Zeroable;
 use enfilade::{
     Camera, Geometry, ItemIndex, Light, Material, MaterialId, Mesh, Portal, SectorId, Terrain, Texture,
@@ -67,27 +65,13 @@ pub struct Baker<W> {
     name: String,
     /// Index of that room.
     shared: Option<usize>,
-    rooms: Vec<BakedRoom>,
     meshes: Vec<MeshRecord>,
     pages: u32,
-    materials: Vec<Vec<Material>>,
-    textures: Vec<StoredTexture>,
-    texture_tables: Vec<Vec<u32>>,
+    /// The items of each room, and their names.
+    items: Vec<(Vec<ItemRecord>, String)>,
     /// The index of each texture by the hash of its image and its sampler.
     known_textures: HashMap<u128, u32>,
-    portals: Vec<Portal>,
-    cameras: Vec<Camera>,
-    orthographic_heights: Vec<Option<f32>>,
-    lights: Vec<Light>,
-    map: Option<StoredMap>,
-    warnings: Vec<Warning>,
-}
-
-/// A room whose items are not written yet.
-struct BakedRoom {
-    stored: StoredRoom,
-    items: Vec<ItemRecord>,
-    names: String,
+    scene: StoredScene,
 }
 
 impl<W: Write + Seek> Baker<W> {
@@ -100,19 +84,11 @@ impl<W: Write + Seek> Baker<W> {
             writer: Writer::new(to)?,
             name: name.to_owned(),
             shared: None,
-            rooms: Vec::new(),
             meshes: Vec::new(),
             pages: 0,
-            materials: Vec::new(),
-            textures: Vec::new(),
-            texture_tables: Vec::new(),
+            items: Vec::new(),
             known_textures: HashMap::new(),
-            portals: Vec::new(),
-            cameras: Vec::new(),
-            orthographic_heights: Vec::new(),
-            lights: Vec::new(),
-            map: None,
-            warnings: Vec::new(),
+            scene: StoredScene::default(),
         })
     }
 
@@ -130,7 +106,6 @@ impl<W: Write + Seek> Baker<W> {
             Some(tile) => format!("{tile}/{name}"),
             None => name.to_owned(),
         };
-        let first_room = self.rooms.len();
         let first_mesh = self.meshes.len() as u32;
         let Meshes {
             list,
@@ -142,63 +117,56 @@ impl<W: Write + Seek> Baker<W> {
             [room] if tile.is_some() && joins(room) && import.portals.is_empty() => Some(room),
             _ => None,
         };
-        if let Some(room) = alone {
-            let index = self.shared_room();
-            let materials = self.join_materials(index, &room.geometry)?;
+        let first_room = if let Some(room) = alone {
+            let shared = self.shared_room();
+            let materials = self.join_materials(shared, &room.geometry)?;
             let is_same = materials.iter().enumerate().all(|(old, &new)| old as u32 == new);
-            let changed = (!is_same).then_some(&materials[..]);
-            self.write_pages(&list, &pages, changed)?;
-            let joined = &mut self.rooms[index];
-            joined.stored.method = joined
-                .stored
-                .method
-                .take()
-                .or(room.method.map(|method| method.name().to_owned()));
-            joined.stored.open_above |= room.open_above;
-            let meshes = joined.stored.meshes.len() as u32;
-            joined.stored.meshes.extend(of_rooms.concat());
-            joined.add_items(&room.geometry, meshes, named);
+            self.write_pages(&list, &pages, (!is_same).then_some(&materials[..]))?;
+            let joined = &mut self.scene.rooms[shared];
+            if joined.method.is_none() {
+                joined.method = room.method.map(|method| method.name().to_owned());
+            }
+            joined.open_above |= room.open_above;
+            let meshes = joined.meshes.len() as u32;
+            joined.meshes.extend(of_rooms.concat());
+            self.add_items(shared, &room.geometry, meshes, named);
+            shared
         } else {
+            let first = self.scene.rooms.len();
             self.write_pages(&list, &pages, None)?;
             let mut tables = HashMap::new();
             for (room, meshes) in import.rooms.iter().zip(of_rooms) {
                 let stored = self.stored_room(room, named(&room.name), meshes, &mut tables)?;
-                let mut baked = BakedRoom {
-                    stored,
-                    items: Vec::new(),
-                    names: String::new(),
-                };
-                baked.add_items(&room.geometry, 0, named);
-                self.rooms.push(baked);
+                let number = self.add_room(stored);
+                self.add_items(number, &room.geometry, 0, named);
             }
-        }
-        let sector = |SectorId(room): SectorId| match (alone, self.shared) {
-            (Some(_), Some(shared)) => SectorId(shared as u32),
-            _ => SectorId(first_room as u32 + room),
+            first
         };
-        self.portals.extend(import.portals.iter().map(|portal| Portal {
+        let sector = |SectorId(room): SectorId| SectorId(first_room as u32 + room);
+        let scene = &mut self.scene;
+        scene.portals.extend(import.portals.iter().map(|portal| Portal {
             from: sector(portal.from),
             to: sector(portal.to),
             ..portal.clone()
         }));
-        self.cameras.extend(import.cameras.iter().map(|camera| Camera {
+        scene.cameras.extend(import.cameras.iter().map(|camera| Camera {
             name: named(&camera.name),
             sector: camera.sector.map(sector),
             ..camera.clone()
         }));
-        self.orthographic_heights.extend(&import.orthographic_heights);
-        self.lights.extend(import.lights.iter().map(|light| Light {
+        scene.orthographic_heights.extend(&import.orthographic_heights);
+        scene.lights.extend(import.lights.iter().map(|light| Light {
             sector: sector(light.sector),
             ..*light
         }));
-        self.map = self.map.take().or(import.map.as_ref().map(StoredMap::from));
-        self.warnings.extend(import.warnings.iter().cloned());
+        scene.map = scene.map.take().or_else(|| import.map.clone());
+        scene.warnings.extend(import.warnings.iter().cloned());
         Ok(())
     }
 
     /// Returns the number of rooms so far.
     pub fn room_count(&self) -> usize {
-        self.rooms.len()
+        self.scene.rooms.len()
     }
 
     /// Notes what the scene is baked from, such as a hash of its files, for [`BakedSections::source`](crate::BakedSections). At
@@ -215,32 +183,22 @@ impl<W: Write + Seek> Baker<W> {
     /// # Errors
     /// Returns a [`BakeError`] if writing fails.
     pub fn finish(mut self) -> Result<u64, BakeError> {
-        self.writer
-            .section(Section(Kind::Meshes, 0), bytemuck::cast_slice(&self.meshes))?;
-        let (mut items, mut names, mut rooms) = (Vec::new(), String::new(), Vec::new());
-        for mut room in self.rooms {
-            room.stored.items = room.items.len() as u32;
-            items.append(&mut room.items);
-            names += &room.names;
-            rooms.push(room.stored);
+        let (mut items, mut names) = (Vec::new(), String::new());
+        for (room, (of_room, names_of_room)) in self.scene.rooms.iter_mut().zip(self.items) {
+            room.items = of_room.len() as u32;
+            items.extend(of_room);
+            names += &names_of_room;
         }
-        self.writer
-            .section(Section(Kind::Items, 0), bytemuck::cast_slice(&items))?;
-        self.writer.section(Section(Kind::Names, 0), names.as_bytes())?;
-        let scene = StoredScene {
-            rooms,
-            portals: self.portals,
-            cameras: self.cameras,
-            orthographic_heights: self.orthographic_heights,
-            lights: self.lights,
-            map: self.map,
-            warnings: self.warnings,
-            materials: self.materials.into_iter().map(Into::into).collect(),
-            textures: self.textures,
-            texture_tables: self.texture_tables,
-        };
-        let scene = rmp_serde::to_vec_named(&scene).map_err(|why| BakeError::Encoding(why.to_string()))?;
-        self.writer.section(Section(Kind::Scene, 0), &scene)?;
+        let scene =
+            rmp_serde::to_vec_named(&self.scene).map_err(|why| BakeError::Encoding(why.to_string()))?;
+        for (kind, bytes) in [
+            (Kind::Meshes, bytemuck::cast_slice(&self.meshes)),
+            (Kind::Items, bytemuck::cast_slice(&items)),
+            (Kind::Names, names.as_bytes()),
+            (Kind::Scene, &scene),
+        ] {
+            self.writer.section(Section(kind, 0), bytes)?;
+        }
         Ok(self.writer.finish()?)
     }
 
@@ -296,17 +254,47 @@ impl<W: Write + Seek> Baker<W> {
         if let Some(shared) = self.shared {
             return shared;
         }
-        self.materials.push(Vec::new());
-        self.texture_tables.push(Vec::new());
-        let mut stored = empty_room(self.name.clone());
-        stored.materials = self.materials.len() as u32 - 1;
-        stored.textures = self.texture_tables.len() as u32 - 1;
-        self.rooms.push(BakedRoom {
-            stored,
-            items: Vec::new(),
-            names: String::new(),
+        self.scene.materials.push(Vec::new());
+        self.scene.texture_tables.push(Vec::new());
+        let number = self.add_room(StoredRoom {
+            name: self.name.clone(),
+            materials: self.scene.materials.len() as u32 - 1,
+            textures: self.scene.texture_tables.len() as u32 - 1,
+            ..StoredRoom::default()
         });
-        *self.shared.insert(self.rooms.len() - 1)
+        *self.shared.insert(number)
+    }
+
+    /// Adds a room without items, and returns its index.
+    fn add_room(&mut self, room: StoredRoom) -> usize {
+        self.scene.rooms.push(room);
+        self.items.push(Default::default());
+        self.scene.rooms.len() - 1
+    }
+
+    /// Adds the items of a geometry to a room, whose meshes follow the first `meshes` of the room.
+    fn add_items(&mut self, room: usize, geometry: &Geometry, meshes: u32, named: impl Fn(&str) -> String) {
+        let (items, names) = &mut self.items[room];
+        for index in (0..geometry.items().len() as u32).map(ItemIndex) {
+            let item = geometry.item(index);
+            let name = named(geometry.name(index));
+            let own_key = geometry.key(index);
+            *names += &name;
+            items.push(ItemRecord {
+                key: if own_key == u64::from(index.0) {
+                    items.len() as u64
+                } else {
+                    own_key
+                },
+                sector_from_item: item.sector_from_item,
+                mesh: meshes + item.mesh.0,
+                name: name.len() as u32,
+                layers: item.options.layers,
+                max_distance: item.options.max_distance,
+                min_size_px: item.options.min_size_px,
+                flags: flags(&item.options),
+            });
+        }
     }
 
     /// Adds materials to the table of a room. Returns the new index of each.
@@ -316,10 +304,10 @@ impl<W: Write + Seek> Baker<W> {
             materials: table,
             textures: texture_table,
             ..
-        } = self.rooms[room].stored;
-        let known = &mut self.texture_tables[texture_table as usize];
+        } = self.scene.rooms[room];
+        let known = &mut self.scene.texture_tables[texture_table as usize];
         let mut place = |texture: TextureId| TextureId(index_in(known, textures[texture.0 as usize]));
-        let table = &mut self.materials[table as usize];
+        let table = &mut self.scene.materials[table as usize];
         let join = |material: &Material| {
             let material = Material {
                 texture: material.texture.map(&mut place),
@@ -345,9 +333,9 @@ impl<W: Write + Seek> Baker<W> {
             let index = match self.known_textures.entry(hash) {
                 Entry::Occupied(known) => *known.get(),
                 Entry::Vacant(free) => {
-                    let index = self.textures.len() as u32;
+                    let index = self.scene.textures.len() as u32;
                     self.writer.section(Section(Kind::Image, index), &image)?;
-                    self.textures.push(stored);
+                    self.scene.textures.push(stored);
                     *free.insert(index)
                 }
             };
@@ -370,13 +358,14 @@ impl<W: Write + Seek> Baker<W> {
             Entry::Occupied(known) => *known.get(),
             Entry::Vacant(free) => {
                 let table = self.store_textures(textures)?;
-                self.texture_tables.push(table);
-                self.materials.push(materials.to_vec());
-                let last = [self.materials.len(), self.texture_tables.len()];
+                self.scene.texture_tables.push(table);
+                self.scene.materials.push(materials.to_vec());
+                let last = [self.scene.materials.len(), self.scene.texture_tables.len()];
                 *free.insert(last.map(|count| count as u32 - 1))
             }
         };
         Ok(StoredRoom {
+            name,
             method: room.method.map(|method| method.name().to_owned()),
             open_above: room.open_above,
             nodes: room.nodes.clone(),
@@ -386,34 +375,8 @@ impl<W: Write + Seek> Baker<W> {
             openings: geometry.openings().to_vec(),
             cells: geometry.cells().cloned(),
             terrains: geometry.terrains().iter().map(stored_terrain).collect(),
-            ..empty_room(name)
+            ..StoredRoom::default()
         })
-    }
-}
-
-impl BakedRoom {
-    /// Adds the items of a geometry, whose meshes follow the first `meshes` of the room.
-    fn add_items(&mut self, geometry: &Geometry, meshes: u32, named: impl Fn(&str) -> String) {
-        for index in (0..geometry.items().len() as u32).map(ItemIndex) {
-            let item = geometry.item(index);
-            let name = named(geometry.name(index));
-            let own_key = geometry.key(index);
-            self.names += &name;
-            self.items.push(ItemRecord {
-                key: if own_key == u64::from(index.0) {
-                    self.items.len() as u64
-                } else {
-                    own_key
-                },
-                sector_from_item: item.sector_from_item,
-                mesh: meshes + item.mesh.0,
-                name: name.len() as u32,
-                layers: item.options.layers,
-                max_distance: item.options.max_distance,
-                min_size_px: item.options.min_size_px,
-                flags: flags(&item.options),
-            });
-        }
     }
 }
 
@@ -430,22 +393,6 @@ fn index_in<T: PartialEq>(list: &mut Vec<T>, element: T) -> u32 {
         list.push(element);
         list.len() - 1
     }) as u32
-}
-
-fn empty_room(name: String) -> StoredRoom {
-    StoredRoom {
-        name,
-        method: None,
-        open_above: false,
-        nodes: SourceNodes::default(),
-        items: 0,
-        meshes: Vec::new(),
-        materials: 0,
-        textures: 0,
-        openings: Vec::new(),
-        cells: None,
-        terrains: Vec::new(),
-    }
 }
 
 fn stored_terrain(terrain: &Terrain) -> StoredTerrain {

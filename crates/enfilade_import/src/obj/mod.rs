@@ -30,7 +30,7 @@ pub use error::ObjError;
 
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, gltf};
+use crate::{BrokenRule, Import, ReadOptions, Room, gltf};
 use enfilade::{GeometryBuilder, Transform};
 use groups::{Group, Groups};
 use materials::Materials;
@@ -38,7 +38,6 @@ use mesh::{BuiltMesh, Size, Source};
 use parse::Tables;
 use rayon::prelude::*;
 use std::path::Path;
-use std::sync::Arc;
 use survey::{Counts, survey};
 use text::{Lines, has_old_line_ends, number, with_line_ends, without_mark};
 
@@ -137,24 +136,12 @@ fn read(
             }
         }
     }
-    let geometry = Arc::new(geometry.build().map_err(BrokenRule::Geometry)?);
+    let geometry = geometry.build().map_err(BrokenRule::Geometry)?;
     warnings.state(WarningKind::EmptyScene, geometry.triangle_count() == 0);
     Ok(Import {
-        rooms: vec![Room {
-            name: name.to_owned(),
-            geometry,
-            nodes: SourceNodes::default(),
-            method: None,
-            open_above: false,
-            large: None,
-        }],
-        portals: Vec::new(),
-        cameras: Vec::new(),
-        orthographic_heights: Vec::new(),
-        lights: Vec::new(),
-        map: None,
         warnings: warnings.into_list(),
         files: materials.files,
+        ..Import::of_rooms(vec![Room::new(name, geometry)])
     })
 }
 

@@ -30,7 +30,7 @@ pub use grid::{GridError, GridPlace};
 
 use crate::budget::Budget;
 use crate::map::Map;
-use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, read_regular_file};
+use crate::{BrokenRule, Import, ReadOptions, Room, read_regular_file};
 use enfilade::{
     Diagonal, Geometry, GeometryBuilder, HeightBytes, HeightField, HeightFieldError, HeightFormat, Heights,
     LargeTerrain, Material, MaterialId, Method, Transform,
@@ -129,19 +129,12 @@ pub(crate) fn import(
     }
     let place = || format!("terrain of {samples} heights");
     let as_meshes = samples.saturating_mul(BYTES_OF_SAMPLE);
-    let name = name.to_string_lossy().into_owned();
+    let name = name.to_string_lossy();
     let room = if budget.has(needs.saturating_add(as_meshes)) {
         budget.take(as_meshes, place)?;
         let raw =
             read_regular_file(&path, None, &|| "its heights".to_owned(), &mut budget).map_err(in_file)?;
-        Room {
-            name,
-            geometry: Arc::new(description.meshes(&raw, format)?),
-            nodes: SourceNodes::default(),
-            method,
-            open_above: false,
-            large: None,
-        }
+        Room::new(&name, description.meshes(&raw, format)?)
     } else {
         budget.take(samples / CELLS_OF_BLOCK * BYTES_OF_BLOCK, place)?;
         let mapped = usize::try_from(needs).map_err(|_| std::io::ErrorKind::OutOfMemory.into());
@@ -149,23 +142,13 @@ pub(crate) fn import(
         let mapped = mapped.map_err(|why| in_file(BrokenRule::Unreadable(why)))?;
         let nothing = GeometryBuilder::new([] as [Material; 0]).build();
         Room {
-            name,
-            geometry: Arc::new(nothing.map_err(BrokenRule::Geometry)?),
-            nodes: SourceNodes::default(),
-            method,
-            open_above: false,
             large: Some(Arc::new(description.large(mapped, format)?)),
+            ..Room::new(&name, nothing.map_err(BrokenRule::Geometry)?)
         }
     };
     Ok(Import {
-        rooms: vec![room],
-        portals: Vec::new(),
-        cameras: Vec::new(),
-        orthographic_heights: Vec::new(),
-        lights: Vec::new(),
-        map: None,
-        warnings: Vec::new(),
         files: vec![path],
+        ..Import::of_rooms(vec![Room { method, ..room }])
     })
 }
 

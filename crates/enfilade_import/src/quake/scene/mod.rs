@@ -30,14 +30,15 @@ use crate::warning::{WarningKind, Warnings};
 use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes};
 use enfilade::GeometryBuilder;
 use looks::Looks;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Statistics of a compiled map.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct MapSummary {
     /// `BSP29`, `BSP2` or `IBSP46`.
-    pub format: &'static str,
+    pub format: String,
     /// Number of leafs that can contain the camera: all except solid ones.
     pub leafs: usize,
     /// Number of clusters of leafs (Quake 3); `None` for Quake, whose maps do not store clusters.
@@ -50,11 +51,6 @@ pub struct MapSummary {
     pub entities: usize,
     /// Size of the visibility lump, in bytes; 0 if no PVS has been computed.
     pub visibility_bytes: usize,
-}
-
-impl MapSummary {
-    /// The names of all formats.
-    pub(crate) const FORMATS: [&str; 3] = ["BSP29", "BSP2", "IBSP46"];
 }
 
 /// Returns `true` if the bytes begin like a supported map.
@@ -117,7 +113,7 @@ pub(crate) fn import(
     let geometry = geometry.build().map_err(BrokenRule::Geometry)?;
 
     let summary = MapSummary {
-        format: map.format.name(),
+        format: map.format.name().to_owned(),
         leafs: match is_quake3 {
             true => tree.leafs.iter().filter(|leaf| leaf.kind >= 0).count(),
             false => map.world_leafs()?.max(0) as usize,

@@ -81,7 +81,18 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn writable(output: &Path, files: &mut RunFiles) -> Result<Destination> {
+/// Checks that a folder for parts exists.
+pub(crate) fn check_folder(folder: &Path) -> Result<()> {
+    ensure!(
+        folder.is_dir(),
+        "{}: there is no such folder; create it first, or name another with --parts",
+        folder.display()
+    );
+    Ok(())
+}
+
+/// Checks that an output can be written, and is called like a baked scene.
+pub(crate) fn writable(output: &Path, files: &mut RunFiles) -> Result<Destination> {
     ensure!(
         output
             .extension()
@@ -105,11 +116,7 @@ impl Tile<'_> {
     /// Names the scenes.
     fn all(args: &BakeArgs) -> Result<Vec<Tile<'_>>> {
         if let Some(folder) = &args.parts {
-            ensure!(
-                folder.is_dir(),
-                "{}: there is no such folder; create it first, or name another with --parts",
-                folder.display()
-            );
+            check_folder(folder)?;
         }
         let mut named: BTreeMap<String, &OsStr> = BTreeMap::new();
         let mut tiles = Vec::new();

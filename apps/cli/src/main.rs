@@ -9,6 +9,7 @@ mod check;
 mod choose;
 mod compare;
 mod draw;
+mod hints;
 mod html;
 mod info;
 mod json;
@@ -82,6 +83,7 @@ fn main() -> ExitCode {
         Some(Verb::Rooms(args)) => rooms::run(&args),
         Some(Verb::View(args)) => view::run(&args),
         Some(Verb::Bake(args)) => bake::run(&args),
+        Some(Verb::Hints(args)) => hints::run(&args),
         Some(Verb::Info(args)) => info::run(&args),
     };
     match outcome {

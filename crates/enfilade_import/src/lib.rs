@@ -139,7 +139,7 @@ mod terrain;
 mod warning;
 
 pub use authoring::AuthoringError;
-pub use enf::{BakeError, BakedSections, Baker, EnfError, Pages, SectionTotal, bake};
+pub use enf::{BakeError, BakedSections, Baker, EnfError, Hint, Pages, SectionTotal, bake, bake_hints};
 pub use error::{BrokenRule, ImportError};
 pub use faults::AuthoringErrors;
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};

@@ -17,7 +17,7 @@
 //! loop {
 //!     let view = View::new([0.0, 1.6, 0.0], [1.0, 1.6, 0.0], [1280, 720])?;
 //!     let seen = viewer.look(&scene, &view);
-//!     // Draw what is visible; `pager.is_absent` tells what has no mesh yet.
+//!     // Draw what is visible; `pager.level` is what to draw of an item that has no mesh yet.
 //!     let stats = pager.step(&mut scene, &[seen])?;
 //!     if stats.failed.is_empty() {
 //!         # break;
@@ -33,15 +33,20 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
+mod ask;
+mod hints;
 mod loader;
+mod page;
 #[cfg(test)]
 mod tests;
 
-pub use enfilade_import::Pages;
+pub use enfilade_import::{Hint, Pages};
+pub use hints::{HintCheck, HintError, HintOptions, HintSampler};
 
 use enfilade::{ItemId, ItemIndex, Mesh, Scene, SceneError, SectorId, VisibleSet};
 use enfilade_import::Import;
-use loader::Loader;
+use loader::{Loader, Request};
+use page::{Changed, HintedPages, Page, PagedItem, State, mesh_in};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -56,15 +61,18 @@ pub struct PagerOptions {
     /// Maximum number of pages that are read at once, and that a step puts into the scene. At least 1. The fewer, the later
     /// everything is there; the more, the more is read that is found hidden once nearer pages are there.
     pub pages_per_step: u32,
+    /// Whether coarser meshes are loaded too, to draw while a page is absent: [`Pager::level`].
+    pub levels: bool,
 }
 
 impl Default for PagerOptions {
-    /// 512 MB, 2 threads, 8 pages a step.
+    /// 512 MB, 2 threads, 8 pages a step, with coarser meshes.
     fn default() -> PagerOptions {
         PagerOptions {
             bytes: 512_000_000,
             threads: 2,
             pages_per_step: 8,
+            levels: true,
         }
     }
 }
@@ -75,6 +83,8 @@ impl Default for PagerOptions {
 pub struct PagerStats {
     /// Visible items whose mesh is absent, after this step. Each counts once.
     pub absent: u32,
+    /// How many of them have a coarser mesh to draw.
+    pub coarse: u32,
     /// Pages that came into the scene.
     pub loaded: u32,
     /// Pages that left it.
@@ -83,9 +93,9 @@ pub struct PagerStats {
     pub loading: u32,
     /// Visible pages that are not loaded, because the budget is used up by others that are visible too.
     pub over_budget: u32,
-    /// Memory of the pages in the scene and of those that are being read, in bytes.
+    /// Memory of the pages in the scene, of coarser meshes, and of those that are being read, in bytes.
     pub bytes: u64,
-    /// Pages that cannot be read, and why. Each is reported once, and stays absent.
+    /// Pages that cannot be read, or their coarser meshes, and why. Each is reported once, and stays absent.
     pub failed: Vec<(u32, String)>,
 }
 
@@ -98,60 +108,31 @@ pub struct Pager {
     options: PagerOptions,
     loader: Loader,
     pages: Vec<Page>,
-    /// The page of each item, by sector and index; `None` if it is always in memory.
-    page_of: Vec<Vec<Option<u32>>>,
+    /// Where the mesh of each item is, by sector and index; `None` if it is always in memory.
+    places: Vec<Vec<Option<Place>>>,
     /// The box of each mesh, by its index in the file.
     boxes: Vec<Option<Arc<Mesh>>>,
+    hints: Vec<HintedPages>,
     step: u64,
 }
 
-/// A page, and the items with its meshes.
-struct Page {
-    items: Vec<PagedItem>,
-    /// Memory of its meshes: their lists and what is computed of them; an estimate before they were read.
-    bytes: u64,
-    state: State,
-    /// The last step in which one of its items was visible, and the size of the largest on the screen in that step.
-    seen_at: u64,
-    size_px: u16,
-}
-
-/// A page that comes into the scene or leaves it.
-struct Changed {
-    number: u32,
-    /// Its meshes in the scene; none if it was absent.
-    before: Vec<(u32, Arc<Mesh>)>,
-}
-
-struct PagedItem {
-    sector: SectorId,
-    item: ItemId,
+/// Where the mesh of an item is.
+#[derive(Clone, Copy)]
+struct Place {
+    page: u32,
     /// Index in the file.
     mesh: u32,
 }
 
-enum State {
-    Absent,
-    /// It waits to be read, is being read, or has been read.
-    Asked,
-    Present(Vec<(u32, Arc<Mesh>)>),
-    Failed,
-}
-
 impl Pager {
     /// Creates a pager for the scene of an import, whose pages are all absent. Starts its threads.
-    pub fn new(import: Import, pages: Pages, options: PagerOptions) -> Pager {
+    pub fn new(import: Import, pages: impl Into<Arc<Pages>>, options: PagerOptions) -> Pager {
+        let pages = pages.into();
         let mut list: Vec<Page> = (0..pages.count())
-            .map(|page| Page {
-                items: Vec::new(),
-                bytes: pages.bytes(page) / 4 * 5,
-                state: State::Absent,
-                seen_at: 0,
-                size_px: 0,
-            })
+            .map(|page| Page::new(pages.bytes(page), pages.level_bytes(page)))
             .collect();
         let mut boxes = vec![None; pages.mesh_count() as usize];
-        let mut page_of = Vec::new();
+        let mut places = Vec::new();
         for (room, sector) in import.rooms.iter().zip((0..).map(SectorId)) {
             let geometry = &room.geometry;
             let of_room = (geometry.items().iter().zip((0..).map(ItemIndex))).map(|(item, index)| {
@@ -162,31 +143,45 @@ impl Pager {
                     boxes[mesh as usize] = Some(Arc::clone(&geometry.meshes()[item.mesh.0 as usize]));
                     let item = index.into();
                     list[page as usize].items.push(PagedItem { sector, item, mesh });
-                    page
+                    Place { page, mesh }
                 })
             });
-            page_of.push(of_room.collect());
+            places.push(of_room.collect());
         }
+        let hints = pages.hints().iter();
+        let hints = hints.map(|hint| HintedPages::new(hint, &places)).collect();
         Pager {
-            loader: Loader::new(Arc::new(pages), options.threads.max(1)),
+            loader: Loader::new(pages, options.threads.max(1)),
             options,
             pages: list,
-            page_of,
+            places,
             boxes,
+            hints,
             step: 0,
         }
     }
 
     /// Returns `true` if the mesh of an item is not in the scene: it is a box there.
     pub fn is_absent(&self, sector: SectorId, item: ItemId) -> bool {
-        let page = self.page(sector, item);
-        page.is_some_and(|page| !matches!(self.pages[page as usize].state, State::Present(_)))
+        let place = self.place(sector, item);
+        place.is_some_and(|place| !matches!(self.pages[place.page as usize].meshes, State::Present(_)))
     }
 
-    fn page(&self, sector: SectorId, item: ItemId) -> Option<u32> {
+    /// Returns a coarser mesh of an item whose own is absent: draw it meanwhile. It is within the box that looks see, and the
+    /// materials are those of its mesh. `None` if the mesh is there, or its coarser mesh is not there yet.
+    #[doc(alias = "lod")]
+    pub fn level(&self, sector: SectorId, item: ItemId) -> Option<&Arc<Mesh>> {
+        let place = self.place(sector, item)?;
+        match &self.pages[place.page as usize].levels {
+            State::Present(levels) => mesh_in(levels, place.mesh),
+            _ => None,
+        }
+    }
+
+    fn place(&self, sector: SectorId, item: ItemId) -> Option<Place> {
         // Items that were added later have another generation, and no page.
         let of_sector = self
-            .page_of
+            .places
             .get(sector.0 as usize)
             .filter(|_| item.generation == 0)?;
         *of_sector.get(item.index.0 as usize)?
@@ -203,22 +198,31 @@ impl Pager {
         let mut stats = PagerStats::default();
         let mut changed = Vec::new();
         while changed.len() < self.options.pages_per_step.max(1) as usize
-            && let Some((number, read)) = self.loader.arrived()
+            && let Some((request, read)) = self.loader.arrived()
         {
+            let (Request::Levels(number) | Request::Page(number)) = request;
             let page = &mut self.pages[number as usize];
+            let state = match request {
+                Request::Levels(_) => &mut page.levels,
+                Request::Page(_) => &mut page.meshes,
+            };
             match read {
-                Ok(meshes) => {
-                    page.bytes = meshes.iter().map(|(_, mesh)| mesh.bytes()).sum();
-                    page.state = State::Present(meshes);
-                    changed.push(Changed {
-                        number,
-                        before: Vec::new(),
-                    });
-                    stats.loaded += 1;
-                }
                 Err(why) => {
-                    page.state = State::Failed;
+                    *state = State::Failed;
                     stats.failed.push((number, why.to_string()));
+                }
+                Ok(meshes) => {
+                    let bytes = meshes.iter().map(|(_, mesh)| mesh.bytes()).sum();
+                    *state = State::Present(meshes);
+                    match request {
+                        Request::Levels(_) => page.level_bytes = bytes,
+                        Request::Page(_) => {
+                            page.bytes = bytes;
+                            changed.push(Changed::arrived(number));
+                            stats.loaded += 1;
+                        }
+                    }
+                    page.drop_needless_levels();
                 }
             }
         }
@@ -227,7 +231,7 @@ impl Pager {
         stats.dropped = dropped.len() as u32;
         changed.extend(dropped);
         self.exchange(scene, changed)?;
-        stats.absent = self.count_absent(seen);
+        self.count_absent(seen, &mut stats);
         stats.bytes = self.bytes();
         Ok(stats)
     }
@@ -243,7 +247,7 @@ impl Pager {
         for set in seen {
             for visible in set.items() {
                 let sector = set.passage(visible.passage).sector;
-                let Some(number) = self.page(sector, visible.item) else {
+                let Some(Place { page: number, .. }) = self.place(sector, visible.item) else {
                     continue;
                 };
                 let page = &mut self.pages[number as usize];
@@ -255,64 +259,18 @@ impl Pager {
                 page.size_px = before.max(visible.size_px);
                 page.seen_at = self.step;
             }
-        }
-    }
-
-    /// Asks for the visible pages that are absent, and returns those that leave the scene for them.
-    fn ask(&mut self, stats: &mut PagerStats) -> Vec<Changed> {
-        let being_read = self.loader.being_read();
-        for (number, page) in (0..).zip(&mut self.pages) {
-            if matches!(page.state, State::Asked) && !being_read.contains(&number) {
-                page.state = State::Absent;
-            }
-        }
-        let mut bytes = self.bytes();
-        let numbers = 0..self.pages.len() as u32;
-        let (step, pages) = (self.step, &mut self.pages);
-        let is_wanted = |page: &Page| matches!(page.state, State::Absent) && page.seen_at == step;
-        let mut wanted: Vec<u32> = numbers
-            .clone()
-            .filter(|&page| is_wanted(&pages[page as usize]))
-            .collect();
-        wanted.sort_by_key(|&page| (u16::MAX - pages[page as usize].size_px, page));
-        let is_unseen = |page: &Page| matches!(page.state, State::Present(_)) && page.seen_at < step;
-        let mut unseen: Vec<u32> = numbers.filter(|&page| is_unseen(&pages[page as usize])).collect();
-        unseen.sort_by_key(|&page| (pages[page as usize].seen_at, page));
-        let mut unseen = unseen.into_iter();
-        let (mut dropped, mut asked) = (Vec::new(), Vec::new());
-        // Returns whether there is room for so many bytes more, after what has not been seen for longest has left.
-        let mut make_room = |pages: &mut [Page], bytes: &mut u64, needs: u64| {
-            while *bytes + needs > self.options.bytes
-                && let Some(number) = unseen.next()
-            {
-                let page = &mut pages[number as usize];
-                *bytes -= page.bytes;
-                if let State::Present(before) = std::mem::replace(&mut page.state, State::Absent) {
-                    dropped.push(Changed { number, before });
-                }
-            }
-            *bytes + needs <= self.options.bytes
-        };
-        // Pages may take more than was estimated before they were read.
-        make_room(pages, &mut bytes, 0);
-        // The largest hide others, which then need not be read.
-        let at_once = (self.options.pages_per_step.max(1) as usize).saturating_sub(being_read.len());
-        for number in wanted {
-            if asked.len() >= at_once {
-                break;
-            }
-            let needs = pages[number as usize].bytes;
-            if !make_room(pages, &mut bytes, needs) {
-                stats.over_budget += 1;
+            let Some(first) = set.passages().first() else {
                 continue;
+            };
+            let eye = first.eye().map(|value| value as f32);
+            let of_sector = self.hints.iter().filter(|hint| hint.sector == first.sector);
+            let nearest = of_sector.min_by(|a, b| a.distance(eye).total_cmp(&b.distance(eye)));
+            for (rank, &number) in (0..).zip(nearest.iter().flat_map(|hint| &hint.pages)) {
+                let page = &mut self.pages[number as usize];
+                page.rank = page.rank(self.step).min(rank);
+                page.hinted_at = self.step;
             }
-            bytes += needs;
-            pages[number as usize].state = State::Asked;
-            asked.push(number);
         }
-        stats.loading = (asked.len() + being_read.len()) as u32;
-        self.loader.ask(asked);
-        dropped
     }
 
     /// Gives the items of pages their meshes or boxes. On an error, the pages are as before.
@@ -323,7 +281,7 @@ impl Pager {
         let mut edit = scene.edit();
         for Changed { number, before } in &changed {
             let page = &mut self.pages[*number as usize];
-            let after = match &page.state {
+            let after = match &page.meshes {
                 State::Present(meshes) => &meshes[..],
                 _ => &[],
             };
@@ -335,7 +293,7 @@ impl Pager {
                         && edit.set_mesh(sector, item, Arc::clone(new)).is_ok()
                 });
                 if !is_ours {
-                    self.page_of[sector.0 as usize][item.index.0 as usize] = None;
+                    self.places[sector.0 as usize][item.index.0 as usize] = None;
                 }
                 is_ours
             });
@@ -343,7 +301,7 @@ impl Pager {
         let finished = edit.finish();
         if finished.is_err() {
             for Changed { number, before } in changed {
-                self.pages[number as usize].state = if before.is_empty() {
+                self.pages[number as usize].meshes = if before.is_empty() {
                     State::Absent
                 } else {
                     State::Present(before)
@@ -353,7 +311,7 @@ impl Pager {
         finished.map(|_| ())
     }
 
-    fn count_absent(&self, seen: &[&VisibleSet]) -> u32 {
+    fn count_absent(&self, seen: &[&VisibleSet], stats: &mut PagerStats) {
         let absent = seen.iter().flat_map(|set| {
             let items = set.items().iter();
             items.map(|visible| (set.passage(visible.passage).sector, visible.item))
@@ -363,18 +321,16 @@ impl Pager {
             .collect();
         absent.sort_unstable();
         absent.dedup();
-        absent.len() as u32
+        stats.absent = absent.len() as u32;
+        let coarse = absent
+            .iter()
+            .filter(|&&(sector, item)| self.level(sector, item).is_some());
+        stats.coarse = coarse.count() as u32;
     }
 
     fn bytes(&self) -> u64 {
-        let in_memory = |page: &&Page| matches!(page.state, State::Present(_) | State::Asked);
-        self.pages.iter().filter(in_memory).map(|page| page.bytes).sum()
+        self.pages.iter().map(Page::memory).sum()
     }
-}
-
-fn mesh_in(meshes: &[(u32, Arc<Mesh>)], mesh: u32) -> Option<&Arc<Mesh>> {
-    let at = meshes.binary_search_by_key(&mesh, |(index, _)| *index);
-    at.ok().map(|at| &meshes[at].1)
 }
 
 /// Returns `true` if an item has this mesh.

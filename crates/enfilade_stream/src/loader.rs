@@ -7,7 +7,14 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// The meshes of a page, by their index in the file; or why it cannot be read.
+/// What is read: the coarser meshes of a page, or its meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Request {
+    Levels(u32),
+    Page(u32),
+}
+
+/// The meshes, by their index in the file; or why they cannot be read.
 type Read = Result<Vec<(u32, Arc<Mesh>)>, ImportError>;
 
 /// Threads that read pages. Dropping it ends them.
@@ -25,10 +32,10 @@ struct Queue {
 
 #[derive(Default)]
 struct QueueState {
-    waiting: VecDeque<u32>,
-    /// Pages that a thread has taken, until [`Loader::arrived`] returns them.
-    being_read: BTreeSet<u32>,
-    read: VecDeque<(u32, Read)>,
+    waiting: VecDeque<Request>,
+    /// What a thread has taken, until [`Loader::arrived`] returns it.
+    being_read: BTreeSet<Request>,
+    read: VecDeque<(Request, Read)>,
     has_ended: bool,
 }
 
@@ -37,17 +44,17 @@ impl Queue {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for a page to read; `None` at the end.
-    fn take(&self) -> Option<u32> {
+    /// Waits for something to read; `None` at the end.
+    fn take(&self) -> Option<Request> {
         let is_idle = |state: &mut QueueState| state.waiting.is_empty() && !state.has_ended;
         let state = self.has_work.wait_while(self.lock(), is_idle);
         let mut state = state.unwrap_or_else(PoisonError::into_inner);
         if state.has_ended {
             return None;
         }
-        let page = state.waiting.pop_front()?;
-        state.being_read.insert(page);
-        Some(page)
+        let request = state.waiting.pop_front()?;
+        state.being_read.insert(request);
+        Some(request)
     }
 }
 
@@ -57,9 +64,12 @@ impl Loader {
         let thread = |_| {
             let (pages, queue) = (Arc::clone(&pages), Arc::clone(&queue));
             std::thread::spawn(move || {
-                while let Some(page) = queue.take() {
-                    let read = pages.load(page);
-                    queue.lock().read.push_back((page, read));
+                while let Some(request) = queue.take() {
+                    let read = match request {
+                        Request::Levels(page) => pages.load_levels(page),
+                        Request::Page(page) => pages.load(page),
+                    };
+                    queue.lock().read.push_back((request, read));
                     queue.has_read.notify_all();
                 }
             })
@@ -70,28 +80,28 @@ impl Loader {
         }
     }
 
-    /// Replaces the pages that wait to be read.
-    pub(crate) fn ask(&self, pages: Vec<u32>) {
-        self.queue.lock().waiting = pages.into();
+    /// Replaces what waits to be read.
+    pub(crate) fn ask(&self, requests: Vec<Request>) {
+        self.queue.lock().waiting = requests.into();
         self.queue.has_work.notify_all();
     }
 
-    /// Returns the pages that a thread has taken and that have not arrived, and forgets those that wait.
-    pub(crate) fn being_read(&self) -> BTreeSet<u32> {
+    /// Returns what a thread has taken and has not arrived, and forgets what waits.
+    pub(crate) fn being_read(&self) -> BTreeSet<Request> {
         let mut state = self.queue.lock();
         state.waiting.clear();
         state.being_read.clone()
     }
 
-    /// Returns a page that has been read.
-    pub(crate) fn arrived(&self) -> Option<(u32, Read)> {
+    /// Returns something that has been read.
+    pub(crate) fn arrived(&self) -> Option<(Request, Read)> {
         let mut state = self.queue.lock();
-        let (page, read) = state.read.pop_front()?;
-        state.being_read.remove(&page);
-        Some((page, read))
+        let (request, read) = state.read.pop_front()?;
+        state.being_read.remove(&request);
+        Some((request, read))
     }
 
-    /// Waits until a page has been read; returns `false` if none was before the timeout, or none is being read.
+    /// Waits until something has been read; returns `false` if none was before the timeout, or none is being read.
     pub(crate) fn wait(&self, timeout: Duration) -> bool {
         let is_busy = |state: &mut QueueState| {
             state.read.is_empty() && !(state.waiting.is_empty() && state.being_read.is_empty())

@@ -2,10 +2,10 @@
 
 use super::*;
 use enfilade::{
-    Attributes, GeometryBuilder, Indices, ItemOptions, Material, MaterialId, Method, Part, Transform,
+    Aabb, Attributes, GeometryBuilder, Indices, ItemOptions, Material, MaterialId, Method, Part, Transform,
     Vertices, View, Viewer,
 };
-use enfilade_import::{ReadOptions, Room, bake};
+use enfilade_import::{ReadOptions, Room, bake, bake_hints};
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -194,6 +194,7 @@ fn with_a_budget_for_nothing_all_that_is_visible_is_a_box() {
         bytes: 0,
         threads: 0,
         pages_per_step: 0,
+        ..PagerOptions::default()
     };
     let (mut scene, mut pager) = opened(&file, Method::Masked, options);
     let (seen, stats) = settle(&mut scene, &mut pager, &view(0.5));
@@ -274,4 +275,144 @@ fn rooms_that_need_all_their_meshes_are_read_whole() {
     );
     let pager = Pager::new(import, pages, PagerOptions::default());
     assert!(!pager.is_absent(SectorId(0), ItemIndex(5).into()));
+}
+
+/// Samples hints into the file of the town.
+fn with_hints(file: &Path, change: impl Fn(&mut Hint)) -> Vec<Hint> {
+    let mut options = HintOptions::default();
+    options.size = 128;
+    let mut sampler = HintSampler::open(file, options).expect("a town");
+    let mut hints: Vec<Hint> = (0..sampler.count())
+        .map(|part| sampler.sample(part).expect("sampled"))
+        .collect();
+    drop(sampler);
+    hints.iter_mut().for_each(change);
+    let hinted = file.with_extension("new");
+    bake_hints(file, &hints, File::create(&hinted).expect("a file")).expect("baked");
+    std::fs::rename(hinted, file).expect("renamed");
+    hints
+}
+
+#[test]
+fn hints_name_what_is_seen_whatever_the_budget_and_most_of_what_further_views_see() {
+    let (_folder, file, _) = baked();
+    let hints = with_hints(&file, |_| {});
+    let [hint] = &hints[..] else {
+        panic!("a town of one part: {hints:?}")
+    };
+    assert!(hint.items.len() > 60, "{} items", hint.items.len());
+    let mut options = HintOptions {
+        size: 128,
+        bytes: 12_000_000,
+        ..HintOptions::default()
+    };
+    let mut sampler = HintSampler::open(&file, options).expect("a town");
+    assert_eq!(&sampler.sample(0).expect("sampled"), hint);
+    let check = sampler.check(0, hint, 20).expect("checked");
+    assert!(
+        check.views == 20 && 10 * check.covered >= 9 * check.views && check.visible > 50,
+        "{check:?}"
+    );
+    assert!(hint.items.len() as u64 <= check.seen);
+    options.bytes = 1000;
+    let why = HintSampler::open(&file, options).expect("a town").sample(0);
+    assert!(matches!(why, Err(HintError::Memory(1000))), "{why:?}");
+}
+
+#[test]
+fn wrong_hints_change_the_order_of_loading_and_not_what_is_seen() {
+    let (_folder, file, whole) = baked();
+    with_hints(&file, |hint| {
+        // The houses at the far end only, and the part is not where the eye is.
+        hint.items = (0..20)
+            .map(|house| (SectorId(0), ItemIndex(81 - house)))
+            .collect();
+        hint.bounds = Aabb {
+            min: [5e3; 3],
+            max: [6e3; 3],
+        };
+    });
+    let options = PagerOptions {
+        bytes: 7_000_000,
+        ..PagerOptions::default()
+    };
+    let (mut scene, mut pager) = opened(&file, Method::HierarchicalZ, options);
+    let [mut viewer, mut truth] = [Viewer::new(), Viewer::new()];
+    for frame in 0..60 {
+        let view = view(frame as f32 / 60.0);
+        let seen = viewer.look(&scene, &view);
+        let all = items(truth.look(&whole, &view));
+        assert!(all.is_subset(&items(seen)), "frame {frame}");
+        let stats = pager.step(&mut scene, &[seen]).expect("a step");
+        assert!(stats.bytes <= 7_000_000, "{stats:?}");
+        pager.wait(Duration::from_millis(20));
+    }
+    // Nothing that is visible waits for what hints name.
+    let (seen, stats) = settle(&mut scene, &mut pager, &view(0.05));
+    assert_eq!((stats.absent, stats.over_budget), (0, 0));
+    assert_eq!(seen, items(truth.look(&whole, &view(0.05))));
+}
+
+#[test]
+fn what_hints_name_is_there_before_the_eye_turns_to_it() {
+    let (_folder, file, whole) = baked();
+    with_hints(&file, |_| {});
+    let (mut scene, mut pager) = opened(&file, Method::HierarchicalZ, PagerOptions::default());
+    settle(&mut scene, &mut pager, &view(0.3));
+    let mut viewer = Viewer::new();
+    for turn in 0..16_u8 {
+        let angle = f32::from(turn) * std::f32::consts::FRAC_PI_8;
+        let eye = [44.0, 1.6, 34.0];
+        let toward = [eye[0] + angle.cos(), 1.6, eye[2] + angle.sin()];
+        let view = View::new(eye, toward, [160, 90]).expect("a view");
+        let seen = viewer.look(&scene, &view);
+        assert_eq!(
+            items(seen),
+            items(Viewer::new().look(&whole, &view)),
+            "turn {turn}"
+        );
+        assert_eq!(
+            pager.step(&mut scene, &[seen]).expect("a step").absent,
+            0,
+            "turn {turn}"
+        );
+    }
+}
+
+#[test]
+fn coarser_meshes_are_there_before_the_houses_and_leave_for_them() {
+    let (_folder, file, whole) = baked();
+    let options = PagerOptions {
+        pages_per_step: 1,
+        ..PagerOptions::default()
+    };
+    let (mut scene, mut pager) = opened(&file, Method::HierarchicalZ, options);
+    let above = View::new([90.0, 200.0, 90.1], [90.0, 0.0, 90.0], [320, 180]).expect("a view");
+    let mut viewer = Viewer::new();
+    let (mut coarse, mut absent) = (0, 0);
+    for _ in 0..400 {
+        let seen = viewer.look(&scene, &above);
+        let stats = pager.step(&mut scene, &[seen]).expect("a step");
+        (coarse, absent) = (coarse + stats.coarse, absent + stats.absent);
+        assert!(stats.coarse <= stats.absent);
+        for house in 1..=HOUSES * HOUSES {
+            let item = ItemIndex(house).into();
+            let Some(level) = pager.level(SectorId(0), item) else {
+                continue;
+            };
+            assert!(pager.is_absent(SectorId(0), item));
+            let mesh = whole
+                .geometry(SectorId(0))
+                .expect("the town")
+                .mesh_of(ItemIndex(house));
+            assert_eq!(level.bounds().union(&mesh.bounds()), mesh.bounds());
+            assert!(8 * level.triangle_count() <= mesh.triangle_count());
+        }
+        if stats.absent == 0 && stats.loading == 0 {
+            break;
+        }
+        pager.wait(Duration::from_secs(5));
+    }
+    assert!(2 * coarse > absent && absent > 0, "{coarse} of {absent}");
+    assert!((1..=HOUSES * HOUSES).all(|house| pager.level(SectorId(0), ItemIndex(house).into()).is_none()));
 }

@@ -2,11 +2,13 @@
 
 mod bench;
 mod choose;
+mod hints;
 mod maps;
 mod rooms;
 
 pub(crate) use bench::BenchArgs;
 pub(crate) use choose::ChooseArgs;
+pub(crate) use hints::HintsArgs;
 pub(crate) use maps::{PortalsArgs, VisArgs};
 pub(crate) use rooms::RoomsArgs;
 
@@ -65,6 +67,8 @@ pub(crate) enum Verb {
     View(ViewArgs),
     /// Bake a scene into a file that opens at once
     Bake(BakeArgs),
+    /// Sample what is seen from the rooms of a baked scene, so that it can be loaded before it is visible
+    Hints(HintsArgs),
     /// Print the contents of a scene file
     Info(InfoArgs),
 }
@@ -498,6 +502,9 @@ impl LimitArgs {
 
 /// Help of `--memory` in verbs that only read a scene.
 const MEMORY_TO_READ: &str = "Limit the memory for reading a file; 1GB is 10^9 bytes, 1GiB is 2^30";
+
+/// Help of `--memory` in `hints`.
+const MEMORY_TO_LOAD: &str = "Limit the memory for meshes; 1GB is 10^9 bytes, 1GiB is 2^30";
 
 /// Limits the memory.
 #[derive(Debug, clap::Args)]

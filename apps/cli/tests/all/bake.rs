@@ -276,3 +276,74 @@ fn a_tile_with_a_damaged_image_is_baked_again() {
     assert_eq!(parts(&folder, bake), [1, 0]);
     assert_eq!(parts(&folder, bake), [0, 1]);
 }
+
+#[test]
+fn hints_have_the_same_bytes_at_once_in_shares_and_again() {
+    let folder = Folder::new();
+    folder.json("bake @two-rooms -o rooms.enf");
+    let looks = || {
+        let mut looks = folder.json("look rooms.enf --survey 3 --method all --size 96x54");
+        without_times(&mut looks);
+        looks
+    };
+    let before = looks();
+    let info = folder.json("info rooms.enf");
+    let rooms = info["sectors"].as_array().expect("a list").len();
+    let report = folder.json("hints rooms.enf -o hinted.enf --check 4");
+    assert_eq!(
+        (&report["parts"], &report["sampled"]),
+        (&json!(rooms), &json!(rooms))
+    );
+    assert!(report["items"].as_u64() > Some(rooms as u64));
+    let views = |key: &str| report["check"][key].as_u64().expect("a number");
+    assert!(views("views") > 0 && 10 * views("views_covered") >= 9 * views("views"));
+    let hinted = fs::read(folder.path("hinted.enf")).expect("a file");
+    let run = folder.run("hints rooms.enf --parts . --merge");
+    assert!(
+        run.code == Some(2) && run.stderr.contains("rooms.00000.hint.json is missing"),
+        "{}",
+        run.stderr
+    );
+    let shares = ["2/3", "0/3", "1/3", "1/3"]
+        .map(|share| folder.json(&format!("hints rooms.enf --parts . --shard {share}"))["sampled"].clone());
+    let sampled: u64 = shares.iter().filter_map(Value::as_u64).sum();
+    assert_eq!((sampled, &shares[3]), (rooms as u64, &json!(0)));
+    // One is cut off, as by a full disk.
+    fs::write(folder.path("rooms.00000.hint.json"), "{\"source\":").expect("written");
+    assert_eq!(
+        folder.json("hints rooms.enf --parts . --shard 0/3")["sampled"],
+        json!(1)
+    );
+    let merged = folder.json("hints rooms.enf --parts . --merge");
+    assert_eq!(merged["sampled"], json!(0));
+    assert!(fs::read(folder.path("rooms.enf")).expect("a file") == hinted);
+    assert_eq!(looks(), before);
+    // The hints of a scene before an edit are not those of the scene.
+    folder.json("bake @two-rooms --flat -o rooms.enf");
+    let run = folder.run("hints rooms.enf --parts . --merge");
+    assert!(
+        run.code == Some(2) && run.stderr.contains("of another scene"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn hints_of_what_is_no_baked_scene_are_refused() {
+    let folder = Folder::new();
+    folder.json("bake scene.glb -o scene.enf");
+    for (arguments, word) in [
+        ("hints", "SCENE.enf"),
+        ("hints scene.glb", "bake it first"),
+        ("hints absent.enf", "absent.enf"),
+        ("hints scene.enf --shard 0/2", "--parts"),
+        ("hints scene.enf --parts nowhere", "no such folder"),
+        ("hints scene.enf --places 0", "1..=10000"),
+        ("hints scene.enf --memory 1kB", "more than"),
+        ("hints scene.enf -o scene2.glb", ".enf"),
+    ] {
+        let run = folder.run(arguments);
+        assert_eq!(run.code, Some(2), "{arguments}: {}", run.stdout);
+        assert!(run.stderr.contains(word), "{arguments}: {}", run.stderr);
+    }
+}

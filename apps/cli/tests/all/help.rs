@@ -113,10 +113,17 @@ fn the_examples_of_bake_run() {
 }
 
 #[test]
+fn the_examples_of_hints_run() {
+    let folder = Folder::new();
+    folder.json("bake scene.glb -o town.enf");
+    examples_run_in(&folder, "hints");
+}
+
+#[test]
 fn no_line_of_a_help_ends_before_it_is_full_but_where_a_paragraph_does() {
     let folder = Folder::new();
     for verb in [
-        "draw", "look", "compare", "bench", "link", "vis", "portals", "bake", "info",
+        "draw", "look", "compare", "bench", "link", "vis", "portals", "bake", "hints", "info",
     ] {
         let help = folder.run(&format!("help {verb}")).stdout;
         let (before, _) = help.split_once("\nExamples:\n").expect("examples at the end");

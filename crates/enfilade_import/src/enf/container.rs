@@ -14,12 +14,12 @@ use std::fmt;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use xxhash_rust::xxh3::xxh3_64;
+use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
 pub(super) const MAGIC: [u8; 8] = *b"ENFILADE";
 
 /// Change it with every change of what is stored, meshes included: a test compares the bytes of a baked scene.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 
 /// Sections start at multiples of this: cache lines.
 const ALIGNMENT: u64 = 64;
@@ -42,10 +42,14 @@ pub(super) enum Kind {
     Image = 6,
     /// What the scene was baked from, in the words of the program that baked it.
     Source = 7,
+    /// What is seen from a part of a room: see [`Hint`](super::Hint).
+    Hint = 8,
+    /// Coarser meshes of those of the page of the same number, as in the page.
+    Level = 9,
 }
 
 impl Kind {
-    const ALL: [Kind; 7] = [
+    const ALL: [Kind; 9] = [
         Kind::Scene,
         Kind::Meshes,
         Kind::Items,
@@ -53,6 +57,8 @@ impl Kind {
         Kind::Page,
         Kind::Image,
         Kind::Source,
+        Kind::Hint,
+        Kind::Level,
     ];
 
     fn name(self) -> &'static str {
@@ -64,6 +70,8 @@ impl Kind {
             Kind::Page => "page",
             Kind::Image => "image",
             Kind::Source => "source",
+            Kind::Hint => "hint",
+            Kind::Level => "level",
         }
     }
 }
@@ -76,7 +84,7 @@ impl fmt::Display for Section {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Section(kind, number) = self;
         match kind {
-            Kind::Page | Kind::Image => write!(f, "{} {number}", kind.name()),
+            Kind::Page | Kind::Image | Kind::Hint | Kind::Level => write!(f, "{} {number}", kind.name()),
             _ => f.write_str(kind.name()),
         }
     }
@@ -303,9 +311,19 @@ impl Container {
     }
 
     /// Returns the length of all sections of other kinds, in bytes.
-    pub(super) fn length_without(&self, kind: Kind) -> u64 {
-        let others = self.entries.iter().filter(|entry| entry.kind != kind as u32);
+    pub(super) fn length_without(&self, kinds: [Kind; 2]) -> u64 {
+        let is_other = |entry: &&Entry| kinds.iter().all(|&kind| entry.kind != kind as u32);
+        let others = self.entries.iter().filter(is_other);
         others.map(|entry| entry.length).sum()
+    }
+
+    /// Returns a hash of all sections of other kinds.
+    pub(super) fn hash_without(&self, kind: Kind) -> u64 {
+        let mut hash = Xxh3::new();
+        for entry in self.entries.iter().filter(|entry| entry.kind != kind as u32) {
+            hash.update(bytemuck::bytes_of(&Entry { offset: 0, ..*entry }));
+        }
+        hash.digest()
     }
 
     fn entry(&self, Section(kind, number): Section) -> Option<&Entry> {
@@ -313,6 +331,16 @@ impl Container {
             .entries
             .binary_search_by_key(&(kind as u32, number), Entry::section);
         Some(&self.entries[found.ok()?])
+    }
+
+    /// Returns the sections in the order of the file. Kinds that this version does not know are left out.
+    pub(super) fn sections(&self) -> impl Iterator<Item = Section> {
+        let mut entries: Vec<&Entry> = self.entries.iter().collect();
+        entries.sort_by_key(|entry| entry.offset);
+        entries.into_iter().filter_map(|entry| {
+            let kind = Kind::ALL.into_iter().find(|&kind| kind as u32 == entry.kind)?;
+            Some(Section(kind, entry.number))
+        })
     }
 
     /// Returns the number of sections of a kind.

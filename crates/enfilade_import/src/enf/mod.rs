@@ -7,7 +7,9 @@
 //! Cost: reading is bound by memory: each byte of a mesh is read twice, once for its checksum and once to check its values.
 //! Hostile input: sizes are checked against the file before anything is allocated; no value is trusted.
 
+mod coarse;
 mod container;
+mod hints;
 mod paged;
 mod pages;
 mod read;
@@ -17,6 +19,7 @@ mod stored;
 mod tests;
 mod write;
 
+pub use hints::{Hint, bake_hints};
 pub use paged::Pages;
 pub use sections::{BakedSections, SectionTotal};
 pub use write::{BakeError, Baker, bake};

@@ -1,8 +1,9 @@
 //! Baked scenes whose meshes are read page by page, for worlds larger than memory.
 
 use super::container::{Container, Kind, Section, Source};
-use super::read::{MESHES, build, invalid, mapped, mesh_records, read_page, stored_scene};
-use super::stored::{MeshRecord, StoredRoom};
+use super::hints::{Hint, read_hints};
+use super::read::{MESHES, build, invalid, mapped, mesh_records, read_levels, read_page, stored_scene};
+use super::stored::{MeshRecord, StoredRoom, StoredScene};
 use crate::budget::Budget;
 use crate::{BrokenRule, EnfError, Import, ImportError, ReadOptions};
 use enfilade::{Aabb, MAX_COORDINATE, Mesh, MeshId, Method};
@@ -22,6 +23,9 @@ pub struct Pages {
     of_rooms: Vec<Vec<u32>>,
     /// Whether each page was read at once, because the method of a room needs all its meshes.
     resident: Vec<bool>,
+    hints: Vec<Hint>,
+    /// Number of materials that each mesh may have.
+    materials: Vec<u32>,
 }
 
 /// Returns `true` if rooms of this method can do without some of their meshes: an edit of an item costs little.
@@ -56,7 +60,7 @@ impl Pages {
         let opened = File::open(path).map_err(BrokenRule::Unreadable)?;
         let container = Container::open(Source::File(Mutex::new(opened)))?;
         let mut budget = Budget::new(options.limit_bytes);
-        budget.take(container.length_without(Kind::Page), || {
+        budget.take(container.length_without([Kind::Page, Kind::Level]), || {
             "the scene without its meshes".to_owned()
         })?;
         let scene = stored_scene(&container, options)?;
@@ -82,6 +86,8 @@ impl Pages {
                 meshes[index as usize] = mesh;
             }
         }
+        let hints = read_hints(&container, &scene)?;
+        let materials = material_counts(&scene, records.len());
         let of_rooms = scene.rooms.iter().map(|room| room.meshes.clone()).collect();
         let import = build(scene, meshes, &container, options, budget)?;
         let pages = Pages {
@@ -91,6 +97,8 @@ impl Pages {
             of_pages,
             of_rooms,
             resident,
+            hints,
+            materials,
         };
         Ok((import, pages))
     }
@@ -129,6 +137,19 @@ impl Pages {
         self.records[mesh as usize].page
     }
 
+    /// Returns the size of a mesh, by its index in the file, in bytes.
+    ///
+    /// # Panics
+    /// If there is no such mesh.
+    pub fn mesh_bytes(&self, mesh: u32) -> u64 {
+        self.records[mesh as usize].length.into()
+    }
+
+    /// Returns what is seen from parts of rooms, if the scene was baked with hints.
+    pub fn hints(&self) -> &[Hint] {
+        &self.hints
+    }
+
     /// Returns the number of meshes in the file.
     pub fn mesh_count(&self) -> u32 {
         self.records.len() as u32
@@ -142,17 +163,55 @@ impl Pages {
     /// # Panics
     /// If there is no such page.
     pub fn load(&self, page: u32) -> Result<Vec<(u32, Arc<Mesh>)>, ImportError> {
-        let read = read_page(
-            &self.container,
-            page,
-            &self.of_pages[page as usize],
-            &self.records,
-        );
-        read.map_err(|rule| ImportError {
+        let meshes = &self.of_pages[page as usize];
+        let read = read_page(&self.container, page, meshes, &self.records);
+        read.map_err(|rule| self.error(rule))
+    }
+
+    /// Reads coarser meshes of those of a page, to draw until it is read: each is within the box of its mesh, has its materials,
+    /// and up to an eighth of its triangles. Returns them with the index in the file of the mesh that they stand for. They are
+    /// not for looks: they hide what their mesh does not, and the other way round.
+    ///
+    /// # Errors
+    /// Returns an [`ImportError`] if they are damaged, or cannot be read.
+    ///
+    /// # Panics
+    /// If there is no such page.
+    pub fn load_levels(&self, page: u32) -> Result<Vec<(u32, Arc<Mesh>)>, ImportError> {
+        let meshes = &self.of_pages[page as usize];
+        let read = read_levels(&self.container, page, meshes, &self.records, &self.materials);
+        read.map_err(|rule| self.error(rule))
+    }
+
+    /// Returns the size of the coarser meshes of a page, in bytes.
+    ///
+    /// # Panics
+    /// If there is no such page.
+    pub fn level_bytes(&self, page: u32) -> u64 {
+        self.container.length(Section(Kind::Level, page))
+    }
+
+    fn error(&self, rule: BrokenRule) -> ImportError {
+        ImportError {
             file: self.file.clone(),
             rule,
-        })
+        }
     }
+}
+
+/// Returns the number of materials that each mesh may have: those of each room that it is in.
+fn material_counts(scene: &StoredScene, meshes: usize) -> Vec<u32> {
+    let mut counts = vec![u32::MAX; meshes];
+    for room in &scene.rooms {
+        let table = scene.materials.get(room.materials as usize);
+        let count = table.map_or(0, |table| table.len() as u32);
+        for &mesh in &room.meshes {
+            if let Some(least) = counts.get_mut(mesh as usize) {
+                *least = count.min(*least);
+            }
+        }
+    }
+    counts
 }
 
 /// Returns a mesh that stands for one that is not read, or has no faces.

@@ -2,14 +2,15 @@
 
 use super::EnfError;
 use super::container::{Container, Kind, MAGIC, Section, Source};
+use super::hints::read_hints;
 use super::stored::{ItemRecord, MeshRecord, StoredRoom, StoredScene, StoredTerrain, StoredTexture};
 use crate::budget::Budget;
 use crate::{BrokenRule, Import, ReadOptions, Room, map};
 use bytemuck::Pod;
 use bytes::Bytes;
 use enfilade::{
-    Geometry, GeometryBuilder, GeometryError, HeightField, ItemIndex, Material, Mesh, MeshId, Method,
-    Texture, Transform,
+    Aabb, Geometry, GeometryBuilder, GeometryError, HeightField, ItemIndex, Material, MaterialId, Mesh,
+    MeshId, Method, Texture, Transform,
 };
 use image::{ImageFormat, ImageReader};
 use rayon::prelude::*;
@@ -65,8 +66,16 @@ const NAMES: Section = Section(Kind::Names, 0);
 pub(crate) fn import(bytes: Bytes, options: &ReadOptions, budget: Budget) -> Result<Import, BrokenRule> {
     let container = Container::open(Source::Memory(bytes))?;
     let scene = stored_scene(&container, options)?;
+    check_the_rest(&container, &scene)?;
     let meshes = read_meshes(&container)?;
     build(scene, meshes, &container, options, budget)
+}
+
+/// Checks what only [`Pages`](super::Pages) need: a damaged file is an error, whoever reads it.
+fn check_the_rest(container: &Container, scene: &StoredScene) -> Result<(), BrokenRule> {
+    read_hints(container, scene)?;
+    let levels = (0..container.count(Kind::Page)).into_par_iter();
+    levels.try_for_each(|page| container.section(Section(Kind::Level, page)).map(drop))
 }
 
 /// Reads the section of the scene.
@@ -177,15 +186,49 @@ pub(super) fn read_page(
 }
 
 fn read_mesh(page: &Bytes, record: &MeshRecord, section: Section) -> Result<Mesh, EnfError> {
-    let [start, length] = [record.start, record.length].map(|number| number as usize);
-    let end = start.checked_add(length).filter(|&end| end <= page.len());
-    let end = end.ok_or_else(|| invalid(MESHES, "a mesh ends after its page"))?;
-    let mesh = Mesh::from_bytes(page.slice(start..end)).map_err(|why| invalid(section, why))?;
+    let mesh = mesh_at(page, record.start, record.length, section)?;
     let bounds = mesh.bounds();
     if mesh.face_count() != record.faces || [bounds.min, bounds.max] != record.bounds {
         return Err(invalid(section, "a mesh is not as the section of meshes says"));
     }
     Ok(mesh)
+}
+
+fn mesh_at(section_bytes: &Bytes, start: u32, length: u32, section: Section) -> Result<Mesh, EnfError> {
+    let [start, length] = [start, length].map(|number| number as usize);
+    let end = start
+        .checked_add(length)
+        .filter(|&end| end <= section_bytes.len());
+    let end = end.ok_or_else(|| invalid(MESHES, format!("a mesh ends after its section `{section}`")))?;
+    Mesh::from_bytes(section_bytes.slice(start..end)).map_err(|why| invalid(section, why))
+}
+
+/// Reads the coarser meshes of a page, with the index of the mesh that each stands for. `materials` is the number of those that
+/// each mesh may have.
+pub(super) fn read_levels(
+    container: &Container,
+    page: u32,
+    meshes: &[u32],
+    records: &[MeshRecord],
+    materials: &[u32],
+) -> Result<Vec<(u32, Arc<Mesh>)>, BrokenRule> {
+    let section = Section(Kind::Level, page);
+    let bytes = container.section(section)?;
+    let read = |&index: &u32| -> Result<_, BrokenRule> {
+        let record = &records[index as usize];
+        let level = mesh_at(&bytes, record.level_start, record.level_length, section)?;
+        let [min, max] = record.bounds;
+        let is_inside = level.bounds().intersection(&Aabb { min, max }) == level.bounds();
+        let exists = |material: MaterialId| material.0 < materials[index as usize];
+        if !is_inside || !level.clusters().iter().all(|cluster| exists(cluster.material)) {
+            return Err(invalid(section, "a coarser mesh is not like its mesh").into());
+        }
+        Ok((index, Arc::new(level)))
+    };
+    let with_level = meshes
+        .iter()
+        .filter(|&&index| records[index as usize].level_length > 0);
+    with_level.map(read).collect()
 }
 
 fn read_textures(

@@ -12,6 +12,8 @@ pub struct BakedSections {
     pub totals: Vec<SectionTotal>,
     /// What it was baked from: see [`Baker::note_source`](crate::Baker::note_source). Empty if that is not noted.
     pub source: Vec<u8>,
+    /// Hash of all sections but prefetch hints.
+    pub hash: u64,
 }
 
 /// The sections of a kind.
@@ -50,6 +52,7 @@ impl BakedSections {
         Ok(Some(BakedSections {
             totals: totals.collect(),
             source,
+            hash: container.hash_without(Kind::Hint),
         }))
     }
 }

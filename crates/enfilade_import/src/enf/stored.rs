@@ -87,6 +87,9 @@ pub(super) struct MeshRecord {
     pub(super) start: u32,
     pub(super) length: u32,
     pub(super) faces: u32,
+    /// Start and length of its coarser mesh among those of the page, in bytes; no length if there is none.
+    pub(super) level_start: u32,
+    pub(super) level_length: u32,
     /// AABB, least and greatest corner; infinite, and the wrong way round, if the mesh is empty.
     pub(super) bounds: [[f32; 3]; 2],
 }

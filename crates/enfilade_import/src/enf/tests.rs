@@ -6,7 +6,7 @@ use crate::budget::Budget;
 use crate::quake::MapSummary;
 use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, Warning, WarningKind};
 use enfilade::{
-    BakedCells, Camera, CellId, CellNode, CellSide, CellTree, ConvexPolygon, Filter, Geometry,
+    Aabb, BakedCells, Camera, CellId, CellNode, CellSide, CellTree, ConvexPolygon, Filter, Geometry,
     GeometryBuilder, HeightField, ItemIndex, ItemOptions, Light, LightShape, Material, MaterialId, Mesh,
     Method, Minify, OpeningId, Portal, SectorId, Texture, TextureId, Transform, ViewerOptions, Wrap,
 };
@@ -224,7 +224,7 @@ fn the_bytes_depend_on_the_scene_alone_and_any_change_of_them_is_a_new_version()
     assert!(baked(&read_again(bytes.clone(), &ReadOptions::default()).expect("read")) == bytes);
     assert_eq!(
         (container::VERSION, xxh3_64(&bytes)),
-        (1, 0xc2b6_c5ce_b585_65cd),
+        (2, 0x8f4c_59b1_5795_c92d),
         "if other bytes are right, increase the version and change this"
     );
 }
@@ -296,55 +296,103 @@ fn tiles_join_in_one_room_with_the_materials_of_all_and_scenes_with_portals_keep
 }
 
 /// Returns the file with one section changed, and all checksums correct.
-fn with_section(bytes: &[u8], of: (Kind, u32), change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+fn with_section(bytes: &[u8], of: Section, change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     let container = Container::open(Source::Memory(bytes.to_vec().into())).expect("a container");
     let mut change = Some(change);
     let mut file = Cursor::new(Vec::new());
     let mut writer = Writer::new(&mut file).expect("started");
-    for (kind, count) in [
-        (Kind::Page, container.count(Kind::Page)),
-        (Kind::Image, container.count(Kind::Image)),
-        (Kind::Meshes, 1),
-        (Kind::Items, 1),
-        (Kind::Names, 1),
-        (Kind::Scene, 1),
-    ] {
-        for number in 0..count {
-            let section = Section(kind, number);
-            let mut bytes = container.section(section).expect("whole").to_vec();
-            if (kind, number) == of
-                && let Some(change) = change.take()
-            {
-                change(&mut bytes);
-            }
-            writer.section(section, &bytes).expect("written");
+    for section in container.sections() {
+        let mut bytes = container.section(section).expect("whole").to_vec();
+        if section == of
+            && let Some(change) = change.take()
+        {
+            change(&mut bytes);
         }
+        writer.section(section, &bytes).expect("written");
     }
     writer.finish().expect("finished");
     file.into_inner()
 }
 
-const ALL: [(Kind, &str); 6] = [
+const ALL: [(Kind, &str); 8] = [
     (Kind::Page, "page 0"),
     (Kind::Image, "image 0"),
     (Kind::Meshes, "meshes"),
     (Kind::Items, "items"),
     (Kind::Names, "names"),
     (Kind::Scene, "scene"),
+    (Kind::Hint, "hint 0"),
+    (Kind::Level, "level 0"),
 ];
+
+/// The baked scene of everything with two hints.
+fn hinted() -> Vec<u8> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("everything.enf");
+    std::fs::write(&file, baked(&everything())).expect("written");
+    let mut hinted = Cursor::new(Vec::new());
+    bake_hints(&file, &hints(), &mut hinted).expect("baked");
+    hinted.into_inner()
+}
+
+fn hints() -> [Hint; 2] {
+    let hint = |room: u32, items: &[(u32, u32)]| Hint {
+        sector: SectorId(room),
+        bounds: Aabb {
+            min: [-1.0, 0.5, f32::NEG_INFINITY],
+            max: [1e30, 2.0, 3.0],
+        },
+        items: items
+            .iter()
+            .map(|&(room, item)| (SectorId(room), ItemIndex(item)))
+            .collect(),
+    };
+    [hint(1, &[(1, 1), (0, 1), (1, 0)]), hint(0, &[])]
+}
+
+#[test]
+fn hints_are_kept_and_replaced_and_those_of_what_is_not_there_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("everything.enf");
+    std::fs::write(&file, hinted()).expect("written");
+    let (_, pages) = Pages::open(&file, &ReadOptions::default()).expect("pages");
+    assert_eq!(pages.hints(), hints());
+    let bake = |hints: &[Hint]| {
+        let mut baked = Cursor::new(Vec::new());
+        bake_hints(&file, hints, &mut baked).map(|_| baked.into_inner())
+    };
+    assert!(bake(&hints()).expect("baked") == hinted());
+    assert!(bake(&[]).expect("baked") == baked(&everything()));
+    let [mut no_room, mut no_item, mut no_place] = [(); 3].map(|()| hints()[0].clone());
+    no_room.sector = SectorId(2);
+    no_item.items[1].1 = ItemIndex(99);
+    no_place.bounds.max[1] = f32::NAN;
+    for wrong in [no_room, no_item, no_place] {
+        let why = bake(&[wrong]).expect_err("wrong").to_string();
+        assert!(
+            why.contains("everything.enf") && why.contains("`hint 0` is invalid"),
+            "{why}"
+        );
+    }
+}
 
 #[test]
 fn a_damaged_byte_in_any_section_is_an_error_that_names_it() {
-    let bytes = baked(&everything());
+    let bytes = hinted();
     for (kind, name) in ALL {
         let section = Container::open(Source::Memory(bytes.clone().into()))
             .expect("open")
             .section(Section(kind, 0))
             .expect("whole");
-        let at = bytes
-            .windows(section.len())
-            .position(|window| window == &section[..])
-            .expect("it is there");
+        let mut places = bytes.windows(section.len());
+        let is_it = |window: &[u8]| window == &section[..];
+        // A coarser mesh of a cuboid is the cuboid, and comes after it.
+        let at = if kind == Kind::Level {
+            places.rposition(is_it)
+        } else {
+            places.position(is_it)
+        };
+        let at = at.expect("it is there");
         for offset in [0, section.len() / 2, section.len() - 1] {
             let mut damaged = bytes.clone();
             damaged[at + offset] ^= 1;
@@ -359,12 +407,12 @@ fn a_damaged_byte_in_any_section_is_an_error_that_names_it() {
 
 #[test]
 fn a_section_that_lies_with_a_correct_checksum_is_an_error_or_another_scene() {
-    let bytes = baked(&everything());
+    let bytes = hinted();
     let mut random = fastrand::Rng::with_seed(11);
     let (mut refused, mut read) = (0, 0);
     for round in 0..6000 {
         let (kind, _) = ALL[round % ALL.len()];
-        let lied = with_section(&bytes, (kind, 0), |section| match random.u32(..8) {
+        let lied = with_section(&bytes, Section(kind, 0), |section| match random.u32(..8) {
             0 => section.truncate(random.usize(..section.len())),
             1 => section.extend([random.u8(..); 80]),
             _ => {

@@ -1,9 +1,10 @@
 //! Writes baked scenes.
 
+use super::coarse::coarse;
 use super::container::{Kind, Section, Writer};
 use super::pages::Meshes;
 use super::stored::{ItemRecord, MeshRecord, StoredRoom, StoredScene, StoredTerrain, StoredTexture, flags};
-use crate::{Import, Room};
+use crate::{Import, ImportError, Room};
 use bytemuck::Zeroable;
 use enfilade::{
     Camera, Geometry, ItemIndex, Light, Material, MaterialId, Mesh, Portal, SectorId, Terrain, Texture,
@@ -26,6 +27,9 @@ pub enum BakeError {
     /// Writing fails.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// A baked scene that it is made from cannot be read.
+    #[error(transparent)]
+    Unreadable(#[from] ImportError),
     /// The heights of a terrain stay in their file, because they would take more memory than allowed.
     #[error(
         "terrain `{0}` is read from its own file on demand, because it does not fit in memory; allow more (--memory), or use \
@@ -211,26 +215,24 @@ impl<W: Write + Seek> Baker<W> {
     ) -> Result<(), BakeError> {
         let first = self.meshes.len();
         self.meshes.resize(first + meshes.len(), MeshRecord::zeroed());
-        let encode = |&mesh: &u32| {
-            let mesh = meshes[mesh as usize];
-            match materials {
-                None => mesh.to_bytes(),
-                Some(new) => mesh
-                    .with_materials(|old| MaterialId(new[old.0 as usize]))
-                    .to_bytes(),
-            }
+        let encode = |&number: &u32| {
+            let mesh = meshes[number as usize];
+            let renamed = materials.map(|new| mesh.with_materials(|old| MaterialId(new[old.0 as usize])));
+            let mesh = renamed.as_ref().unwrap_or(mesh);
+            let level = coarse(mesh).map_or(Vec::new(), |level| level.to_bytes());
+            [mesh.to_bytes(), level]
         };
         for pages in pages.chunks(PAGES_AT_ONCE) {
-            let encoded: Vec<Vec<Vec<u8>>> = pages
+            let encoded: Vec<Vec<[Vec<u8>; 2]>> = pages
                 .par_iter()
                 .map(|page| page.iter().map(encode).collect())
                 .collect();
             for (page, encoded) in pages.iter().zip(encoded) {
-                let mut bytes = Vec::with_capacity(encoded.iter().map(Vec::len).sum());
-                for (&mesh, encoded) in page.iter().zip(encoded) {
+                let [mut bytes, mut levels] = [const { Vec::new() }; 2];
+                for (&mesh, [encoded, level]) in page.iter().zip(encoded) {
                     let held = meshes[mesh as usize];
-                    let places = [bytes.len(), encoded.len()].map(u32::try_from);
-                    let [Ok(start), Ok(length)] = places else {
+                    let places = [bytes.len(), encoded.len(), levels.len(), level.len()].map(u32::try_from);
+                    let [Ok(start), Ok(length), Ok(level_start), Ok(level_length)] = places else {
                         return Err(BakeError::LargeMesh(held.face_count()));
                     };
                     self.meshes[first + mesh as usize] = MeshRecord {
@@ -238,11 +240,15 @@ impl<W: Write + Seek> Baker<W> {
                         start,
                         length,
                         faces: held.face_count(),
+                        level_start,
+                        level_length,
                         bounds: [held.bounds().min, held.bounds().max],
                     };
                     bytes.extend(encoded);
+                    levels.extend(level);
                 }
                 self.writer.section(Section(Kind::Page, self.pages), &bytes)?;
+                self.writer.section(Section(Kind::Level, self.pages), &levels)?;
                 self.pages += 1;
             }
         }

@@ -1,0 +1,53 @@
+//! The command line of `hints`.
+
+use super::{JsonArg, LimitArgs, MEMORY_TO_LOAD};
+use crate::values::{self, Shard};
+use std::path::PathBuf;
+
+/// Options of `hints`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Programs that load a baked scene page by page (enfilade_stream) load first what the hints of the eye's room name, and then \
+what may become visible there. Hints never hide anything: what is visible is visible without them too.
+
+In each room places are chosen where people could stand, and looks from there in all directions tell which items are \
+visible, until further places see nothing new. Rooms whose meshes take more than 32 MB have hints for halves of halves of \
+their box.
+
+With --parts the hints of each part are a file of FOLDER first, unless they are there already; so an interrupted run goes on, \
+and several machines can sample a share each.
+
+Examples:
+  enfilade hints town.enf
+  enfilade hints town.enf --check 8
+  enfilade hints town.enf --parts . --shard 0/2
+  enfilade hints town.enf --parts . --shard 1/2
+  enfilade hints town.enf --parts . --merge")]
+#[command(mut_arg("memory", |arg| arg.help(MEMORY_TO_LOAD)))]
+pub(crate) struct HintsArgs {
+    /// A baked scene
+    #[arg(value_name = "SCENE.enf")]
+    pub(crate) scene: PathBuf,
+    /// Write the scene with hints to this file (atomically) instead of SCENE.enf
+    #[arg(short, long, value_name = "FILE.enf")]
+    pub(crate) output: Option<PathBuf>,
+    /// Look from at most N places in each part of a room
+    #[arg(long, value_name = "N", default_value = "128", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) places: u32,
+    /// Compare the hints with N views from further places in each part
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) check: Option<u32>,
+    /// Keep the hints of each part in a file of this folder
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) parts: Option<PathBuf>,
+    /// Only sample a share of the parts into --parts: 0/4, 1/4, 2/4 or 3/4 for four processes
+    #[arg(long, value_name = "I/N", value_parser = values::shard, requires = "parts", conflicts_with_all = ["output", "check"])]
+    pub(crate) shard: Option<Shard>,
+    /// Join the hints in --parts, and fail if some are missing or of another scene instead of sampling them
+    #[arg(long, requires = "parts", conflicts_with = "shard")]
+    pub(crate) merge: bool,
+    #[command(flatten)]
+    pub(crate) json: JsonArg,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
+}

@@ -34,6 +34,16 @@ struct Step {
     next: usize,
 }
 
+impl Step {
+    /// Returns `true` if a way is undecided and may follow in the chain.
+    fn is_undecided(&self, way: usize) -> bool {
+        let at = self
+            .undecided
+            .binary_search_by_key(&((way / 64) as u32), |&(number, _)| number);
+        at.is_ok_and(|at| self.undecided[at].1 >> (way % 64) & 1 != 0)
+    }
+}
+
 /// An undecided way that a chain has reached.
 #[derive(Debug)]
 pub(crate) struct ChainEnd<'a> {
@@ -241,7 +251,8 @@ impl Flow {
                     (word != 0).then_some((number, word))
                 }));
             let any = !next.undecided.is_empty();
-            let here = has(undecided, number);
+            // Not in all of `undecided`: chains that another way keeps going would reach some ways that the planes exclude.
+            let here = has(undecided, number) && step.is_undecided(number);
             if !any && !here {
                 continue;
             }

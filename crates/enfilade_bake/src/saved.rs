@@ -13,7 +13,7 @@ use crate::work::{PairsWork, Stage, TooLarge};
 use thiserror::Error;
 
 /// Change the version with the format, and with any change of the algorithm: a different one must not resume this work.
-const MARK: u64 = u64::from_le_bytes(*b"ENFvis3\n");
+const MARK: u64 = u64::from_le_bytes(*b"ENFvis4\n");
 const MARK_OF_PASSAGES: u64 = u64::from_le_bytes(*b"ENFpas3\n");
 
 /// Number of words before the rows: magic number, hash, stage, progress, ways, cells.

@@ -12,7 +12,7 @@
 
 use crate::bits::take;
 use crate::flow::ChainEnd;
-use crate::known::{line_through, take_line};
+use crate::known::{after, line_through, take_line};
 use crate::ways::Ways;
 use crate::winding::centre;
 use glam::DVec3;
@@ -28,20 +28,24 @@ const CLOSER: f64 = 0.9;
 
 /// Aims a ray from `way` at the end of a chain; returns the ways that the ray crosses.
 ///
-/// Clears in `undecided` all ways that the ray proves visible. The target way is cleared too, hit or not, unless
-/// `twice` is set and this is the first chain that reaches it.
+/// Clears in `undecided` the ways that the ray crosses; in the backflow (`is_back`) all ways into the cells that it
+/// reaches. The target way is cleared too, hit or not; in the backflow only from the second chain that reaches it on.
 pub(crate) fn aim(
     ways: &Ways,
     way: usize,
     chain: &ChainEnd,
-    twice: bool,
+    is_back: bool,
     undecided: &mut [u64],
 ) -> Option<Vec<u32>> {
-    if !(twice && chain.first) {
+    if !(is_back && chain.first) {
         take(undecided, chain.way);
     }
     let line = aimed(ways, way, chain)?.1;
-    take_line(ways, way, &line, undecided);
+    if is_back {
+        take_line(ways, way, &line, undecided);
+    } else {
+        after(way, &line).for_each(|then| take(undecided, then as usize));
+    }
     Some(line)
 }
 

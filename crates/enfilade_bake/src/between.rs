@@ -47,13 +47,13 @@ impl PairsWork {
                     cells: vec![from, to],
                 });
             }
-            let mut undecided = vec![0; self.bound.words_in_row()];
-            ones(self.bound.row(way))
+            let mut undecided = vec![0; self.progress.bound.words_in_row()];
+            ones(self.progress.bound.row(way))
                 .filter(|&then| ways.all[then].to == to)
                 .for_each(|then| put(&mut undecided, then));
             flow.run(
                 ways,
-                &self.bound,
+                &self.progress.bound,
                 &self.passages,
                 way,
                 &mut undecided,

@@ -84,7 +84,7 @@ impl BitRows {
 }
 
 /// An append-only bit matrix that stores only the nonzero words of each row, in the format of [`pack`].
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct PackedRows {
     words_in_row: usize,
     /// For each row, the index in `words` after its last word.
@@ -204,7 +204,8 @@ pub(crate) fn ones_besides<'a>(row: &'a [u64], other: &'a [u64]) -> impl Iterato
     words.flat_map(|(at, (&word, &not))| ones_of(at, word & !not))
 }
 
-fn ones_of(at: usize, word: u64) -> impl Iterator<Item = usize> {
+/// Returns the columns set in the word with index `at`, in ascending order.
+pub(crate) fn ones_of(at: usize, word: u64) -> impl Iterator<Item = usize> {
     let mut rest = word;
     std::iter::from_fn(move || {
         (rest != 0).then(|| {

@@ -92,6 +92,13 @@ impl LowerBound {
         }
     }
 
+    /// Adds all pairs of another bound on the same cells.
+    pub(crate) fn add(&mut self, other: &LowerBound) {
+        for (word, more) in self.cells.rows_mut().iter_mut().zip(other.cells.words()) {
+            *word |= more;
+        }
+    }
+
     /// Marks all pairs of cells along a ray as visible, in both directions.
     pub(crate) fn add_line(&mut self, ways: &Ways, line: &[u32]) {
         for (at, &first) in line.iter().enumerate() {
@@ -107,10 +114,15 @@ impl LowerBound {
 
 /// Clears the ways into all cells that a ray reaches after crossing `from`.
 pub(crate) fn take_line(ways: &Ways, from: usize, line: &[u32], undecided: &mut [u64]) {
-    let after = line.iter().skip_while(|&&way| way as usize != from);
-    for &way in after.skip(1) {
+    for way in after(from, line) {
         take_cell(ways, ways.all[way as usize].to, undecided);
     }
+}
+
+/// Returns the ways that a ray crosses after crossing `from`.
+pub(crate) fn after(from: usize, line: &[u32]) -> impl Iterator<Item = u32> + '_ {
+    let rest = line.iter().skip_while(move |&&way| way as usize != from);
+    rest.skip(1).copied()
 }
 
 /// Clears all ways into a cell.

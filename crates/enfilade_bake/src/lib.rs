@@ -16,7 +16,8 @@
 //!
 //! [`Cells`] holds convex cells and their portals. [`VisiblePairs`] is the PVS: for each pair of cells, whether any
 //! point of one may see any point of the other. It is an upper bound: a pair that can see each other is never left out.
-//! [`PairsWork`] computes it in steps and can be stopped, saved and resumed. [`find_missing`] tests a PVS with random
+//! [`PairsWork`] computes it in steps, can be stopped, saved and resumed, and can share the longest stage with other
+//! machines ([`FlowPart`]). [`find_missing`] tests a PVS with random
 //! rays. It shares no code with the computation and returns a [`Witness`] for a missing pair.
 //!
 //! [`find_rooms`] finds the rooms, doors and windows of a building in its triangles, and [`RoomGraph`] answers what games
@@ -38,6 +39,7 @@ mod random;
 mod rooms;
 mod saved;
 mod separators;
+mod shards;
 mod ways;
 mod winding;
 mod work;
@@ -53,4 +55,5 @@ pub use rooms::{
     is_door_name,
 };
 pub use saved::ResumeError;
+pub use shards::{FlowPart, PartError, Shard};
 pub use work::{PairsWork, Stage, TooLarge};

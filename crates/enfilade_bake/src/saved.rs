@@ -1,23 +1,26 @@
 //! Saves and resumes work. The passages are saved separately: they are large and do not change once computed.
 //!
 //! Format: little-endian 64-bit words. A magic number with the version, a hash of the cells, the stage and the progress
-//! in it, the numbers of ways and cells, the bit rows without zero words, the order of ways, and a checksum. The
-//! checksum detects damage and the hash detects other cells. All remaining values are validated, so no input causes a
-//! panic.
+//! in it, the numbers of ways and cells, the hash of the flow's start, the shard, the bit rows without zero words, the
+//! order of ways, the rows of the shard, and a checksum. The checksum detects damage and the hash detects other cells.
+//! All remaining values are validated, so no input causes a panic.
 
 use crate::bits::{BitRows, pack};
 use crate::cells::Cells;
 use crate::known::LowerBound;
 use crate::passages::Passages;
-use crate::work::{PairsWork, Stage, TooLarge};
+use crate::shards::{Shard, ShardRows};
+use crate::ways::Ways;
+use crate::work::{PairsWork, Stage, TooLarge, WorkProgress};
 use thiserror::Error;
 
 /// Change the version with the format, and with any change of the algorithm: a different one must not resume this work.
 const MARK: u64 = u64::from_le_bytes(*b"ENFvis4\n");
 const MARK_OF_PASSAGES: u64 = u64::from_le_bytes(*b"ENFpas3\n");
 
-/// Number of words before the rows: magic number, hash, stage, progress, ways, cells.
-const HEAD: usize = 6;
+/// Number of words before the rows: magic number, hash, stage, progress, ways, cells, start of the flow, index and
+/// count of the shard. The count is 0 if the work is not on a shard.
+const HEAD: usize = 9;
 
 /// Reason why saved work cannot be resumed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -37,44 +40,50 @@ pub enum ResumeError {
     TooLarge(#[from] TooLarge),
 }
 
-/// State of stopped work, without passages.
-#[derive(Clone, Debug)]
-pub(crate) struct Saved {
-    pub(crate) stage: Stage,
-    pub(crate) next: usize,
-    pub(crate) bound: BitRows,
-    pub(crate) known: LowerBound,
-    pub(crate) order: Vec<u32>,
-}
-
 impl PairsWork {
     /// Saves the work without its passages, for [`PairsWork::resume`].
     pub fn save(&self) -> Vec<u8> {
-        if let Some(saved) = &self.saved {
-            let Saved {
-                stage,
-                next,
-                bound,
-                known,
-                order,
-            } = saved;
-            return self.bytes(*stage, *next, bound, known, order);
+        let WorkProgress {
+            stage,
+            next,
+            bound,
+            known,
+            sampled,
+            chains,
+            order,
+            start,
+            shard,
+        } = self.saved.as_ref().unwrap_or(&self.progress);
+        let [index, count] = shard
+            .as_ref()
+            .map_or([0; 2], |rows| [rows.shard.index(), rows.shard.count()]);
+        let mut words = vec![MARK, mark_of(&self.ways), *stage as u64, *next as u64];
+        words.extend([self.ways.count() as u64, self.ways.cells() as u64, *start]);
+        words.extend([index, count].map(u64::from));
+        let sampled = sampled.as_ref().map(|sampled| &sampled.cells);
+        let rows = [Some(bound), Some(&known.cells), sampled, chains.as_ref()];
+        rows.into_iter()
+            .flatten()
+            .for_each(|rows| pack(rows.words(), &mut words));
+        words.extend(order.iter().map(|&way| u64::from(way)));
+        if let Some(rows) = shard {
+            rows.pack(&mut words);
         }
-        self.bytes(self.stage, self.next, &self.bound, &self.known, &self.order)
+        bytes_of(words)
     }
 
     /// Saves the passages computed so far. They change only during [`Stage::Passages`].
     pub fn save_passages(&self) -> Vec<u8> {
         let ways = self.ways_with_passages();
-        let head = [MARK_OF_PASSAGES, self.mark(), ways as u64];
+        let head = [MARK_OF_PASSAGES, mark_of(&self.ways), ways as u64];
         bytes_of([&head, self.passages.words()].concat())
     }
 
     /// Returns the number of ways whose passages are computed.
     fn ways_with_passages(&self) -> usize {
-        match self.stage {
+        match self.progress.stage {
             Stage::FirstBound => 0,
-            Stage::Passages => self.next,
+            Stage::Passages => self.progress.next,
             _ => self.ways.count(),
         }
     }
@@ -98,7 +107,7 @@ impl PairsWork {
         if payload.len() < HEAD {
             return Err(ResumeError::Damaged);
         }
-        if payload[1] != work.mark() || payload[4..HEAD] != [ways as u64, cell_count as u64] {
+        if payload[1] != mark_of(&work.ways) || payload[4..6] != [ways as u64, cell_count as u64] {
             return Err(ResumeError::Other);
         }
         let saved = read(&payload, ways, cell_count).ok_or(ResumeError::Damaged)?;
@@ -108,7 +117,7 @@ impl PairsWork {
         };
         if saved.stage == Stage::Passages {
             work.restore(saved);
-            work.next = with_passages;
+            work.progress.next = with_passages;
             if with_passages == ways {
                 work.step();
             }
@@ -126,47 +135,29 @@ impl PairsWork {
         let payload = payload_of(passages, MARK_OF_PASSAGES).ok()?;
         let (head, packed) = payload.split_at_checked(3)?;
         let ways = usize::try_from(head[2]).ok()?;
-        if head[1] != self.mark() || ways > self.ways.count() {
+        if head[1] != mark_of(&self.ways) || ways > self.ways.count() {
             return None;
         }
         self.passages = Passages::from_words(&self.ways, ways, packed)?;
         Some(ways)
     }
+}
 
-    fn bytes(
-        &self,
-        stage: Stage,
-        next: usize,
-        bound: &BitRows,
-        known: &LowerBound,
-        order: &[u32],
-    ) -> Vec<u8> {
-        let head = [MARK, self.mark(), stage as u64, next as u64];
-        let counts = [self.ways.count() as u64, self.ways.cells() as u64];
-        let mut words: Vec<u64> = head.into_iter().chain(counts).collect();
-        for rows in [bound, &known.cells] {
-            pack(rows.words(), &mut words);
-        }
-        words.extend(order.iter().map(|&way| u64::from(way)));
-        bytes_of(words)
-    }
-
-    /// Returns a hash that identifies the cells and portals.
-    fn mark(&self) -> u64 {
-        sum_of(self.ways.all.iter().flat_map(|way| {
-            let corners = way
-                .corners
-                .iter()
-                .flat_map(|corner| corner.to_array().map(f64::to_bits));
-            [way.from.into(), way.to.into(), way.corners.len() as u64]
-                .into_iter()
-                .chain(corners)
-        }))
-    }
+/// Returns a hash that identifies the cells and portals.
+pub(crate) fn mark_of(ways: &Ways) -> u64 {
+    sum_of(ways.all.iter().flat_map(|way| {
+        let corners = way
+            .corners
+            .iter()
+            .flat_map(|corner| corner.to_array().map(f64::to_bits));
+        [way.from.into(), way.to.into(), way.corners.len() as u64]
+            .into_iter()
+            .chain(corners)
+    }))
 }
 
 /// Appends the checksum to the words and returns them as bytes.
-fn bytes_of(mut words: Vec<u64>) -> Vec<u8> {
+pub(crate) fn bytes_of(mut words: Vec<u64>) -> Vec<u8> {
     words.push(sum_of(words.iter().copied()));
     let mut bytes = vec![0; words.len() * 8];
     for (bytes, word) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(words) {
@@ -176,7 +167,7 @@ fn bytes_of(mut words: Vec<u64>) -> Vec<u8> {
 }
 
 /// Verifies the magic number and the checksum, and returns the words without the checksum.
-fn payload_of(bytes: &[u8], mark: u64) -> Result<Vec<u64>, ResumeError> {
+pub(crate) fn payload_of(bytes: &[u8], mark: u64) -> Result<Vec<u64>, ResumeError> {
     let (words, rest) = bytes.as_chunks::<8>();
     let mut words: Vec<u64> = words.iter().map(|&word| u64::from_le_bytes(word)).collect();
     if words.first() != Some(&mark) {
@@ -191,28 +182,57 @@ fn payload_of(bytes: &[u8], mark: u64) -> Result<Vec<u64>, ResumeError> {
 }
 
 /// Returns `None` if words are missing, left over, or out of range.
-fn read(payload: &[u64], ways: usize, cells: usize) -> Option<Saved> {
+fn read(payload: &[u64], ways: usize, cells: usize) -> Option<WorkProgress> {
     let stages = Stage::ALL.into_iter().chain([Stage::Done]);
     let stage = stages.into_iter().find(|&stage| stage as u64 == payload[2])?;
     let next = usize::try_from(payload[3]).ok().filter(|&next| next <= ways)?;
     let (bound, rest) = BitRows::unpack(ways, ways, &payload[HEAD..])?;
-    let (known, rest) = BitRows::unpack(cells, cells, rest)?;
-    let order: Vec<u32> = rest
+    let (known, mut rest) = BitRows::unpack(cells, cells, rest)?;
+    let (mut sampled, mut chains) = (None, None);
+    if stage == Stage::Flow {
+        let cells = take_rows(cells, &mut rest)?;
+        sampled = Some(LowerBound { cells });
+    } else if stage == Stage::Backflow {
+        chains = Some(take_rows(ways, &mut rest)?);
+    }
+    let (order, rest) = rest.split_at_checked(if stage <= Stage::Sampling { 0 } else { ways })?;
+    let order: Vec<u32> = order
         .iter()
         .map(|&way| u32::try_from(way).ok().filter(|&way| (way as usize) < ways))
         .collect::<Option<_>>()?;
-    let expected = if stage <= Stage::Sampling { 0 } else { ways };
-    (order.len() == expected).then_some(Saved {
+    let shard = match [payload[7], payload[8]] {
+        [0, 0] if rest.is_empty() => None,
+        [index, count] => {
+            let shard = Shard::new(u32::try_from(index).ok()?, u32::try_from(count).ok()?)?;
+            let flows = match stage {
+                Stage::Flow => next,
+                _ => order.len(),
+            };
+            Some(ShardRows::unpack(shard, flows, ways, rest)?)
+        }
+    };
+    Some(WorkProgress {
         stage,
         next,
         bound,
         known: LowerBound { cells: known },
+        sampled,
+        chains,
         order,
+        start: payload[6],
+        shard,
     })
 }
 
+/// Reads square bit rows from the beginning of the words.
+fn take_rows(size: usize, words: &mut &[u64]) -> Option<BitRows> {
+    let (rows, rest) = BitRows::unpack(size, size, words)?;
+    *words = rest;
+    Some(rows)
+}
+
 /// FNV-1a hash (Fowler, Noll, Vo), one word at a time.
-fn sum_of(words: impl Iterator<Item = u64>) -> u64 {
+pub(crate) fn sum_of(words: impl Iterator<Item = u64>) -> u64 {
     words.fold(0xcbf2_9ce4_8422_2325, |sum, word| {
         (sum ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
     })

@@ -3,6 +3,7 @@
 mod naive;
 mod refused;
 mod rooms;
+mod shards;
 mod stopped;
 mod worlds;
 

@@ -11,11 +11,11 @@
 //! ways out, but its chains follow a bound that shrinks only by whole pairs of cells, which no ray can prove.
 
 use crate::aim::aim;
-use crate::bits::{BitRows, count, ones, ones_besides, ones_of, put};
+use crate::bits::{BitRows, count, has, ones, ones_besides, ones_of, put, take};
 use crate::cells::Cells;
 use crate::first_bound::{flood_from, keep_symmetric};
 use crate::flow::Flow;
-use crate::known::{self, LowerBound};
+use crate::known::{self, LowerBound, after};
 use crate::pairs::VisiblePairs;
 use crate::passages::{Passages, drop_pair};
 use crate::saved::sum_of;
@@ -375,6 +375,7 @@ impl PairsWork {
             known,
             sampled,
             chains,
+            shard,
             ..
         } = &self.progress;
         let mut undecided = bound.row(way).to_vec();
@@ -394,6 +395,10 @@ impl PairsWork {
         // dropped.
         let bound = chains.as_ref().unwrap_or(bound);
         let is_back = chains.is_some();
+        // A ray that proves no new pair of cells is not worth its cost, except in a shard: there it spares the merge the
+        // search for the ways that it crosses.
+        let mut seen =
+            (!is_back && shard.is_none()).then(|| known.cells.row(ways.all[way].from as usize).to_vec());
         let reached = flow.run(
             ways,
             bound,
@@ -401,7 +406,19 @@ impl PairsWork {
             way,
             &mut undecided,
             |undecided, reached| {
-                lines.extend(aim(ways, way, reached, is_back, undecided));
+                if let Some(seen) = &seen
+                    && has(seen, ways.all[reached.way].to as usize)
+                {
+                    take(undecided, reached.way);
+                    return;
+                }
+                let Some(line) = aim(ways, way, reached, is_back, undecided) else {
+                    return;
+                };
+                if let Some(seen) = &mut seen {
+                    after(way, &line).for_each(|then| put(seen, ways.all[then as usize].to as usize));
+                }
+                lines.push(line);
             },
         );
         dropped.extend(ones_besides(&undecided, reached).map(|then| then as u32));

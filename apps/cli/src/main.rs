@@ -30,6 +30,7 @@ mod report;
 mod rooms;
 mod run_files;
 mod save;
+mod shards;
 mod text;
 mod values;
 mod view;

@@ -1,6 +1,7 @@
 //! Parses option values, with messages that say what is expected.
 
 use enfilade::{ChoiceGoal, Method, View};
+pub(crate) use enfilade_bake::Shard;
 use enfilade_draw::Show;
 
 /// The methods selected by `--method`.
@@ -235,28 +236,19 @@ pub(crate) fn check(text: &str) -> Result<u32, String> {
     }
 }
 
-/// A share of work: that of the `index`th of `count` processes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Shard {
-    pub(crate) index: u32,
-    pub(crate) count: u32,
-}
-
-impl Shard {
-    /// Returns `true` if this share has a piece of work, by its number.
-    pub(crate) fn has(self, number: usize) -> bool {
-        number % self.count as usize == self.index as usize
-    }
-}
-
-/// Parses a share of work, `0/4` to `3/4` for four processes.
+/// Parses `I/N`, a shard and the number of shards.
 pub(crate) fn shard(text: &str) -> Result<Shard, String> {
-    let shard = text.split_once('/').and_then(|(index, count)| {
-        let (index, count) = (index.parse().ok()?, count.parse().ok()?);
-        (index < count).then_some(Shard { index, count })
-    });
-    shard.ok_or_else(|| {
-        "expected a share of the work, such as 0/4, 1/4, 2/4 or 3/4 for four processes".to_owned()
+    let numbers = text
+        .split_once('/')
+        .and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
+    let (index, count) =
+        numbers.ok_or("expected I/N, a shard and the number of shards, such as 0/4 to 3/4")?;
+    Shard::new(index, count).ok_or_else(|| match count {
+        0 => "there is no shard of 0; expected I/N, such as 0/4 to 3/4".to_owned(),
+        _ => format!(
+            "shards are counted from 0, so the last of {count} is {}/{count}",
+            count - 1
+        ),
     })
 }
 
@@ -308,6 +300,7 @@ mod tests {
             [Ok(Choice::All), Ok(Choice::One(Method::ZBuffer))]
         );
         assert_eq!(check("1"), Ok(1));
+        assert_eq!(shard("3/4").map(|shard| shard.to_string()).as_deref(), Ok("3/4"));
         let best = enfilade::simd_level();
         assert_eq!(simd(best).as_deref(), Ok(best));
     }
@@ -335,6 +328,11 @@ mod tests {
         says(method("quux").map(drop), "available: ");
         says(simd("avx3").map(drop), enfilade::simd_level());
         says(check("65").map(drop), "1 to 64");
+        for text in ["4", "1/", "-1/4", "a/b", "1/4294967296"] {
+            says(shard(text).map(drop), "such as 0/4 to 3/4");
+        }
+        says(shard("4/4").map(drop), "the last of 4 is 3/4");
+        says(shard("0/0").map(drop), "no shard of 0");
         assert_eq!(check("16"), Ok(16));
     }
 }

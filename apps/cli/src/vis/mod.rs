@@ -4,6 +4,7 @@ mod differ;
 mod habits;
 mod overall;
 mod report;
+mod shards;
 mod unfinished;
 
 use crate::Outcome;
@@ -25,6 +26,7 @@ use enfilade_import::{
 pub(crate) use habits::as_mappers_type;
 use overall::{OverallProgress, is_stopped, stop_at_a_signal};
 use report::{LineCheck, StageSeconds, VisReport, VisResult};
+use shards::NamedPart;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use unfinished::{SavedWork, UnfinishedWork};
@@ -33,6 +35,9 @@ use unfinished::{SavedWork, UnfinishedWork};
 pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
     args.map = with_ending(args.map);
     let args = &args;
+    if let Some(shard) = args.shard {
+        return shards::run(args, shard);
+    }
     let name = args.map.display();
     let target = match ending(&args.map).as_deref() {
         Some("bsp") => Some(args.output.as_deref().unwrap_or(&args.map)),
@@ -48,10 +53,8 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         .transpose()?;
     let prt = portals_of(args);
     let inputs = [Some(&args.map), prt.as_ref().ok(), args.compare.as_ref()];
-    inputs
-        .into_iter()
-        .flatten()
-        .try_for_each(|input| files.reads(input))?;
+    let inputs = inputs.into_iter().flatten().chain(&args.merge);
+    inputs.into_iter().try_for_each(|input| files.reads(input))?;
     let mut unfinished = UnfinishedWork::beside(target.unwrap_or(&args.map), &mut files)?;
     let sink = Sink::new(&args.json, &mut files)?;
     let threads = allow_threads(&args.limits)?;
@@ -72,12 +75,14 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         Some(path) => Some(OtherPvs::read(path, &portals, placed.as_ref(), &options)?),
         None => None,
     };
+    let parts = shards::read_parts(args, &portals)?;
     seconds.read = start.elapsed().as_secs_f64();
 
     let saved = unfinished.begin(args.resume, args.limits.memory())?;
     let is_resumed = saved.is_some();
     let begun = begin(args, &portals, &prt, &mut unfinished, saved)?;
-    let work = work(args, begun, &mut unfinished, &mut seconds)?;
+    let end = if args.fast { Stage::Sampling } else { Stage::Done };
+    let work = work(args, begun, end, parts, &mut unfinished, &mut seconds)?;
     let pairs = work.pairs();
     let checked = args
         .check
@@ -124,6 +129,7 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         is_complete,
         asked_to_resume: args.resume,
         is_resumed,
+        merged: args.merge.len(),
         stopped_in: work.stage(),
         threads,
         seconds,
@@ -225,21 +231,26 @@ fn leafs_by_portals(portals: &PortalFile) -> Vec<u32> {
     leafs
 }
 
-/// Computes the PVS until it is complete or time is up. Saves unfinished work at intervals.
+/// Computes the PVS until stage `end` or until time is up. Adds the parts of shards when the flow begins, and saves
+/// unfinished work at intervals.
 fn work(
     args: &VisArgs,
     mut work: PairsWork,
+    end: Stage,
+    mut parts: Vec<NamedPart>,
     unfinished: &mut UnfinishedWork,
     seconds: &mut StageSeconds,
 ) -> Result<PairsWork> {
     stop_at_a_signal();
     let start = Instant::now();
-    let end = if args.fast { Stage::Sampling } else { Stage::Done };
     let mut overall = OverallProgress::new(end, args.quiet);
     let mut saved = start;
     let mut cost = Duration::ZERO;
     while work.stage() < end {
         let stage = work.stage();
+        if stage >= Stage::Flow {
+            parts.drain(..).try_for_each(|part| part.add_to(&mut work))?;
+        }
         let began = Instant::now();
         while work.stage() == stage {
             work.step();
@@ -255,7 +266,7 @@ fn work(
                 saved = Instant::now();
             }
             if is_stopped() {
-                bail!("{}", stopped_message(&args.map, unfinished));
+                bail!("{}", stopped_message(args, unfinished));
             }
             if is_over {
                 seconds.add(stage, began.elapsed());
@@ -276,14 +287,16 @@ fn between_saves(elapsed: Duration, cost: Duration) -> Duration {
 }
 
 /// Returns the error of an interrupted run.
-fn stopped_message(map: &Path, unfinished: &UnfinishedWork) -> String {
-    let map = map.display();
+fn stopped_message(args: &VisArgs, unfinished: &UnfinishedWork) -> String {
+    let map = args.map.display();
+    let nothing = match args.shard {
+        Some(_) => "no part is written",
+        None => "nothing is written into the map",
+    };
     if unfinished.is_held() {
-        format!("{map}: stopped; nothing is written into the map; the same command with --resume continues")
+        format!("{map}: stopped; {nothing}; the same command with --resume continues")
     } else {
-        format!(
-            "{map}: stopped; nothing is written into the map, and no work is saved, because another run works on it"
-        )
+        format!("{map}: stopped; {nothing}, and no work is saved, because another run works on it")
     }
 }
 
@@ -297,8 +310,11 @@ fn begin(
 ) -> Result<PairsWork> {
     let limit = args.limits.memory();
     let Some(saved) = saved else {
-        return PairsWork::begin(&portals.cells, limit)
-            .map_err(|why| anyhow!("{}: {why}; raise --memory", prt.display()));
+        let begun = match args.shard {
+            Some(shard) => PairsWork::begin_shard(&portals.cells, limit, shard),
+            None => PairsWork::begin(&portals.cells, limit),
+        };
+        return begun.map_err(|why| anyhow!("{}: {why}; raise --memory", prt.display()));
     };
     let work = PairsWork::resume(&portals.cells, limit, &saved.work, &saved.passages).map_err(|why| {
         anyhow!(
@@ -306,6 +322,15 @@ fn begin(
             unfinished.path().display()
         )
     })?;
+    if work.shard() != args.shard {
+        let saved = work.shard().map_or("a run without --shard".to_owned(), |shard| {
+            format!("shard {shard}")
+        });
+        bail!(
+            "{}: was saved by {saved}; leave out --resume to start from the beginning",
+            unfinished.path().display()
+        );
+    }
     unfinished.set_resumed(&work);
     Ok(work)
 }

@@ -25,6 +25,9 @@ pub(super) struct VisReport {
     complete: bool,
     /// Whether it resumed an unfinished run.
     resumed: bool,
+    /// Number of parts of shards that it merged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parts: Option<usize>,
     #[serde(skip)]
     has_nothing_to_resume: bool,
     /// Number of ordered pairs of distinct clusters that may see each other.
@@ -186,6 +189,8 @@ pub(super) struct VisResult<'a> {
     pub(super) is_complete: bool,
     pub(super) asked_to_resume: bool,
     pub(super) is_resumed: bool,
+    /// Number of parts; 0 without `--merge`.
+    pub(super) merged: usize,
     pub(super) stopped_in: Stage,
     pub(super) threads: usize,
     pub(super) seconds: StageSeconds,
@@ -228,6 +233,7 @@ impl VisReport {
             },
             complete: found.is_complete,
             resumed: found.is_resumed,
+            parts: (found.merged > 0).then_some(found.merged),
             has_nothing_to_resume: found.asked_to_resume && !found.is_resumed,
             pairs: pairs.count(),
             share: pairs.count() as f64 / all.max(1.0),
@@ -276,6 +282,9 @@ impl VisReport {
         if self.resumed {
             line("resumed from the saved work of an unfinished run".to_owned());
         }
+        if let Some(parts) = self.parts {
+            line(format!("merged from {}", plural(parts, "part")));
+        }
         if self.has_nothing_to_resume {
             line("no unfinished run to resume; started from the beginning".to_owned());
         }
@@ -321,7 +330,7 @@ impl VisReport {
 }
 
 /// Returns the peak memory of the program, in bytes; `None` on systems without `/proc`.
-fn peak_memory() -> Option<u64> {
+pub(super) fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;

@@ -42,27 +42,44 @@ pub(crate) fn check(
     let reference = reference(&first.scene)?;
     let progress = Progress::steps("checking", views.len());
     for view in views {
-        let truth = reference.see(&first.scene, view, &viewers[0].options.limits);
-        let strict = |prepared: &PreparedScene| samples > 1 && prepared.contract == Contract::Strict;
-        let anywhere = prepared.iter().any(strict).then(|| {
-            let limits = viewers[0].options.limits;
-            reference.see_anywhere(&first.scene, view, &limits, samples, 0)
-        });
-        for ((prepared, viewer), found) in prepared.iter().zip(&mut *viewers).zip(&mut found) {
-            let (mut result, _) = check_view(&truth, prepared, viewer, view);
-            if let Some(anywhere) = anywhere.as_ref().filter(|_| strict(prepared)) {
-                let verdict = anywhere.check(viewer.visible(), None);
-                result.reference_visible = verdict.reference_visible;
-                result.extra = verdict.extra;
-                result.missed.extend(verdict.missed);
-                result.missed.sort_unstable();
-                result.missed.dedup();
-            }
-            found.push(result);
-        }
+        let results = check_methods(&reference, prepared, viewers, view, samples);
+        found
+            .iter_mut()
+            .zip(results)
+            .for_each(|(found, result)| found.push(result));
         progress.step();
     }
     Ok(found)
+}
+
+/// Checks all methods, at least one, at one view. See [`check`].
+pub(crate) fn check_methods(
+    reference: &Reference,
+    prepared: &[PreparedScene],
+    viewers: &mut [Viewer],
+    view: &View,
+    samples: u32,
+) -> Vec<CheckResult> {
+    let (scene, limits) = (&prepared[0].scene, viewers[0].options.limits);
+    let truth = reference.see(scene, view, &limits);
+    let strict = |prepared: &PreparedScene| samples > 1 && prepared.contract == Contract::Strict;
+    let anywhere = prepared
+        .iter()
+        .any(strict)
+        .then(|| reference.see_anywhere(scene, view, &limits, samples, 0));
+    let results = prepared.iter().zip(viewers).map(|(prepared, viewer)| {
+        let (mut result, _) = check_view(&truth, prepared, viewer, view);
+        if let Some(anywhere) = anywhere.as_ref().filter(|_| strict(prepared)) {
+            let verdict = anywhere.check(viewer.visible(), None);
+            result.reference_visible = verdict.reference_visible;
+            result.extra = verdict.extra;
+            result.missed.extend(verdict.missed);
+            result.missed.sort_unstable();
+            result.missed.dedup();
+        }
+        result
+    });
+    results.collect()
 }
 
 /// Builds the reference of a scene. Slow.

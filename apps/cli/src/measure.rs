@@ -43,6 +43,11 @@ pub(crate) struct LookResults {
     pub(crate) stats: Vec<(&'static str, u64)>,
 }
 
+/// Looks at a view once, without timing it.
+pub(crate) fn look(prepared: &PreparedScene, viewer: &mut Viewer, view: &View) -> LookResult {
+    LookResult::of(viewer.look(&prepared.scene, view), &prepared.scene)
+}
+
 /// Looks at all views: once for the results, then in timed passes.
 pub(crate) fn looks(
     prepared: &PreparedScene,

@@ -14,7 +14,7 @@ use enfilade_import::{
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
@@ -36,6 +36,8 @@ pub(crate) struct OpenedScene {
     pub(crate) sections: Option<BakedSections>,
     /// Warnings of the reader, one line each; already printed.
     pub(crate) warnings: Vec<String>,
+    /// The other files that the scene consists of.
+    pub(crate) files: Vec<PathBuf>,
     pub(crate) load_ms: f64,
     /// Data that all pictures of the scene share; set when the first is drawn.
     pub(crate) stage: Arc<OnceLock<Stage>>,
@@ -100,6 +102,7 @@ fn open_built_in(file: &str, name: &str) -> Result<OpenedScene> {
         map: None,
         sections: None,
         warnings: Vec::new(),
+        files: Vec::new(),
         load_ms: 0.0,
         stage: Arc::default(),
     })
@@ -167,6 +170,7 @@ fn open_file(
         map: import.map,
         sections,
         warnings: import.warnings.iter().map(ToString::to_string).collect(),
+        files: import.files,
         load_ms: 0.0,
         stage: Arc::default(),
     })

@@ -13,7 +13,7 @@ use enfilade::{Contract, ItemIndex, OpeningId, Scene, SectorId, View, Viewer};
 use enfilade_draw::Show;
 use enfilade_import::SourceNodes;
 use serde::ser::{Error, SerializeSeq};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::value::to_raw_value;
 use std::collections::HashMap;
 use std::fmt::Display;
@@ -126,7 +126,7 @@ pub(crate) struct CheckReport {
 }
 
 /// Items that may own the same samples: most often their faces coincide.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Deserialize, Serialize)]
 pub(crate) struct ContestedReport {
     pub(crate) items: Vec<String>,
     pub(crate) pixels: u64,
@@ -375,6 +375,15 @@ pub(crate) fn single(coordinate: f64) -> f32 {
     coordinate as f32
 }
 
+/// Returns the height of what a parallel view shows, in scene units; `None` in perspective.
+pub(crate) fn parallel_height(view: &View) -> Option<f64> {
+    view.is_parallel().then(|| {
+        let [top, bottom] = [0.0, f64::from(view.size()[1])].map(|y| view.ray([0.0, y])[0]);
+        let square = (0..3).map(|axis| (top[axis] - bottom[axis]).powi(2)).sum::<f64>();
+        rounded(square.sqrt())
+    })
+}
+
 impl ViewReport {
     fn new(view: &View, look: LookResult, items: &SeenItems, scene: &Scene) -> ViewReport {
         let visible = || look.visible.iter().map(|item| &items[item]);
@@ -383,11 +392,7 @@ impl ViewReport {
             toward: view.toward().map(single),
             up: view.up().map(single),
             fov: rounded(f64::from(view.fov_y()).to_degrees()),
-            parallel: view.is_parallel().then(|| {
-                let [top, bottom] = [0.0, f64::from(view.size()[1])].map(|y| view.ray([0.0, y])[0]);
-                let square = (0..3).map(|axis| (top[axis] - bottom[axis]).powi(2)).sum::<f64>();
-                rounded(square.sqrt())
-            }),
+            parallel: parallel_height(view),
             passages: look.passages.len(),
             through: look
                 .passages

@@ -197,11 +197,18 @@ Times are the median of three passes over all views, after one warm-up pass.
 methods. A false cull is a visible item that is missing from the set; a wrong pixel shows a face that is not the nearest \
 there. Samples at which coplanar faces or rounding leave several answers are contested, and any of these is accepted.
 
+Several machines: `--shard I/N` checks every N-th view, from view I on, with new viewers for each, so a view does not depend \
+on the one before. Its report holds what is the same on every machine: false culls, wrong pixels, counts; no times. `--merge` \
+makes one report of the parts of all N shards, with the same bytes as the report of --shard 0/1.
+
 Examples:
   enfilade look scene.glb --json -
   enfilade look @enfilade --survey 2 --method all --size 320x180
   enfilade look scene.glb --survey 2 --method all --check --size 160x90
-  enfilade look scene.glb --path views.jsonl --threads 1 --json looks.json")]
+  enfilade look scene.glb --path views.jsonl --threads 1 --json looks.json
+  enfilade look scene.glb --survey 4 --check --size 160x90 --shard 0/2 --json 0.json
+  enfilade look scene.glb --survey 4 --check --size 160x90 --shard 1/2 --json 1.json
+  enfilade look --merge 0.json 1.json --json all.json")]
 pub(crate) struct LookArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
@@ -210,6 +217,13 @@ pub(crate) struct LookArgs {
     #[arg(long, value_name = "SAMPLES", num_args = 0..=1, require_equals = true, default_missing_value = "1",
           value_parser = values::check)]
     pub(crate) check: Option<u32>,
+    /// Check only share I of N of the views, counted from 0, and write a report without times, to be merged
+    #[arg(long, value_name = "I/N", value_parser = values::shard, requires_all = ["check", "file"])]
+    pub(crate) shard: Option<Shard>,
+    /// Merge the reports of all shards, in any order
+    #[arg(long, value_name = "PART.json", num_args = 1..,
+          conflicts_with_all = ["scene", "check", "shard", "eye", "camera", "path", "survey", "survey_hard", "method"])]
+    pub(crate) merge: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) json: JsonArg,
     #[command(flatten, next_help_heading = CAMERAS)]

@@ -22,6 +22,7 @@ mod real_scenes;
 mod rooms;
 mod same_file;
 mod saved;
+mod shards;
 mod simd;
 mod terrain;
 mod unread;

@@ -1,5 +1,7 @@
 //! `look`: computes the visible set of each view, times it, and optionally checks it.
 
+mod shards;
+
 use crate::Outcome;
 use crate::args::LookArgs;
 use crate::cameras;
@@ -24,6 +26,12 @@ use std::sync::Arc;
 
 /// Runs `look`.
 pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
+    if !args.merge.is_empty() {
+        return shards::merge(args);
+    }
+    if let Some(shard) = args.shard {
+        return shards::run(args, shard);
+    }
     let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
     let sink = Sink::new(&args.json, &mut files)?;
     configure(&args.methods.how)?;
@@ -74,7 +82,6 @@ const CERTAIN_ENOUGH: f64 = 0.8;
 
 /// Warns if the reference could not decide the owner of many samples, and names items whose faces coincide.
 pub(crate) fn warn_of_contested(reports: &[Report]) {
-    const FEW: usize = 3;
     // The reference is the same for all methods.
     let Some(report) = reports.first() else { return };
     let Some(certain) = report.summary.certain.filter(|&certain| certain < CERTAIN_ENOUGH) else {
@@ -85,6 +92,12 @@ pub(crate) fn warn_of_contested(reports: &[Report]) {
     for contested in checks.flat_map(|check| &check.contested) {
         *groups.entry(&contested.items).or_default() += contested.pixels;
     }
+    warn_of_uncertain(certain, groups);
+}
+
+/// Warns that only the share `certain` of the samples has one possible owner, and names the items of the others.
+fn warn_of_uncertain(certain: f64, groups: BTreeMap<&[String], u64>) {
+    const FEW: usize = 3;
     let mut groups: Vec<_> = groups.into_iter().collect();
     groups.sort_by_key(|&(_, pixels)| Reverse(pixels));
     let most: Vec<String> = (groups.iter().take(FEW))
@@ -107,38 +120,44 @@ pub(crate) fn print_failures(report: &Report) {
         missed,
         pixels_different,
         ..
-    } = &report.summary;
+    } = report.summary;
     if report.contract == Contract::Approximate {
-        if *missed > 0 || *pixels_different > 0 {
-            out::note(format_args!(
-                "check: {} is approximate: {} missed and {} (--json lists them)",
-                report.method,
-                plural(*missed, "item"),
-                plural(*pixels_different as usize, "wrong pixel")
-            ));
-        }
-        return;
+        return print_approximate(report.method, missed, pixels_different);
     }
-    for (number, view) in report.views.iter().enumerate() {
-        let Some(check) = &view.check else { continue };
-        let location = || {
-            format!(
-                "check: {}, view {} (eye {})",
-                report.method,
-                number + 1,
-                point(view.eye)
-            )
-        };
-        if !check.missed.is_empty() {
-            out::note(format_args!("{}: missed {}", location(), check.missed.join(", ")));
+    for (number, view) in (1..).zip(&report.views) {
+        if let Some(check) = &view.check {
+            let location = location(report.method, number, view.eye);
+            print_failure(&location, &check.missed, check.pixels_different);
         }
-        if check.pixels_different > 0 {
-            let pixels = plural(check.pixels_different as usize, "wrong pixel");
-            out::note(format_args!(
-                "{}: {pixels} (the surface drawn there is not visible according to the reference)",
-                location()
-            ));
-        }
+    }
+}
+
+/// Returns the method and the view, for messages of a check. Views are counted from 1.
+fn location(method: &str, view: usize, eye: [f32; 3]) -> String {
+    format!("{method}, view {view} (eye {})", point(eye))
+}
+
+/// Prints the failures of a method whose contract allows them.
+fn print_approximate(method: &str, missed: usize, pixels_different: u64) {
+    if missed > 0 || pixels_different > 0 {
+        out::note(format_args!(
+            "check: {method} is approximate: {} missed and {} (--json lists them)",
+            plural(missed, "item"),
+            plural(pixels_different as usize, "wrong pixel")
+        ));
+    }
+}
+
+/// Prints the failures of a method at a view, if any.
+fn print_failure(location: &str, missed: &[String], pixels_different: u64) {
+    if !missed.is_empty() {
+        out::note(format_args!("check: {location}: missed {}", missed.join(", ")));
+    }
+    if pixels_different > 0 {
+        out::note(format_args!(
+            "check: {location}: {} (the surface drawn there is not visible according to the reference)",
+            plural(pixels_different as usize, "wrong pixel")
+        ));
     }
 }
 

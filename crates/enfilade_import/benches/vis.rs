@@ -35,7 +35,7 @@ const MAPS: [(&str, Option<f64>, usize); 14] = [
     ("q3_stormkeep", Some(4.2), 122_420),
     ("q3_accident", Some(8.2), 265_984),
     ("q3_final_rage", Some(58.0), 1_352_750),
-    (ROOMS, None, 5_087_894),
+    (ROOMS, None, 5_065_460),
 ];
 
 /// The generated map.

@@ -8,6 +8,7 @@ use crate::out;
 use crate::progress::Progress;
 use crate::run_files::RunFiles;
 use crate::save::Destination;
+use crate::shards::parts_folder;
 use crate::text::{bytes, count, ms, plural};
 use anyhow::{Context, Result, bail, ensure};
 use enfilade_import::{BakedSections, Baker, Import, ReadOptions, SectionTotal};
@@ -81,16 +82,6 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Checks that a folder for parts exists.
-pub(crate) fn check_folder(folder: &Path) -> Result<()> {
-    ensure!(
-        folder.is_dir(),
-        "{}: there is no such folder; create it first, or name another with --parts",
-        folder.display()
-    );
-    Ok(())
-}
-
 /// Checks that an output can be written, and is called like a baked scene.
 pub(crate) fn writable(output: &Path, files: &mut RunFiles) -> Result<Destination> {
     ensure!(
@@ -115,9 +106,7 @@ struct Tile<'a> {
 impl Tile<'_> {
     /// Names the scenes.
     fn all(args: &BakeArgs) -> Result<Vec<Tile<'_>>> {
-        if let Some(folder) = &args.parts {
-            check_folder(folder)?;
-        }
+        let folder = parts_folder(&args.shards)?;
         let mut named: BTreeMap<String, &OsStr> = BTreeMap::new();
         let mut tiles = Vec::new();
         for scene in &args.scenes {
@@ -132,10 +121,7 @@ impl Tile<'_> {
             }
             tiles.push(Tile {
                 scene,
-                part: args
-                    .parts
-                    .as_ref()
-                    .map(|folder| folder.join(format!("{stem}.enf"))),
+                part: folder.map(|folder| folder.join(format!("{stem}.enf"))),
                 name: (args.scenes.len() > 1).then_some(stem),
             });
         }
@@ -148,7 +134,7 @@ fn bake_parts(args: &BakeArgs, tiles: &[Tile], files: &mut RunFiles, report: &mu
     let of_share = tiles
         .iter()
         .enumerate()
-        .filter(|(number, _)| args.shard.is_none_or(|shard| shard.has(*number)));
+        .filter(|(number, _)| args.shards.shard.is_none_or(|shard| shard.has(*number)));
     let of_share: Vec<(&Tile, &PathBuf)> = of_share
         .filter_map(|(_, tile)| Some((tile, tile.part.as_ref()?)))
         .collect();
@@ -157,7 +143,7 @@ fn bake_parts(args: &BakeArgs, tiles: &[Tile], files: &mut RunFiles, report: &mu
         let shown = part.display().to_string();
         if is_up_to_date(part, tile.scene, args) {
             report.parts_unchanged.push(shown);
-        } else if args.merge {
+        } else if args.shards.merge {
             bail!("{shown} is missing or not up to date; bake it first, without --merge");
         } else {
             let destination = files.writes(part)?;

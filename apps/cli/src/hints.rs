@@ -9,6 +9,7 @@ use crate::out;
 use crate::progress::Progress;
 use crate::run_files::{RunFiles, is_same};
 use crate::save::Destination;
+use crate::shards::parts_folder;
 use crate::text::{bytes, count, ms, plural};
 use anyhow::{Context, Result, ensure};
 use enfilade::{Aabb, ItemIndex, SectorId};
@@ -56,7 +57,7 @@ struct CheckReport {
 pub(crate) fn run(args: &HintsArgs) -> Result<Outcome> {
     let mut files = RunFiles::default();
     let output = args.output.as_deref().unwrap_or(&args.scene);
-    let destination = if args.shard.is_some() {
+    let destination = if args.shards.shard.is_some() {
         files.reads(&args.scene)?;
         None
     } else {
@@ -100,9 +101,7 @@ struct HintsRun<'a> {
 
 impl<'a> HintsRun<'a> {
     fn new(args: &'a HintsArgs) -> Result<HintsRun<'a>> {
-        if let Some(folder) = &args.parts {
-            bake::check_folder(folder)?;
-        }
+        parts_folder(&args.shards)?;
         let name = args.scene.display();
         let sections = BakedSections::read(&args.scene)?;
         let sections = sections.with_context(|| {
@@ -131,7 +130,7 @@ impl<'a> HintsRun<'a> {
 
     /// Returns the hints of all parts; `None` for a share.
     fn sample(&mut self, files: &mut RunFiles) -> Result<Option<Vec<Hint>>> {
-        let shard = self.args.shard;
+        let shard = self.args.shards.shard;
         let of_share: Vec<usize> = (0..self.sampler.count())
             .filter(|&part| shard.is_none_or(|shard| shard.has(part)))
             .collect();
@@ -155,7 +154,7 @@ impl<'a> HintsRun<'a> {
                 return Ok(known.hint());
             }
             ensure!(
-                !self.args.merge,
+                !self.args.shards.merge,
                 "{} is missing, or of another scene; sample it first, without --merge",
                 file.display()
             );
@@ -173,7 +172,7 @@ impl<'a> HintsRun<'a> {
         let stem = self.args.scene.file_stem().unwrap_or_default();
         let mut name = stem.to_owned();
         name.push(format!(".{part:05}.hint.json"));
-        Some(self.args.parts.as_ref()?.join(name))
+        Some(self.args.shards.parts.as_ref()?.join(name))
     }
 
     fn check(&mut self, hints: &[Hint]) -> Result<()> {

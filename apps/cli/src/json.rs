@@ -36,16 +36,21 @@ impl Sink {
 
     /// Writes a report to the destination.
     pub(crate) fn write(&self, report: &impl Serialize) -> Result<()> {
-        let text = || serde_json::to_string_pretty(report).context("cannot encode the report as JSON");
         match self {
             Sink::Nowhere => Ok(()),
-            Sink::Stdout => out::print(&(text()? + "\n")),
+            Sink::Stdout => out::print(&json_of(report)?),
             Sink::File(file) => {
-                file.write((text()? + "\n").as_bytes())?;
+                file.write(json_of(report)?.as_bytes())?;
                 Ok(())
             }
         }
     }
+}
+
+/// Returns a report as the text of a file.
+pub(crate) fn json_of(report: &impl Serialize) -> Result<String> {
+    let text = serde_json::to_string_pretty(report).context("cannot encode the report as JSON")?;
+    Ok(text + "\n")
 }
 
 impl SceneReport {

@@ -1,6 +1,7 @@
 //! Shards: splits the flow between machines, with the same PVS as one run.
 //!
-//! A shard begins like any work, but runs only every so many batches of the flow. It knows the drops of its own batches
+//! A shard begins like any work, or resumes such work that another machine has saved at the beginning of the flow, but
+//! runs only every so many batches of the flow. It knows the drops of its own batches
 //! only, so the bound of each of its flows contains that of one run. Hence two of its findings hold there, too: a way
 //! that no chain reaches in the larger bound is reached in no smaller one, and a way that a ray crosses is reached in
 //! any. Work that has the parts of all shards runs the whole flow again in the order of one run, but searches only for
@@ -13,7 +14,7 @@ use crate::cells::Cells;
 use crate::known::{LowerBound, after};
 use crate::saved::{ResumeError, bytes_of, mark_of, payload_of};
 use crate::ways::Ways;
-use crate::work::{FLOWS, FlowResult, PairsWork, Stage, TooLarge};
+use crate::work::{FLOWS, FlowResult, PairsWork, Stage};
 use std::fmt::{self, Display, Formatter};
 use thiserror::Error;
 
@@ -205,28 +206,34 @@ impl FlowPart {
 }
 
 impl PairsWork {
-    /// Creates work on one share of the flow. It is over when it reaches [`Stage::Backflow`].
+    /// Limits the work to one share of the flow. It is over when it reaches [`Stage::Backflow`]. Returns `None` if the
+    /// flow has begun.
+    ///
+    /// All shards begin the flow with the same work, so one machine may compute it for all: saved at the beginning of
+    /// the flow, and resumed for each shard and for the merge.
     ///
     /// ```
     /// use enfilade_bake::{Cells, FlowPart, PairsWork, Portal, Shard, Stage, VisiblePairs};
     ///
     /// let door = vec![[10.0, -1.0, 0.0], [10.0, 1.0, 0.0], [10.0, 1.0, 2.0], [10.0, -1.0, 2.0]];
     /// let rooms = Cells::new(2, vec![Portal { corners: door, cells: [0, 1] }])?;
+    /// let mut work = PairsWork::begin(&rooms, 1 << 30)?;
+    /// while work.stage() < Stage::Flow {
+    ///     work.step();
+    /// }
+    /// let (saved, passages) = (work.save(), work.save_passages());
     /// // Each on a machine of its own:
     /// let mut parts = Vec::new();
     /// for index in 0..3 {
     ///     let shard = Shard::new(index, 3).expect("it is below 3");
-    ///     let mut work = PairsWork::begin_shard(&rooms, 1 << 30, shard)?;
+    ///     let work = PairsWork::resume(&rooms, 1 << 30, &saved, &passages)?;
+    ///     let mut work = work.with_shard(shard).expect("the flow has not begun");
     ///     while work.stage() < Stage::Backflow {
     ///         work.step();
     ///     }
     ///     parts.extend(work.save_part());
     /// }
     /// // On one of them:
-    /// let mut work = PairsWork::begin(&rooms, 1 << 30)?;
-    /// while work.stage() < Stage::Flow {
-    ///     work.step();
-    /// }
     /// for part in &parts {
     ///     work.add_part(FlowPart::from_bytes(&rooms, part)?)?;
     /// }
@@ -236,13 +243,11 @@ impl PairsWork {
     /// assert_eq!(work.pairs().count(), 2);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    ///
-    /// # Errors
-    /// Those of [`PairsWork::begin`].
-    pub fn begin_shard(cells: &Cells, limit_bytes: u64, shard: Shard) -> Result<PairsWork, TooLarge> {
-        let mut work = PairsWork::begin(cells, limit_bytes)?;
-        work.progress.shard = Some(ShardRows::none(shard, work.ways.count()));
-        Ok(work)
+    pub fn with_shard(mut self, shard: Shard) -> Option<PairsWork> {
+        let progress = self.saved.as_mut().unwrap_or(&mut self.progress);
+        let has_begun = progress.stage > Stage::Flow || (progress.stage == Stage::Flow && progress.next > 0);
+        progress.shard = Some(ShardRows::none(shard, self.ways.count()));
+        (!has_begun).then_some(self)
     }
 
     /// Returns the shard that this work computes; `None` if it computes everything.

@@ -1,7 +1,7 @@
 //! The command line of `hints`.
 
+use super::shards::ShardArgs;
 use super::{JsonArg, LimitArgs, MEMORY_TO_LOAD};
-use crate::values::{self, Shard};
 use std::path::PathBuf;
 
 /// Options of `hints`.
@@ -29,23 +29,16 @@ pub(crate) struct HintsArgs {
     #[arg(value_name = "SCENE.enf")]
     pub(crate) scene: PathBuf,
     /// Write the scene with hints to this file (atomically) instead of SCENE.enf
-    #[arg(short, long, value_name = "FILE.enf")]
+    #[arg(short, long, value_name = "FILE.enf", conflicts_with = "shard")]
     pub(crate) output: Option<PathBuf>,
     /// Look from at most N places in each part of a room
     #[arg(long, value_name = "N", default_value = "128", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) places: u32,
     /// Compare the hints with N views from further places in each part
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000), conflicts_with = "shard")]
     pub(crate) check: Option<u32>,
-    /// Keep the hints of each part in a file of this folder
-    #[arg(long, value_name = "FOLDER")]
-    pub(crate) parts: Option<PathBuf>,
-    /// Only sample a share of the parts into --parts: 0/4, 1/4, 2/4 or 3/4 for four processes
-    #[arg(long, value_name = "I/N", value_parser = values::shard, requires = "parts", conflicts_with_all = ["output", "check"])]
-    pub(crate) shard: Option<Shard>,
-    /// Join the hints in --parts, and fail if some are missing or of another scene instead of sampling them
-    #[arg(long, requires = "parts", conflicts_with = "shard")]
-    pub(crate) merge: bool,
+    #[command(flatten)]
+    pub(crate) shards: ShardArgs,
     #[command(flatten)]
     pub(crate) json: JsonArg,
     #[command(flatten)]

@@ -1,13 +1,14 @@
 //! The command lines of `vis` and `portals`, for maps of Quake and Quake 3.
 
-use super::{JsonArg, LimitArgs, MEMORY_TO_READ, MemoryArg};
-use crate::values::{self, Shard};
+use super::shards::SEVERAL_MACHINES;
+use super::{JsonArg, LimitArgs, MEMORY_TO_READ, MemoryArg, ShardArgs};
+use crate::values;
+use clap::ArgGroup;
 use enfilade_import::AmbientSounds;
 use std::path::PathBuf;
 
 /// Headings of groups of options of `vis`.
 const LONG: &str = "Long runs";
-const SHARDS: &str = "Several machines";
 const TESTS: &str = "Verification";
 const SOUNDS: &str = "Ambient sounds (Quake)";
 
@@ -27,10 +28,11 @@ of Quake maps also get the ambient sound levels of water, sky and lava, by textu
 Interrupted runs: the work so far is saved at intervals, at Ctrl-C and when --seconds are over, in MAP.bsp.vis-unfinished \
 and MAP.bsp.vis-passages, beside the map that is written. --resume continues from there; a run that completes removes both.
 
-Several machines: `--shard I/N` computes share I of N of the portal flow, the longest part of large maps, and writes what it \
-finds to the part named by -o. A killed shard goes on with --resume, too. `--merge` takes the parts of all N shards, computes \
-the rest, and writes the same map as a run on one machine. Everything before the flow is computed by each shard and again by \
-the merge, and the shards do not share what they find; so for maps that take less than minutes one machine is faster.
+Several machines: `--shard I/N` computes share I of N of the portal flow, the longest part of large maps, and keeps what it \
+finds in --parts. `--merge` takes the parts of all N shards, computes the rest, and writes the same map as a run on one \
+machine. All of them need what is computed before the flow: `--prepare` computes it once, and keeps it in --parts, too; \
+without it, the first that gets there does. A killed run goes on with --resume. The shards do not share what they find, so \
+for maps that take less than minutes one machine is faster.
 
 Options of other compilers work with one hyphen (-fast, -threads 2, -noambient) or are ignored with a note.
 
@@ -40,16 +42,21 @@ Examples:
   enfilade vis map.bsp --prt other-name.prt --fast
   enfilade vis map.bsp --seconds 600
   enfilade vis map.bsp --resume
-  enfilade vis map.bsp --shard 0/2 -o 0.part
-  enfilade vis map.bsp --shard 1/2 -o 1.part
-  enfilade vis map.bsp --merge 0.part 1.part
+  enfilade vis map.bsp --parts . --prepare
+  enfilade vis map.bsp --parts . --shard 0/2
+  enfilade vis map.bsp --parts . --shard 1/2
+  enfilade vis map.bsp --parts . --merge
   enfilade vis map.bsp -o copy.bsp --compare shipped.bsp --check=20000000")]
 #[command(mut_arg("memory", |arg| arg.help(MEMORY_OF_VIS)))]
+#[command(group = ArgGroup::new("share").args(["shard", "merge", "prepare"]))]
+#[command(mut_arg("parts", |arg| arg.requires("share")))]
+#[command(mut_arg("shard", |arg| arg.conflicts_with_all(["output", "fast", "seconds", "check", "compare"])))]
+#[command(mut_arg("merge", |arg| arg.conflicts_with("fast")))]
 pub(crate) struct VisArgs {
     /// Compiled map; the PVS is written into it (atomically)
     #[arg(value_name = "MAP.bsp")]
     pub(crate) map: PathBuf,
-    /// Write a copy of the map, and leave the map unchanged; with --shard, write the part to this file
+    /// Write a copy of the map, and leave the map unchanged
     #[arg(short, long, value_name = "OTHER.bsp")]
     pub(crate) output: Option<PathBuf>,
     /// Read the portals from this file [default: NAME.prt beside NAME.bsp or NAME.novis.bsp]
@@ -72,13 +79,12 @@ pub(crate) struct VisArgs {
     /// Save unfinished work at this interval [default: 2 % of the run so far, at least ten times the time of a save]
     #[arg(long, help_heading = LONG, value_name = "SECONDS", value_parser = values::seconds)]
     pub(crate) save_every: Option<f64>,
-    /// Compute only share I of N of the portal flow, counted from 0, and write it to the part named by -o
-    #[arg(long, help_heading = SHARDS, value_name = "I/N", value_parser = values::shard, requires = "output",
-          conflicts_with_all = ["merge", "fast", "seconds", "check", "compare"])]
-    pub(crate) shard: Option<Shard>,
-    /// Merge the parts of all shards, in any order, and write the PVS into the map
-    #[arg(long, help_heading = SHARDS, value_name = "PART", num_args = 1.., conflicts_with = "fast")]
-    pub(crate) merge: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) shards: ShardArgs,
+    /// Only compute what all shards begin with, and keep it in --parts
+    #[arg(long, help_heading = SEVERAL_MACHINES, requires = "parts",
+          conflicts_with_all = ["output", "fast", "seconds", "check", "compare"])]
+    pub(crate) prepare: bool,
     /// Test the PVS with random lines of sight through the portals [LINES: 1000000]. A line from cluster to cluster
     /// proves that the pair is visible; if the PVS lacks it, print the line, write nothing and exit with 1
     #[arg(long, help_heading = TESTS, value_name = "LINES", num_args = 0..=1, require_equals = true, default_missing_value = "1000000")]

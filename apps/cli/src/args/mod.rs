@@ -5,15 +5,17 @@ mod choose;
 mod hints;
 mod maps;
 mod rooms;
+mod shards;
 
 pub(crate) use bench::BenchArgs;
 pub(crate) use choose::ChooseArgs;
 pub(crate) use hints::HintsArgs;
 pub(crate) use maps::{PortalsArgs, VisArgs};
 pub(crate) use rooms::RoomsArgs;
+pub(crate) use shards::ShardArgs;
 
-use crate::values::{self, Choice, Shard};
-use clap::{Parser, Subcommand};
+use crate::values::{self, Choice};
+use clap::{ArgGroup, Parser, Subcommand};
 use enfilade::Tightness;
 use enfilade_draw::Show;
 use std::ffi::OsString;
@@ -84,7 +86,7 @@ bytes.
 Several files are tiles of one world, read one after another: those of one room join in one room, and names get the name \
 of their tile, as in TILE/NAME. With --parts each tile is baked into FOLDER/TILE.enf first, unless that was baked from the \
 same files before; so an interrupted run goes on, after an edit only the edited tiles are baked again, and several \
-machines can bake a share each. The world has the same bytes whichever way it is baked.
+machines can bake a share each. --merge bakes no tile. The world has the same bytes whichever way it is baked.
 
 Examples:
   enfilade bake scene.glb -o scene.enf
@@ -94,6 +96,8 @@ Examples:
   enfilade bake scene.glb map.bsp --parts . -o world.enf
   enfilade info world.enf")]
 #[command(mut_arg("memory", |arg| arg.help(MEMORY_TO_READ)))]
+#[command(mut_arg("shard", |arg| arg.conflicts_with("output")))]
+#[command(mut_arg("merge", |arg| arg.requires("output")))]
 pub(crate) struct BakeArgs {
     /// Scenes: .glb, .gltf, .obj, .bsp or .enf files, .json that describe heightmaps, or @NAME for a built-in scene
     #[arg(value_name = "SCENE", required = true)]
@@ -101,15 +105,8 @@ pub(crate) struct BakeArgs {
     /// Write the baked scene to this file (atomically)
     #[arg(short, long, value_name = "FILE.enf", required_unless_present = "shard")]
     pub(crate) output: Option<PathBuf>,
-    /// Bake each tile into a file of this folder, and leave those alone that are up to date
-    #[arg(long, value_name = "FOLDER")]
-    pub(crate) parts: Option<PathBuf>,
-    /// Only bake a share of the tiles into --parts: 0/4, 1/4, 2/4 or 3/4 for four processes
-    #[arg(long, value_name = "I/N", value_parser = values::shard, requires = "parts", conflicts_with = "output")]
-    pub(crate) shard: Option<Shard>,
-    /// Join the tiles in --parts, and fail if one is missing or not up to date instead of baking it
-    #[arg(long, requires_all = ["parts", "output"])]
-    pub(crate) merge: bool,
+    #[command(flatten)]
+    pub(crate) shards: ShardArgs,
     #[command(flatten)]
     pub(crate) json: JsonArg,
     /// Read the file as one room with plain holes for openings
@@ -198,17 +195,23 @@ methods. A false cull is a visible item that is missing from the set; a wrong pi
 there. Samples at which coplanar faces or rounding leave several answers are contested, and any of these is accepted.
 
 Several machines: `--shard I/N` checks every N-th view, from view I on, with new viewers for each, so a view does not depend \
-on the one before. Its report holds what is the same on every machine: false culls, wrong pixels, counts; no times. `--merge` \
-makes one report of the parts of all N shards, with the same bytes as the report of --shard 0/1.
+on the one before. Its part is a report of what is the same on every machine: false culls, wrong pixels, counts; no times. \
+`--merge` makes one report of the parts of all N shards, with the same bytes as the report of --shard 0/1.
 
 Examples:
   enfilade look scene.glb --json -
   enfilade look @enfilade --survey 2 --method all --size 320x180
   enfilade look scene.glb --survey 2 --method all --check --size 160x90
   enfilade look scene.glb --path views.jsonl --threads 1 --json looks.json
-  enfilade look scene.glb --survey 4 --check --size 160x90 --shard 0/2 --json 0.json
-  enfilade look scene.glb --survey 4 --check --size 160x90 --shard 1/2 --json 1.json
-  enfilade look --merge 0.json 1.json --json all.json")]
+  enfilade look scene.glb --survey 4 --check --size 160x90 --parts . --shard 0/2
+  enfilade look scene.glb --survey 4 --check --size 160x90 --parts . --shard 1/2
+  enfilade look scene.glb --parts . --merge --json all.json")]
+#[command(group = ArgGroup::new("share").args(["shard", "merge"]))]
+#[command(mut_arg("parts", |arg| arg.requires("share")))]
+#[command(mut_arg("shard", |arg| arg.requires("check")))]
+#[command(mut_arg("merge", |arg| arg.conflicts_with_all(
+    ["check", "eye", "camera", "path", "survey", "survey_hard", "method"]
+)))]
 pub(crate) struct LookArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArg,
@@ -217,13 +220,8 @@ pub(crate) struct LookArgs {
     #[arg(long, value_name = "SAMPLES", num_args = 0..=1, require_equals = true, default_missing_value = "1",
           value_parser = values::check)]
     pub(crate) check: Option<u32>,
-    /// Check only share I of N of the views, counted from 0, and write a report without times, to be merged
-    #[arg(long, value_name = "I/N", value_parser = values::shard, requires_all = ["check", "file"])]
-    pub(crate) shard: Option<Shard>,
-    /// Merge the reports of all shards, in any order
-    #[arg(long, value_name = "PART.json", num_args = 1..,
-          conflicts_with_all = ["scene", "check", "shard", "eye", "camera", "path", "survey", "survey_hard", "method"])]
-    pub(crate) merge: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) shards: ShardArgs,
     #[command(flatten)]
     pub(crate) json: JsonArg,
     #[command(flatten, next_help_heading = CAMERAS)]

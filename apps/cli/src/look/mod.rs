@@ -26,10 +26,10 @@ use std::sync::Arc;
 
 /// Runs `look`.
 pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
-    if !args.merge.is_empty() {
+    if args.shards.merge {
         return shards::merge(args);
     }
-    if let Some(shard) = args.shard {
+    if let Some(shard) = args.shards.shard {
         return shards::run(args, shard);
     }
     let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;

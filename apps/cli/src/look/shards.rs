@@ -9,7 +9,7 @@ use crate::Outcome;
 use crate::args::{LookArgs, TightnessArg};
 use crate::cameras;
 use crate::check::{CheckResult, check_methods, reference};
-use crate::json::Sink;
+use crate::json::{Sink, json_of};
 use crate::measure::{self, LookResult};
 use crate::names::Names;
 use crate::open::{OpenedScene, Purpose, configure, open};
@@ -19,7 +19,8 @@ use crate::progress::Progress;
 use crate::read::read_file;
 use crate::report::{ContestedReport, parallel_height, single};
 use crate::run_files::RunFiles;
-use crate::shards::check_set;
+use crate::save::Destination;
+use crate::shards::PartFiles;
 use crate::text::{count, percent, plural, table};
 use crate::values::{Choice, Shard};
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -32,6 +33,9 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::Xxh3;
+
+/// Ending of the names of parts.
+const ENDING: &str = "json";
 
 /// Marks a part. Its number changes with the format.
 const MARK: &str = "enfilade look part 1";
@@ -146,7 +150,9 @@ pub(super) fn run(args: &LookArgs, shard: Shard) -> Result<Outcome> {
         choice != Choice::Auto,
         "--method auto selects by times, which differ between machines; with --shard name a method, or all"
     );
+    let parts = PartFiles::new(&args.shards, &args.scene.scene, ENDING)?;
     let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
+    let destination = files.writes(&parts.path(shard))?;
     let sink = Sink::new(&args.json, &mut files)?;
     configure(&args.methods.how)?;
     let opened = open(
@@ -184,7 +190,7 @@ pub(super) fn run(args: &LookArgs, shard: Shard) -> Result<Outcome> {
         summary: Vec::new(),
         views: lines.iter().map(|line| &**line).collect(),
     };
-    finish(args, part, &checked, &sink)
+    finish(args, part, &checked, Some(&destination), &sink)
 }
 
 /// Checks the views of a shard, each with new viewers: what one view sees depends on no other.
@@ -225,19 +231,22 @@ fn checked_views(
 
 /// Runs `look --merge`.
 pub(super) fn merge(args: &LookArgs) -> Result<Outcome> {
+    let set = PartFiles::new(&args.shards, &args.scene.scene, ENDING)?.whole_set()?;
     let mut files = RunFiles::default();
-    args.merge.iter().try_for_each(|path| files.reads(path))?;
+    set.iter().try_for_each(|(_, path)| files.reads(path))?;
     let sink = Sink::new(&args.json, &mut files)?;
-    let texts: Vec<(&Path, String)> = (args.merge.iter())
-        .map(|path| Ok((path.as_path(), read_text(path, args.methods.how.limits.memory())?)))
+    let texts: Vec<(Shard, &Path, String)> = (set.iter())
+        .map(|(shard, path)| {
+            let text = read_text(path, args.methods.how.limits.memory())?;
+            Ok((*shard, path.as_path(), text))
+        })
         .collect::<Result<_>>()?;
     let mut parts = Vec::new();
-    for (path, text) in &texts {
-        parts.push((*path, read_part(path, text)?));
+    for (shard, path, text) in &texts {
+        parts.push((*path, *shard, read_part(path, *shard, text)?));
     }
-    check_set(parts.iter().map(|(path, (shard, _))| (*path, *shard)))?;
-    let (first_path, (_, first)) = &parts[0];
-    for (path, (_, part)) in &parts[1..] {
+    let (first_path, _, first) = &parts[0];
+    for (path, _, part) in &parts[1..] {
         if let Some(differs) = first.run.difference(&part.run) {
             bail!(
                 "{} is of another run than {}: {differs}; name the parts of one run",
@@ -247,7 +256,7 @@ pub(super) fn merge(args: &LookArgs) -> Result<Outcome> {
         }
     }
     let mut views = Vec::new();
-    for (path, (shard, part)) in &parts {
+    for (path, shard, part) in &parts {
         views.extend(
             part.checked(path, *shard)?
                 .into_iter()
@@ -256,13 +265,13 @@ pub(super) fn merge(args: &LookArgs) -> Result<Outcome> {
     }
     views.sort_by_key(|(view, _)| view.view);
     let (checked, lines): (Vec<CheckedView>, Vec<&RawValue>) = views.into_iter().unzip();
-    let (_, (_, first)) = parts.swap_remove(0);
+    let (_, _, first) = parts.swap_remove(0);
     let part = Part {
         shard: [0, 1],
         views: lines,
         ..first
     };
-    finish(args, part, &checked, &sink)
+    finish(args, part, &checked, None, &sink)
 }
 
 fn read_text(path: &Path, limit: u64) -> Result<String> {
@@ -272,13 +281,13 @@ fn read_text(path: &Path, limit: u64) -> Result<String> {
 
 fn not_a_part(path: &Path) -> anyhow::Error {
     anyhow!(
-        "{} is not a part; name files that `look --shard` of this version wrote",
+        "{} is not a part that `look --shard` wrote; remove it, and compute the part again",
         path.display()
     )
 }
 
-/// Parses a part.
-fn read_part<'a>(path: &Path, text: &'a str) -> Result<(Shard, Part<'a>)> {
+/// Parses the part of a shard.
+fn read_part<'a>(path: &Path, shard: Shard, text: &'a str) -> Result<Part<'a>> {
     /// The beginning of any part of any version.
     #[derive(Deserialize)]
     struct Mark {
@@ -298,9 +307,12 @@ fn read_part<'a>(path: &Path, text: &'a str) -> Result<(Shard, Part<'a>)> {
     };
     let part: Part = serde_json::from_str(text).map_err(|why| damaged(&why))?;
     let [index, count] = part.shard;
-    let shard =
-        Shard::new(index, count).ok_or_else(|| damaged(&format_args!("its shard is {index}/{count}")))?;
-    Ok((shard, part))
+    ensure!(
+        [index, count] == [shard.index(), shard.count()],
+        "{} is the part of shard {index}/{count}; undo the change of its name, or compute the part again",
+        path.display()
+    );
+    Ok(part)
 }
 
 impl Part<'_> {
@@ -353,8 +365,17 @@ impl CheckRun<'_> {
 }
 
 /// Adds the summary, prints and writes the report.
-fn finish(args: &LookArgs, mut part: Part, checked: &[CheckedView], sink: &Sink) -> Result<Outcome> {
+fn finish(
+    args: &LookArgs,
+    mut part: Part,
+    checked: &[CheckedView],
+    destination: Option<&Destination>,
+    sink: &Sink,
+) -> Result<Outcome> {
     part.summary = summary(&part.run.methods, checked);
+    if let Some(destination) = destination {
+        destination.write(json_of(&part)?.as_bytes())?;
+    }
     if !args.json.takes_stdout() {
         out::print(&for_people(&part))?;
     }

@@ -5,6 +5,7 @@ mod habits;
 mod overall;
 mod report;
 mod shards;
+mod start;
 mod unfinished;
 
 use crate::Outcome;
@@ -27,16 +28,20 @@ pub(crate) use habits::as_mappers_type;
 use overall::{OverallProgress, is_stopped, stop_at_a_signal};
 use report::{LineCheck, StageSeconds, VisReport, VisResult};
 use shards::NamedPart;
+use start::FlowStart;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use unfinished::{SavedWork, UnfinishedWork};
+
+/// Ending of the names of parts.
+const ENDING: &str = "vis";
 
 /// Runs `vis`.
 pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
     args.map = with_ending(args.map);
     let args = &args;
-    if let Some(shard) = args.shard {
-        return shards::run(args, shard);
+    if args.shards.shard.is_some() || args.prepare {
+        return shards::run(args);
     }
     let name = args.map.display();
     let target = match ending(&args.map).as_deref() {
@@ -53,8 +58,12 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         .transpose()?;
     let prt = portals_of(args);
     let inputs = [Some(&args.map), prt.as_ref().ok(), args.compare.as_ref()];
-    let inputs = inputs.into_iter().flatten().chain(&args.merge);
+    let inputs = inputs.into_iter().flatten();
     inputs.into_iter().try_for_each(|input| files.reads(input))?;
+    let mut flow_start = match args.shards.merge {
+        true => Some(FlowStart::new(args, &mut files)?),
+        false => None,
+    };
     let mut unfinished = UnfinishedWork::beside(target.unwrap_or(&args.map), &mut files)?;
     let sink = Sink::new(&args.json, &mut files)?;
     let threads = allow_threads(&args.limits)?;
@@ -75,14 +84,23 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         Some(path) => Some(OtherPvs::read(path, &portals, placed.as_ref(), &options)?),
         None => None,
     };
-    let parts = shards::read_parts(args, &portals)?;
+    let parts = match args.shards.merge {
+        true => shards::read_parts(args, &portals, &mut files)?,
+        false => Vec::new(),
+    };
+    let merged = parts.len();
     seconds.read = start.elapsed().as_secs_f64();
 
     let saved = unfinished.begin(args.resume, args.limits.memory())?;
     let is_resumed = saved.is_some();
-    let begun = begin(args, &portals, &prt, &mut unfinished, saved)?;
+    let begun = begin(args, &portals, &prt, &mut unfinished, saved, flow_start.as_mut())?;
     let end = if args.fast { Stage::Sampling } else { Stage::Done };
-    let work = work(args, begun, end, parts, &mut unfinished, &mut seconds)?;
+    let plan = WorkPlan {
+        end,
+        flow_start: flow_start.as_ref(),
+        parts,
+    };
+    let work = work(args, begun, plan, &mut unfinished, &mut seconds)?;
     let pairs = work.pairs();
     let checked = args
         .check
@@ -129,7 +147,8 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
         is_complete,
         asked_to_resume: args.resume,
         is_resumed,
-        merged: args.merge.len(),
+        merged,
+        is_prepared: flow_start.as_ref().is_some_and(FlowStart::is_read),
         stopped_in: work.stage(),
         threads,
         seconds,
@@ -231,16 +250,47 @@ fn leafs_by_portals(portals: &PortalFile) -> Vec<u32> {
     leafs
 }
 
-/// Computes the PVS until stage `end` or until time is up. Adds the parts of shards when the flow begins, and saves
-/// unfinished work at intervals.
+/// What a run computes.
+struct WorkPlan<'a> {
+    /// The stage at which it ends.
+    end: Stage,
+    /// Where to keep the work when the flow begins.
+    flow_start: Option<&'a FlowStart>,
+    /// The parts to add when the flow begins.
+    parts: Vec<NamedPart>,
+}
+
+impl WorkPlan<'_> {
+    /// Does what is to be done in work that has reached the flow, new or resumed.
+    fn begin_flow(&mut self, args: &VisArgs, mut work: PairsWork) -> Result<PairsWork> {
+        if work.stage() < Stage::Flow {
+            return Ok(work);
+        }
+        if let Some(flow_start) = self.flow_start.take() {
+            flow_start.write(&work)?;
+        }
+        // Only now, because all shards begin with the same work.
+        if let Some(shard) = args.shards.shard.filter(|_| work.shard().is_none()) {
+            work = work.with_shard(shard).context(
+                "the saved work is not of a shard; leave out --resume to start from the beginning",
+            )?;
+        }
+        for part in self.parts.drain(..) {
+            part.add_to(&mut work)?;
+        }
+        Ok(work)
+    }
+}
+
+/// Computes the PVS until the end of the plan or until time is up, and saves unfinished work at intervals.
 fn work(
     args: &VisArgs,
     mut work: PairsWork,
-    end: Stage,
-    mut parts: Vec<NamedPart>,
+    mut plan: WorkPlan,
     unfinished: &mut UnfinishedWork,
     seconds: &mut StageSeconds,
 ) -> Result<PairsWork> {
+    let end = plan.end;
     stop_at_a_signal();
     let start = Instant::now();
     let mut overall = OverallProgress::new(end, args.quiet);
@@ -248,9 +298,7 @@ fn work(
     let mut cost = Duration::ZERO;
     while work.stage() < end {
         let stage = work.stage();
-        if stage >= Stage::Flow {
-            parts.drain(..).try_for_each(|part| part.add_to(&mut work))?;
-        }
+        work = plan.begin_flow(args, work)?;
         let began = Instant::now();
         while work.stage() == stage {
             work.step();
@@ -275,7 +323,7 @@ fn work(
         }
         seconds.add(stage, began.elapsed());
     }
-    Ok(work)
+    plan.begin_flow(args, work)
 }
 
 /// Returns the time between two saves. It keeps both the work that a killed run loses and the time of saves to a small
@@ -289,8 +337,9 @@ fn between_saves(elapsed: Duration, cost: Duration) -> Duration {
 /// Returns the error of an interrupted run.
 fn stopped_message(args: &VisArgs, unfinished: &UnfinishedWork) -> String {
     let map = args.map.display();
-    let nothing = match args.shard {
+    let nothing = match args.shards.shard {
         Some(_) => "no part is written",
+        None if args.prepare => "nothing is written",
         None => "nothing is written into the map",
     };
     if unfinished.is_held() {
@@ -300,21 +349,22 @@ fn stopped_message(args: &VisArgs, unfinished: &UnfinishedWork) -> String {
     }
 }
 
-/// Starts new work, or resumes saved work.
+/// Starts new work, resumes saved work, or begins with work that is kept in the folder of parts.
 fn begin(
     args: &VisArgs,
     portals: &PortalFile,
     prt: &Path,
     unfinished: &mut UnfinishedWork,
     saved: Option<SavedWork>,
+    flow_start: Option<&mut FlowStart>,
 ) -> Result<PairsWork> {
     let limit = args.limits.memory();
     let Some(saved) = saved else {
-        let begun = match args.shard {
-            Some(shard) => PairsWork::begin_shard(&portals.cells, limit, shard),
-            None => PairsWork::begin(&portals.cells, limit),
-        };
-        return begun.map_err(|why| anyhow!("{}: {why}; raise --memory", prt.display()));
+        if let Some(work) = flow_start.and_then(|start| start.read(portals, limit)) {
+            return Ok(work);
+        }
+        return PairsWork::begin(&portals.cells, limit)
+            .map_err(|why| anyhow!("{}: {why}; raise --memory", prt.display()));
     };
     let work = PairsWork::resume(&portals.cells, limit, &saved.work, &saved.passages).map_err(|why| {
         anyhow!(
@@ -322,12 +372,9 @@ fn begin(
             unfinished.path().display()
         )
     })?;
-    if work.shard() != args.shard {
-        let saved = work.shard().map_or("a run without --shard".to_owned(), |shard| {
-            format!("shard {shard}")
-        });
+    if let Some(shard) = work.shard().filter(|shard| args.shards.shard != Some(*shard)) {
         bail!(
-            "{}: was saved by {saved}; leave out --resume to start from the beginning",
+            "{}: was saved by shard {shard}; leave out --resume to start from the beginning",
             unfinished.path().display()
         );
     }

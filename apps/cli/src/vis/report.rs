@@ -28,6 +28,9 @@ pub(super) struct VisReport {
     /// Number of parts of shards that it merged.
     #[serde(skip_serializing_if = "Option::is_none")]
     parts: Option<usize>,
+    /// Whether it began with the work of `--prepare` or of a shard.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    prepared: bool,
     #[serde(skip)]
     has_nothing_to_resume: bool,
     /// Number of ordered pairs of distinct clusters that may see each other.
@@ -191,6 +194,7 @@ pub(super) struct VisResult<'a> {
     pub(super) is_resumed: bool,
     /// Number of parts; 0 without `--merge`.
     pub(super) merged: usize,
+    pub(super) is_prepared: bool,
     pub(super) stopped_in: Stage,
     pub(super) threads: usize,
     pub(super) seconds: StageSeconds,
@@ -234,6 +238,7 @@ impl VisReport {
             complete: found.is_complete,
             resumed: found.is_resumed,
             parts: (found.merged > 0).then_some(found.merged),
+            prepared: found.is_prepared,
             has_nothing_to_resume: found.asked_to_resume && !found.is_resumed,
             pairs: pairs.count(),
             share: pairs.count() as f64 / all.max(1.0),

@@ -245,7 +245,7 @@ fn shares_and_tiles_that_make_no_sense_are_refused() {
         ("bake scene.glb", "-o"),
         ("bake -o a.enf", "SCENE"),
         ("bake scene.glb --shard 0/2", "--parts"),
-        ("bake scene.glb --parts parts --shard 2/2", "0/4"),
+        ("bake scene.glb --parts parts --shard 2/2", "the last of 2 is 1/2"),
         ("bake scene.glb --parts parts --shard 0/2 -o a.enf", "-o"),
         ("bake scene.glb --parts nowhere -o a.enf", "no such folder"),
         ("bake scene.glb --merge -o a.enf", "--parts"),

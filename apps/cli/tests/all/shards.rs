@@ -37,22 +37,34 @@ fn refused(folder: &Folder, arguments: &str, words: &[&str]) {
 /// A check of five views by all methods.
 const CHECK: &str = "look @two-rooms --survey-hard 5 --method all --check --size 32x18";
 
-/// Writes the parts `NAME-I.json`, and returns their names.
-fn checked(folder: &Folder, check: &str, name: &str, count: usize) -> Vec<String> {
-    let parts = (0..count).map(|index| {
-        let part = format!("{name}-{index}.json");
-        let run = folder.run(&format!("{check} --shard {index}/{count} --json {part}"));
+/// Returns a folder with the folder `parts` in it.
+fn with_parts(folder: Folder) -> Folder {
+    fs::create_dir(folder.path("parts")).expect("made");
+    folder
+}
+
+/// Writes the parts of a check, which finds nothing worse than failures.
+fn checked(folder: &Folder, check: &str, count: usize) {
+    for index in 0..count {
+        let run = folder.run(&format!("{check} --parts parts --shard {index}/{count}"));
         assert!(matches!(run.code, Some(0 | 1)), "{}", run.stderr);
-        part
-    });
-    parts.collect()
+    }
+}
+
+fn remove_parts(folder: &Folder) {
+    fs::remove_dir_all(folder.path("parts")).expect("there");
+    fs::create_dir(folder.path("parts")).expect("made");
 }
 
 #[test]
-fn parts_of_a_check_in_any_order_give_the_bytes_of_one_run() {
-    let folder = Folder::new();
-    done(&folder, &format!("{CHECK} --shard 0/1 --json one.json"));
+fn parts_of_a_check_give_the_bytes_of_one_run() {
+    let folder = with_parts(Folder::new());
+    done(
+        &folder,
+        &format!("{CHECK} --parts parts --shard 0/1 --json one.json"),
+    );
     let one = bytes(&folder, "one.json");
+    assert!(bytes(&folder, "parts/two-rooms.0-of-1.json") == one);
     let report: Value = serde_json::from_slice(&one).expect("JSON");
     let views = report["views"].as_array().expect("a list");
     assert_eq!(views.len(), 5);
@@ -68,34 +80,25 @@ fn parts_of_a_check_in_any_order_give_the_bytes_of_one_run() {
     }
     // More shards than views, too.
     for count in [1, 2, 3, 7] {
-        let mut parts = checked(&folder, CHECK, "part", count);
-        for _ in 0..2 {
-            done(
-                &folder,
-                &format!("look --merge {} --json all.json", parts.join(" ")),
-            );
-            assert!(bytes(&folder, "all.json") == one, "{count} parts");
-            parts.reverse();
-            parts.rotate_left(count / 2);
-        }
+        remove_parts(&folder);
+        checked(&folder, CHECK, count);
+        let run = done(&folder, "look @two-rooms --parts parts --merge --json all.json");
+        assert!(bytes(&folder, "all.json") == one, "{count} parts");
+        assert!(
+            run.stdout.contains("@two-rooms: 5 views checked\n") && run.stdout.contains("hierarchical-z"),
+            "{}",
+            run.stdout
+        );
     }
-    // A merged report is a part, of which there is one.
-    done(&folder, "look --merge all.json --json again.json");
-    assert!(bytes(&folder, "again.json") == one);
-    let text = done(&folder, "look --merge all.json").stdout;
-    assert!(
-        text.contains("@two-rooms: 5 views checked\n") && text.contains("hierarchical-z"),
-        "{text}"
-    );
 }
 
 #[test]
 fn a_part_holds_nothing_that_differs_between_runs_or_machines() {
-    let folder = Folder::new();
+    let folder = with_parts(Folder::new());
     fs::create_dir(folder.path("elsewhere")).expect("made");
     folder.add("elsewhere/scene.glb", bytes(&folder, "scene.glb"));
     folder.add("elsewhere/other.jsonl", bytes(&folder, "views.jsonl"));
-    let check = "--method masked --check --size 64x36 --shard 0/2";
+    let check = "--method masked --check --size 64x36 --parts parts --shard 0/2";
     done(
         &folder,
         &format!("look scene.glb --path views.jsonl {check} --threads 1 --json a.json"),
@@ -123,7 +126,7 @@ fn a_part_holds_nothing_that_differs_between_runs_or_machines() {
 
 #[test]
 fn a_view_of_a_shard_does_not_depend_on_the_view_before() {
-    let folder = Folder::new();
+    let folder = with_parts(Folder::new());
     let views: Vec<String> = String::from_utf8(bytes(&folder, "views.jsonl"))
         .expect("text")
         .lines()
@@ -133,8 +136,9 @@ fn a_view_of_a_shard_does_not_depend_on_the_view_before() {
     folder.add("both.jsonl", views.join("\n"));
     folder.add("second.jsonl", &views[1]);
     let methods = |path: &str, number: usize| {
-        let check = format!("look scene.glb --path {path} --method masked --check --size 64x36 --shard 0/1");
-        let mut report = folder.json(&check);
+        let mut report = folder.json(&format!(
+            "look scene.glb --path {path} --method masked --check --size 64x36 --parts parts --shard 0/1"
+        ));
         report["views"][number]["methods"].take()
     };
     assert_eq!(methods("both.jsonl", 1), methods("second.jsonl", 0));
@@ -142,18 +146,19 @@ fn a_view_of_a_shard_does_not_depend_on_the_view_before() {
 
 #[test]
 fn a_merge_fails_like_one_run_if_a_part_has_found_something_wrong() {
-    let folder = Folder::new();
-    let parts = checked(
+    let folder = with_parts(Folder::new());
+    checked(
         &folder,
         "look scene.glb --path views.jsonl --method z-buffer --check --size 64x36",
-        "part",
         2,
     );
-    let text = String::from_utf8(bytes(&folder, &parts[1])).expect("text");
+    let part = "parts/scene.glb.1-of-2.json";
+    let text = String::from_utf8(bytes(&folder, part)).expect("text");
     let wrong = text.replace(r#""missed":[]"#, r#""missed":["chest"]"#);
     assert_ne!(text, wrong);
-    folder.add(&parts[1], wrong);
-    let run = folder.run(&format!("look --merge {} --json all.json", parts.join(" ")));
+    folder.add(part, wrong);
+    let merge = "look scene.glb --parts parts --merge";
+    let run = folder.run(&format!("{merge} --json all.json"));
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     assert!(
         run.stderr
@@ -164,10 +169,10 @@ fn a_merge_fails_like_one_run_if_a_part_has_found_something_wrong() {
     let report: Value = serde_json::from_slice(&bytes(&folder, "all.json")).expect("JSON");
     assert_eq!(report["summary"][0]["missed"], 1);
     folder.add(
-        &parts[1],
+        part,
         text.replace(r#""pixels_different":0"#, r#""pixels_different":3"#),
     );
-    let run = folder.run(&format!("look --merge {}", parts.join(" ")));
+    let run = folder.run(merge);
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     assert!(
         run.stderr.contains("view 2 (eye 0, 1.5, -6): 3 wrong pixels"),
@@ -178,86 +183,66 @@ fn a_merge_fails_like_one_run_if_a_part_has_found_something_wrong() {
 
 #[test]
 fn parts_of_a_check_that_do_not_belong_together_are_refused() {
-    let folder = Folder::new();
+    let folder = with_parts(Folder::new());
     let check = "look scene.glb --path views.jsonl --method z-buffer --check --size 32x18";
-    let parts = checked(&folder, check, "part", 3);
-    let [a, b, c] = [&parts[0], &parts[1], &parts[2]];
-    let merge = "look --json all.json --merge";
+    let merge = "look scene.glb --json all.json --parts parts --merge";
+    refused(&folder, merge, &["parts: there is no part of scene.glb"]);
+    checked(&folder, check, 3);
+    let name = "parts/scene.glb.1-of-3.json";
+    let own = bytes(&folder, name);
+    fs::remove_file(folder.path(name)).expect("there");
     refused(
         &folder,
-        &format!("{merge} {a} {c}"),
-        &["1 of 3 parts missing: 1/3", "--shard 1/3"],
+        merge,
+        &["parts: 1 of 3 parts of scene.glb missing: 1/3", "--shard 1/3"],
     );
+    folder.add(name, &own);
+    done(&folder, &format!("{check} --parts parts --shard 0/2"));
     refused(
         &folder,
-        &format!("{merge} {a} {b} {c} {a}"),
-        &["part-0.json and part-0.json are both part 0/3"],
+        merge,
+        &[
+            "scene.glb.0-of-2.json is of 2 shards",
+            "scene.glb.0-of-3.json of 3",
+        ],
     );
-    folder.add("copy.json", bytes(&folder, b));
-    refused(
-        &folder,
-        &format!("{merge} {a} {b} copy.json"),
-        &["part-1.json and copy.json are both part 1/3"],
-    );
-    refused(
-        &folder,
-        &format!("{merge} {a} {b} {c} none.json"),
-        &["none.json", "check the path"],
-    );
+    fs::remove_file(folder.path("parts/scene.glb.0-of-2.json")).expect("there");
+    folder.add(name, bytes(&folder, "parts/scene.glb.0-of-3.json"));
+    refused(&folder, merge, &["1-of-3.json is the part of shard 0/3"]);
     done(&folder, &format!("{check} --json report.json"));
+    folder.add(name, bytes(&folder, "report.json"));
     refused(
         &folder,
-        &format!("{merge} report.json {a}"),
-        &["report.json is not a part", "look --shard"],
-    );
-    refused(
-        &folder,
-        &format!("{merge} scene.glb {a}"),
-        &["scene.glb is not a part"],
+        merge,
+        &["1-of-3.json is not a part that `look --shard` wrote"],
     );
 
-    let other = |name: &str, check: &str, words: &[&str]| {
-        checked(&folder, check, name, 3);
+    let other = |check: &str, words: &[&str]| {
+        done(&folder, &format!("{check} --parts parts --shard 1/3"));
         refused(
             &folder,
-            &format!("{merge} {a} {name}-1.json {c}"),
+            merge,
             &[
-                &[&*format!("{name}-1.json is of another run than part-0.json")],
+                &["scene.glb.1-of-3.json is of another run than parts/scene.glb.0-of-3.json"],
                 words,
             ]
             .concat(),
         );
     };
+    other(&check.replace("32x18", "16x9"), &["--size 32x18 and 16x9"]);
     other(
-        "size",
-        &check.replace("32x18", "16x9"),
-        &["--size 32x18 and 16x9"],
-    );
-    other(
-        "method",
         &check.replace("z-buffer", "masked"),
         &["--method z-buffer and masked"],
     );
+    other(&check.replace("--check", "--check=2"), &["--check 1 and 2"]);
     other(
-        "samples",
-        &check.replace("--check", "--check=2"),
-        &["--check 1 and 2"],
-    );
-    other(
-        "hard",
         &check.replace("--path views.jsonl", "--survey-hard 4"),
         &["--survey-hard not given and 4"],
     );
     folder.add("other.jsonl", r#"{"eye": [0, 1.5, 7], "toward": [0, 1, 0]}"#);
     other(
-        "views",
         &check.replace("views.jsonl", "other.jsonl"),
         &["the views differ"],
-    );
-    other(
-        "scene",
-        &check.replace("scene.glb", "@two-rooms"),
-        &["scenes scene.glb and @two-rooms"],
     );
     // Four more bytes in the binary chunk, which nothing reads.
     let mut changed = bytes(&folder, "scene.glb");
@@ -268,17 +253,13 @@ fn parts_of_a_check_that_do_not_belong_together_are_refused() {
     changed[chunk..chunk + 4].copy_from_slice(&(cube().len() as u32 + 4).to_le_bytes());
     let before = bytes(&folder, "scene.glb");
     folder.add("scene.glb", changed);
-    other("bytes", check, &["the bytes of scene.glb differ"]);
+    other(check, &["the bytes of scene.glb differ"]);
     folder.add("scene.glb", before);
 
-    let text = String::from_utf8(bytes(&folder, b)).expect("text");
+    let text = String::from_utf8(own).expect("text");
     let damaged = |text: String, words: &[&str]| {
-        folder.add("bad.json", text);
-        refused(
-            &folder,
-            &format!("{merge} {a} bad.json {c}"),
-            &[&["bad.json"], words].concat(),
-        );
+        folder.add(name, text);
+        refused(&folder, merge, &[&["scene.glb.1-of-3.json"], words].concat());
     };
     damaged(
         text.replace("look part 1", "look part 0"),
@@ -300,190 +281,242 @@ fn parts_of_a_check_that_do_not_belong_together_are_refused() {
         text.replace("view_count", "count"),
         &["a damaged part", "view_count"],
     );
-    damaged(text[..text.len() / 2].to_owned(), &["bad.json"]);
+    damaged(text[..text.len() / 2].to_owned(), &[]);
 }
 
 #[test]
 fn what_a_shard_of_a_check_cannot_do_is_said() {
-    let folder = Folder::new();
+    let folder = with_parts(Folder::new());
     let look = "look scene.glb --size 32x18";
     refused(
         &folder,
-        &format!("{look} --shard 0/2 --json a.json"),
+        &format!("{look} --parts parts --shard 0/2"),
         &["--check"],
     );
-    refused(&folder, &format!("{look} --check --shard 0/2"), &["--json"]);
+    refused(&folder, &format!("{look} --check --shard 0/2"), &["--parts"]);
+    refused(&folder, &format!("{look} --merge"), &["--parts"]);
     refused(
         &folder,
-        &format!("{look} --check --shard 2/2 --json a.json"),
+        &format!("{look} --check --parts parts"),
+        &["--shard", "--merge"],
+    );
+    refused(
+        &folder,
+        &format!("{look} --check --parts none --shard 0/2"),
+        &["none: there is no such folder"],
+    );
+    refused(
+        &folder,
+        &format!("{look} --check --parts parts --shard 2/2"),
         &["the last of 2 is 1/2"],
     );
     refused(
         &folder,
-        &format!("{look} --check --shard 2 --json a.json"),
+        &format!("{look} --check --parts parts --shard 2"),
         &["such as 0/4 to 3/4"],
     );
     refused(
         &folder,
-        &format!("{look} --check --shard 0/2 --json a.json --method auto"),
+        &format!("{look} --check --parts parts --shard 0/2 --method auto"),
         &["--method auto", "name a method"],
     );
-    refused(&folder, "look scene.glb --merge a.json", &["cannot be used with"]);
+    refused(
+        &folder,
+        "look scene.glb --parts parts --merge --check",
+        &["cannot be used with"],
+    );
 }
 
 /// A folder with `map.bsp` and `map.prt`, and `one.bsp`, the map after one run.
 fn baked() -> Folder {
-    let folder = Folder::empty();
+    let folder = with_parts(Folder::empty());
     folder.add("map.bsp", Grid::row(9).bsp());
     folder.add("map.prt", Grid::row(9).prt());
     done(&folder, "vis map.bsp -o one.bsp");
     folder
 }
 
-/// Writes the parts `I.part`, and returns their names.
-fn parts_of(folder: &Folder, count: usize) -> Vec<String> {
-    let parts = (0..count).map(|index| {
-        let part = format!("{index}.part");
-        done(folder, &format!("vis map.bsp --shard {index}/{count} -o {part}"));
-        part
-    });
-    parts.collect()
+/// Writes the parts of a map.
+fn parts_of(folder: &Folder, count: usize) {
+    for index in 0..count {
+        done(
+            folder,
+            &format!("vis map.bsp --parts parts --shard {index}/{count}"),
+        );
+    }
 }
 
+const MERGE: &str = "vis map.bsp -o all.bsp --parts parts --merge";
+
 #[test]
-fn parts_of_a_map_in_any_order_give_the_bytes_of_one_run() {
+fn parts_of_a_map_give_the_bytes_of_one_run() {
     let folder = baked();
     let one = bytes(&folder, "one.bsp");
     for count in [1, 2, 3, 7, 30] {
-        let mut parts = parts_of(&folder, count);
-        for _ in 0..2 {
-            let run = done(
-                &folder,
-                &format!("vis map.bsp -o all.bsp --merge {}", parts.join(" ")),
-            );
-            assert!(run.stdout.contains("merged from "), "{}", run.stdout);
-            assert!(bytes(&folder, "all.bsp") == one, "{count} parts");
-            parts.reverse();
-            parts.rotate_left(count / 2);
-        }
+        remove_parts(&folder);
+        parts_of(&folder, count);
+        let run = done(&folder, MERGE);
+        assert!(run.stdout.contains("merged from "), "{}", run.stdout);
+        assert!(bytes(&folder, "all.bsp") == one, "{count} parts");
     }
     let names = folder.names();
     assert!(names.iter().all(|name| !name.contains("vis-")), "{names:?}");
     let [full, fast] = ["vis map.prt", "vis map.prt --fast"].map(|run| folder.json(run)["pairs"].as_u64());
     assert!(fast > full, "the flow drops pairs");
-    let report = folder.json("vis map.prt --shard 1/2 -o again.part");
+    let report = folder.json("vis map.prt --parts parts --shard 1/2");
     assert_eq!(
         (&report["shard"], &report["written"], &report["clusters"]),
-        (&json!("1/2"), &json!("again.part"), &json!(81))
+        (&json!("1/2"), &json!("parts/map.prt.1-of-2.vis"), &json!(81))
     );
-    assert_eq!(report["bytes"], bytes(&folder, "again.part").len());
+    assert_eq!(report["bytes"], bytes(&folder, "parts/map.prt.1-of-2.vis").len());
+}
+
+#[test]
+fn what_shards_begin_with_is_computed_once() {
+    let folder = baked();
+    let report = |arguments: &str| folder.json(arguments);
+    let prepare = "vis map.bsp --parts parts --prepare";
+    let shard = "vis map.bsp --parts parts --shard 0/2";
+    let first = report(prepare);
+    assert_eq!(
+        (&first["prepared"], &first["written"], &first["shard"]),
+        (&json!(false), &json!("parts/map.bsp.start.vis"), &Value::Null)
+    );
+    let [start, passages] = ["parts/map.bsp.start.vis", "parts/map.bsp.passages.vis"];
+    let whole = [start, passages].map(|name| bytes(&folder, name));
+    assert_eq!(first["bytes"], whole[0].len());
+    let text = done(&folder, prepare).stdout;
+    assert!(text.contains("map.bsp.start.vis is up to date"), "{text}");
+    assert_eq!(report(shard)["prepared"], true);
+    let part = bytes(&folder, "parts/map.bsp.0-of-2.vis");
+
+    // What is missing, damaged, of other portals or a part of another kind is computed and written again.
+    let mut damaged = whole[0].clone();
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    folder.add("other.prt", Grid::row(8).prt());
+    done(&folder, "vis other.prt --parts parts --prepare");
+    let of_others = bytes(&folder, "parts/other.prt.start.vis");
+    for wrong in [
+        &b""[..],
+        &whole[0][..middle],
+        &damaged,
+        &of_others,
+        &part,
+        &whole[1],
+    ] {
+        for name in [start, passages] {
+            folder.add(name, wrong);
+            if *wrong == whole[1][..] && name == passages {
+                continue;
+            }
+            assert_eq!(report(shard)["prepared"], false);
+            assert!(bytes(&folder, "parts/map.bsp.0-of-2.vis") == part);
+            assert!(
+                [start, passages].map(|name| bytes(&folder, name)) == whole,
+                "{name}"
+            );
+        }
+    }
+    done(&folder, "vis map.bsp --parts parts --shard 1/2");
+    assert_eq!(report(MERGE)["prepared"], true);
+    assert!(bytes(&folder, "all.bsp") == bytes(&folder, "one.bsp"));
+    // A merge does without it, too.
+    fs::remove_file(folder.path(start)).expect("there");
+    let merged = report(MERGE);
+    assert_eq!(merged.get("prepared"), None);
+    assert!(bytes(&folder, "all.bsp") == bytes(&folder, "one.bsp"));
+    assert!(bytes(&folder, start) == whole[0]);
 }
 
 #[test]
 fn a_shard_that_is_killed_goes_on_where_it_was() {
     let folder = baked();
-    let parts = parts_of(&folder, 2);
-    let whole = bytes(&folder, "1.part");
-    fs::remove_file(folder.path("1.part")).expect("there");
-    let shard = "vis map.bsp --shard 1/2 -o 1.part --save-every 0";
-    let saved = folder.path("1.part.vis-unfinished");
-    let mut run = folder
-        .command(shard)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("it starts");
-    while !saved.exists() && run.try_wait().expect("a state").is_none() {
-        std::thread::sleep(Duration::from_millis(1));
+    parts_of(&folder, 2);
+    let part = "parts/map.bsp.1-of-2.vis";
+    let whole = bytes(&folder, part);
+    let shard = "vis map.bsp --parts parts --shard 1/2 --save-every 0";
+    let saved = folder.path("parts/map.bsp.1-of-2.vis.vis-unfinished");
+    // With what shards begin with, and without.
+    for file in ["parts/map.bsp.1-of-2.vis", "parts/map.bsp.start.vis"] {
+        let _ = fs::remove_file(folder.path(part));
+        let _ = fs::remove_file(folder.path(file));
+        let mut run = folder
+            .command(shard)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("it starts");
+        while !saved.exists() && run.try_wait().expect("a state").is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        run.kill().expect("it can be killed");
+        run.wait().expect("it ends");
+        assert!(saved.exists(), "the run was not caught at work");
+        let text = done(&folder, &format!("{shard} --resume")).stdout;
+        assert!(text.contains("resumed from the saved work"), "{text}");
+        assert!(bytes(&folder, part) == whole);
+        assert!(!saved.exists());
     }
-    run.kill().expect("it can be killed");
-    run.wait().expect("it ends");
-    assert!(saved.exists(), "the run was not caught at work");
-    let other = shard.replace("1/2", "0/2");
-    refused(
-        &folder,
-        &format!("{other} --resume"),
-        &["1.part.vis-unfinished", "shard 1/2", "--resume"],
-    );
-    let text = done(&folder, &format!("{shard} --resume")).stdout;
-    assert!(text.contains("resumed from the saved work"), "{text}");
-    assert!(bytes(&folder, "1.part") == whole);
-    assert!(!saved.exists());
-    done(
-        &folder,
-        &format!("vis map.bsp -o all.bsp --merge {}", parts.join(" ")),
-    );
+    done(&folder, MERGE);
     assert!(bytes(&folder, "all.bsp") == bytes(&folder, "one.bsp"));
 }
 
 #[test]
 fn parts_of_a_map_that_do_not_belong_together_are_refused() {
     let folder = baked();
+    refused(&folder, MERGE, &["parts: there is no part of map.bsp"]);
     parts_of(&folder, 3);
-    let merge = "vis map.bsp -o all.bsp --merge";
+    let name = "parts/map.bsp.1-of-3.vis";
+    let whole = bytes(&folder, name);
+    fs::remove_file(folder.path(name)).expect("there");
     refused(
         &folder,
-        &format!("{merge} 0.part 2.part"),
-        &["1 of 3 parts missing: 1/3", "--shard 1/3"],
+        MERGE,
+        &["1 of 3 parts of map.bsp missing: 1/3", "--shard 1/3"],
     );
+    folder.add(name, bytes(&folder, "parts/map.bsp.0-of-3.vis"));
+    refused(&folder, MERGE, &["1-of-3.vis is the part of shard 0/3"]);
+    folder.add(name, &whole);
+    done(&folder, "vis map.bsp --parts parts --shard 1/2");
     refused(
         &folder,
-        &format!("{merge} 0.part 1.part 2.part 1.part"),
-        &["1.part and 1.part are both part 1/3"],
+        MERGE,
+        &["map.bsp.1-of-2.vis is of 2 shards", "map.bsp.0-of-3.vis of 3"],
     );
-    done(&folder, "vis map.bsp --shard 1/2 -o half.part");
-    refused(
-        &folder,
-        &format!("{merge} 0.part half.part 2.part"),
-        &["half.part is part 1/2, but 0.part is part 0/3"],
-    );
-    refused(
-        &folder,
-        &format!("{merge} 0.part none.part"),
-        &["none.part", "check the path"],
-    );
-    refused(
-        &folder,
-        &format!("{merge} map.prt"),
-        &["map.prt: is not a part of this version", "vis --shard"],
-    );
-    let whole = bytes(&folder, "1.part");
-    folder.add("cut.part", &whole[..whole.len() - 8]);
-    refused(
-        &folder,
-        &format!("{merge} 0.part cut.part 2.part"),
-        &["cut.part: is truncated or corrupt"],
-    );
+    fs::remove_file(folder.path("parts/map.bsp.1-of-2.vis")).expect("there");
+    let wrong = |bytes: &[u8], words: &[&str]| {
+        folder.add(name, bytes);
+        refused(
+            &folder,
+            MERGE,
+            &[words, &["1-of-3.vis", "compute shard 1/3 again"]].concat(),
+        );
+    };
+    wrong(&bytes(&folder, "map.prt"), &["is not a part of this version"]);
+    wrong(&whole[..whole.len() - 8], &["is truncated or corrupt"]);
     let mut other = whole.clone();
     // The version in the magic number.
     other[6] -= 1;
-    folder.add("old.part", other);
-    refused(
-        &folder,
-        &format!("{merge} 0.part old.part 2.part"),
-        &["old.part: is not a part of this version"],
-    );
+    wrong(&other, &["is not a part of this version"]);
     folder.add("other.prt", Grid::row(8).prt());
-    done(&folder, "vis other.prt --shard 1/3 -o other.part");
-    refused(
-        &folder,
-        &format!("{merge} 0.part other.part 2.part"),
-        &["other.part: is a part of other portals, not those of map.bsp"],
+    done(&folder, "vis other.prt --parts parts --shard 1/3");
+    wrong(
+        &bytes(&folder, "parts/other.prt.1-of-3.vis"),
+        &["is a part of other portals, not those of map.bsp"],
     );
-    refused(&folder, "vis map.bsp --shard 0/2", &["--output"]);
-    refused(
-        &folder,
-        "vis map.bsp --shard 0/2 -o x.bsp",
-        &["x.bsp", "names a part and no map"],
-    );
-    refused(
-        &folder,
-        "vis map.bsp --shard 0/2 -o x.part --fast",
-        &["cannot be used with"],
-    );
-    refused(
-        &folder,
-        "vis map.bsp --merge 0.part --fast",
-        &["cannot be used with"],
-    );
+    for (arguments, words) in [
+        ("--shard 0/2", "--parts"),
+        ("--merge", "--parts"),
+        ("--prepare", "--parts"),
+        ("--parts parts", "--shard"),
+        ("--parts parts --shard 0/2 -o x.bsp", "cannot be used with"),
+        ("--parts parts --shard 0/2 --fast", "cannot be used with"),
+        ("--parts parts --shard 0/2 --merge", "cannot be used with"),
+        ("--parts parts --shard 0/2 --prepare", "cannot be used with"),
+        ("--parts parts --merge --fast", "cannot be used with"),
+        ("--parts none --merge", "none: there is no such folder"),
+    ] {
+        refused(&folder, &format!("vis map.bsp {arguments}"), &[words]);
+    }
 }

@@ -15,9 +15,14 @@ fn run_to(work: &mut PairsWork, end: Stage) {
     }
 }
 
+fn begin_shard(cells: &Cells, shard: Shard) -> PairsWork {
+    let work = PairsWork::begin(cells, LIMIT).expect("within the memory limit");
+    work.with_shard(shard).expect("the flow has not begun")
+}
+
 /// Computes a part.
 fn part(cells: &Cells, shard: Shard) -> Vec<u8> {
-    let mut work = PairsWork::begin_shard(cells, LIMIT, shard).expect("within the memory limit");
+    let mut work = begin_shard(cells, shard);
     run_to(&mut work, Stage::Backflow);
     work.save_part().expect("it is over")
 }
@@ -144,7 +149,7 @@ fn a_shard_and_a_merge_that_are_stopped_anywhere_end_like_others() {
     let parts = parts(&cells, 3);
     let mut stages = Vec::new();
     for steps in 0.. {
-        let mut work = PairsWork::begin_shard(&cells, LIMIT, shard(1, 3)).expect("within the memory limit");
+        let mut work = begin_shard(&cells, shard(1, 3));
         (0..steps).for_each(|_| work.step());
         if work.stage() == Stage::Backflow {
             break;
@@ -176,6 +181,31 @@ fn a_shard_and_a_merge_that_are_stopped_anywhere_end_like_others() {
             "stopped {steps} steps after the beginning of the flow"
         );
     }
+}
+
+#[test]
+fn shards_that_begin_with_saved_work_give_the_same_parts() {
+    let cells = worlds::random(643, 90);
+    let start = begun(&cells, []);
+    let (saved, passages) = (start.save(), start.save_passages());
+    assert_eq!(
+        (&saved, &passages),
+        (&begun(&cells, []).save(), &start.save_passages())
+    );
+    for (number, whole) in parts(&cells, 3).into_iter().enumerate() {
+        // Without the passages they are computed again.
+        for passages in [passages.clone(), Vec::new()] {
+            let work = PairsWork::resume(&cells, LIMIT, &saved, &passages).expect("saved for these cells");
+            let mut work = work
+                .with_shard(shard(number as u32, 3))
+                .expect("the flow has not begun");
+            run_to(&mut work, Stage::Backflow);
+            assert!(work.save_part() == Some(whole.clone()), "shard {number}");
+        }
+    }
+    let mut work = start;
+    work.step();
+    assert!(work.with_shard(shard(0, 3)).is_none(), "the flow has begun");
 }
 
 #[test]

@@ -123,7 +123,8 @@ fn shards_of_a_map_merge_to_the_pairs_of_one_run() {
         let mut work = run_to(work, Stage::Flow);
         for index in 0..count {
             let shard = Shard::new(index, count).expect("a shard");
-            let part = PairsWork::begin_shard(&file.cells, LIMIT, shard).expect("little memory");
+            let part = PairsWork::begin(&file.cells, LIMIT).expect("little memory");
+            let part = part.with_shard(shard).expect("the flow has not begun");
             let part = run_to(part, Stage::Backflow).save_part().expect("it is over");
             let part = FlowPart::from_bytes(&file.cells, &part).expect("a part");
             work.add_part(part).expect("of the same start");

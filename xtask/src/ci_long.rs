@@ -17,7 +17,7 @@ pub(crate) struct Args {
 /// Runs other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
-    let steps: [&[&str]; 14] = [
+    let steps: [&[&str]; 15] = [
         // It writes a picture where it runs.
         &["run", "--release"],
         &["xtask", "fuzz-scenes", &scenes],
@@ -30,6 +30,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         &["xtask", "viewer", "--web"],
         &["xtask", "bevy"],
         &["xtask", "bevy", "--pictures"],
+        &["xtask", "cluster"],
         &["test", "--release", "--workspace", "--", "--ignored"],
         // Makes LODs by the C++ meshoptimizer, which also checks our decoder.
         &[

@@ -1,11 +1,12 @@
 //! Developer commands: `cargo xtask verify`, `fuzz-scenes`, `fingerprint`, `targets`, `public-api`, `ci-long`, `charts`,
-//! `lines`, `rooms`, `web`, `viewer`, `bevy`, `header`, `c`, `c-install` and `scenes`.
+//! `lines`, `rooms`, `web`, `viewer`, `bevy`, `header`, `c`, `c-install`, `cluster` and `scenes`.
 #![forbid(unsafe_code)]
 
 mod bevy;
 mod c;
 mod charts;
 mod ci_long;
+mod cluster;
 mod fingerprint;
 mod fuzz_scenes;
 mod header;
@@ -44,6 +45,8 @@ enum Task {
     C(c::Args),
     /// Installs the C interface: header, libraries, files for CMake and pkg-config
     CInstall(c::InstallArgs),
+    /// Tests `tools/cluster/`: shards on several machines, whose workers are killed
+    Cluster,
     /// Counts the lines of code of each crate, without blank lines, comments, docs and tests
     Lines(lines::Args),
     /// Compares the rooms and doors found in buildings with the true ones
@@ -73,6 +76,7 @@ fn main() -> anyhow::Result<()> {
         Task::Header(args) => header::run(&args),
         Task::C(args) => c::run(&args),
         Task::CInstall(args) => c::install(&args),
+        Task::Cluster => cluster::run(),
         Task::Lines(args) => lines::run(&args),
         Task::Rooms(args) => rooms::run(&args),
         Task::Web(args) => web::run(&args),

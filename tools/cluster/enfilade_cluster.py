@@ -19,7 +19,7 @@ import sys
 import tempfile
 import time
 import uuid
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 import cloudpickle
@@ -35,8 +35,15 @@ CHECK_FAILED = 1
 FAILED = 2
 INTERRUPTED = 130
 
-OUTPUTS = ("-o", "--output", "--json")
-"""Options that name the result. Only the merge writes it."""
+OF_MERGE = {"-o": 1, "--output": 1, "--json": 1}
+"""Options that only the merge takes, because it writes the result, and the number of words after each."""
+
+OF_MERGE_OF_VERB = {"vis": {"--check": 0, "--compare": 1}}
+OF_SHARDS_OF_VERB = {
+    "look": {"--check": 0, "--method": 1}
+    | dict.fromkeys(("--eye", "--toward", "--camera", "--path", "--survey", "--survey-hard"), 1)
+}
+"""Options that only the merge of a verb takes, and those that only its shards take."""
 
 GUARD = """
 import os, signal, subprocess, sys, threading
@@ -100,14 +107,29 @@ def positive(text: str) -> int:
 
 def shard_command(command: Sequence[str], shard: str) -> list[str]:
     """Returns the command of a shard, such as "0/8"."""
+    return [*without(OF_MERGE | of_verb(OF_MERGE_OF_VERB, command), command), "--shard", shard]
+
+
+def merge_command(command: Sequence[str]) -> list[str]:
+    return [*without(of_verb(OF_SHARDS_OF_VERB, command), command), "--merge"]
+
+
+def of_verb(options: Mapping[str, dict[str, int]], command: Sequence[str]) -> dict[str, int]:
+    return next((options[word] for word in command if word in options), {})
+
+
+def without(options: Mapping[str, int], command: Sequence[str]) -> list[str]:
+    """Leaves out options, with their values: `-o FILE`, `-oFILE`, `--json FILE` or `--json=FILE`."""
     words: list[str] = []
     rest = iter(command)
     for word in rest:
-        if word in OUTPUTS:
-            next(rest, None)
-        elif not (word.split("=")[0] in OUTPUTS or (word.startswith("-o") and not word.startswith("--"))):
+        name = word.split("=")[0] if word.startswith("--") else word[:2]
+        if name not in options:
             words.append(word)
-    return [*words, "--shard", shard]
+        elif word == name:
+            for _ in range(options[name]):
+                next(rest, None)
+    return words
 
 
 def run_shard(command: list[str], folder: str) -> tuple[str, float, str]:
@@ -223,8 +245,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 tell("waiting for a worker")
             if not run_shards(client, command, options.shards, options.retries):
                 return FAILED
-        tell(shlex.join([*command, "--merge"]))
-        return subprocess.run([*command, "--merge"]).returncode
+        merge = merge_command(command)
+        tell(shlex.join(merge))
+        return subprocess.run(merge).returncode
     except KeyboardInterrupt:
         tell("interrupted: run the same command again to go on")
         return INTERRUPTED

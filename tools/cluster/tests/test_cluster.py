@@ -217,15 +217,38 @@ class Cluster(unittest.TestCase):
 
     def test_a_failed_check_is_no_failed_run(self) -> None:
         self.use_program('#!/bin/sh\necho "$*" >> "$TEST_FOLDER/starts"\necho "1 false cull" >&2\nexit 1\n')
-        command = ["enfilade", "look", "scene.glb", "--check", "--parts", "parts", "--json", "all.json"]
+        command = ["enfilade", "look", "a.glb", "--survey", "4", "--check", "--parts", "parts", "--json", "all.json"]
         run = self.start_run("--local-workers", "1", command=command)
         _, report = run.communicate()
         self.assertEqual(run.returncode, 1, report)
         self.assertIn("1 false cull", report)
         lines = (self.folder / "starts").read_text().splitlines()
-        shards = [f"look scene.glb --check --parts parts --shard {index}/4" for index in range(SHARDS)]
+        shards = [f"look a.glb --survey 4 --check --parts parts --shard {index}/4" for index in range(SHARDS)]
         self.assertEqual(sorted(lines[:-1]), shards)
-        self.assertEqual(lines[-1], "look scene.glb --check --parts parts --json all.json --merge")
+        self.assertEqual(lines[-1], "look a.glb --parts parts --json all.json --merge")
+
+    def test_shards_and_merge_get_the_options_that_they_take(self) -> None:
+        sys.path.append(str(PACKAGE))
+        from enfilade_cluster import merge_command, shard_command
+
+        cases = [
+            ("e bake a b --parts p -o c", "e bake a b --parts p --shard 1/2", "e bake a b --parts p -o c --merge"),
+            ("e bake a -oc --parts=p --json=j", "e bake a --parts=p --shard 1/2", "e bake a -oc --parts=p --json=j --merge"),
+            (
+                "e vis a --resume --check=9 --compare b --output c --parts p",
+                "e vis a --resume --parts p --shard 1/2",
+                "e vis a --resume --check=9 --compare b --output c --parts p --merge",
+            ),
+            (
+                "e look a --parts p --check=4 --survey-hard 9 --method=all --json j --size 9x9",
+                "e look a --parts p --check=4 --survey-hard 9 --method=all --size 9x9 --shard 1/2",
+                "e look a --parts p --json j --size 9x9 --merge",
+            ),
+        ]
+        for command, shard, merge in cases:
+            with self.subTest(command):
+                self.assertEqual(shard_command(command.split(), "1/2"), shard.split())
+                self.assertEqual(merge_command(command.split()), merge.split())
 
     def test_wrong_arguments_are_explained(self) -> None:
         bake = ["--", "enfilade", "bake", "a.glb", "--parts", "parts", "-o", "a.enf"]

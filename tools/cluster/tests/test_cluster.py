@@ -73,6 +73,8 @@ def too_long(*_: object) -> None:
 class Cluster(unittest.TestCase):
     def setUp(self) -> None:
         signal.signal(signal.SIGALRM, too_long)
+        # Shells start processes in the background with SIGINT ignored, which children would inherit.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.alarm(SECONDS)
         self.addCleanup(signal.alarm, 0)
         self.folder = Path(tempfile.mkdtemp())

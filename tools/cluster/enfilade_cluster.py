@@ -38,7 +38,7 @@ INTERRUPTED = 130
 OF_MERGE = {"-o": 1, "--output": 1, "--json": 1}
 """Options that only the merge takes, because it writes the result, and the number of words after each."""
 
-OF_MERGE_OF_VERB = {"vis": {"--check": 0, "--compare": 1}}
+OF_MERGE_OF_VERB = {"vis": {"--check": 0, "--compare": 1}, "hints": {"--check": 1}}
 OF_SHARDS_OF_VERB = {
     "look": {"--check": 0, "--method": 1}
     | dict.fromkeys(("--eye", "--toward", "--camera", "--path", "--survey", "--survey-hard"), 1)

@@ -279,8 +279,10 @@ fn rooms_that_need_all_their_meshes_are_read_whole() {
 
 /// Samples hints into the file of the town.
 fn with_hints(file: &Path, change: impl Fn(&mut Hint)) -> Vec<Hint> {
-    let mut options = HintOptions::default();
-    options.size = 128;
+    let options = HintOptions {
+        size: 128,
+        ..HintOptions::default()
+    };
     let mut sampler = HintSampler::open(file, options).expect("a town");
     let mut hints: Vec<Hint> = (0..sampler.count())
         .map(|part| sampler.sample(part).expect("sampled"))

@@ -467,8 +467,7 @@ impl Geometry {
             done.meshes.push(slots.nothing);
             slots
         });
-        let mut renumbered = self.items.len();
-        let only_moves = list.iter().all(|change| change.rest.is_none());
+        let (mut has_new_faces, mut has_new_kinds) = (false, false);
         for change in list {
             let item = change.item;
             if item.0 as usize == self.items.len() {
@@ -484,9 +483,9 @@ impl Geometry {
             if let Some(rest) = &mut change.rest {
                 let had = self.mesh_of(item).face_count();
                 self.exchange_rest(item, rest, &mut slots, done);
-                if self.mesh_of(item).face_count() != had {
-                    renumbered = renumbered.min(item.0 as usize);
-                }
+                has_new_faces |= self.mesh_of(item).face_count() != had;
+                let options = [&self.items[item.0 as usize].options, &rest.options];
+                has_new_kinds |= options.iter().any(|now| now.never_cull || !now.is_drawn);
             }
         }
         changes.more_faces = -changes.more_faces;
@@ -497,8 +496,10 @@ impl Geometry {
         done.meshes.sort_unstable();
         done.meshes.dedup();
         self.slots = Some(slots);
-        self.renumber(renumbered);
-        if !only_moves {
+        if has_new_faces {
+            self.renumber(&done.moved);
+        }
+        if has_new_kinds {
             self.list_kinds();
         }
         self.follow(done);
@@ -553,11 +554,26 @@ impl Geometry {
         }
     }
 
-    /// Recomputes the face numbers from item `from` on.
-    fn renumber(&mut self, from: usize) {
+    /// Recomputes the face numbers after items have changed. The meshes of others are not touched: in large scenes, hardly any
+    /// of them is in the cache.
+    fn renumber(&mut self, changed: &[MovedItem]) {
+        let mut changed = changed.iter().map(|moved| moved.item.0 as usize).peekable();
+        let from = changed.peek().copied().unwrap_or(self.items.len());
+        let mut start = self.first_faces[from];
         for item in from..self.items.len() {
-            let faces = self.meshes[self.items[item].mesh.0 as usize].face_count();
+            let end = self.first_faces[item + 1];
+            let is_changed = changed.next_if_eq(&item).is_some();
+            debug_assert!(
+                changed.peek().is_none_or(|&next| next > item),
+                "each item changes once"
+            );
+            let faces = if is_changed {
+                self.meshes[self.items[item].mesh.0 as usize].face_count()
+            } else {
+                end - start
+            };
             self.first_faces[item + 1] = self.first_faces[item] + faces;
+            start = end;
         }
     }
 

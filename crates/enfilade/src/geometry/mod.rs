@@ -312,6 +312,12 @@ impl Geometry {
         })
     }
 
+    /// Returns the number of faces of the item that has most.
+    pub(crate) fn most_faces(&self) -> u32 {
+        let faces = self.first_faces.windows(2).map(|pair| pair[1] - pair[0]);
+        faces.max().unwrap_or(0)
+    }
+
     /// Returns the number of an item's first face among all faces of the geometry.
     pub(crate) fn first_face(&self, item: ItemIndex) -> u32 {
         self.first_faces[item.0 as usize]

@@ -126,8 +126,7 @@ impl OccluderSet {
     pub(crate) fn needs_bytes(geometry: &Geometry) -> u64 {
         /// Memory per face of the largest mesh while its neighbours are found; the set itself is far smaller.
         const BYTES_PER_FACE: u64 = 256;
-        let faces = geometry.meshes().iter().map(|mesh| u64::from(mesh.face_count()));
-        faces.max().unwrap_or(0) * BYTES_PER_FACE + geometry.items().len() as u64 * 16
+        u64::from(geometry.most_faces()) * BYTES_PER_FACE + geometry.items().len() as u64 * 16
     }
 
     /// Builds the occluders of all meshes of a geometry.

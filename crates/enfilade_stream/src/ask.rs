@@ -3,9 +3,15 @@
 use crate::loader::Request;
 use crate::page::{Changed, Page, State};
 use crate::{Pager, PagerStats};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// So many times more pages are asked for coarser meshes at once, which are as many times smaller.
 const LEVELS_PER_PAGE: usize = 8;
+/// Of so many pages that are asked for at once, one may be loaded ahead.
+const PAGES_PER_AHEAD: usize = 4;
+/// Steps that a page stays at least after it was visible, if memory is only needed for what is loaded ahead.
+const STAY: u64 = 300;
 
 impl Pager {
     /// Asks for the visible pages that are absent, and returns those that leave the scene for them.
@@ -32,10 +38,9 @@ impl Pager {
         room.shrink(&mut self.pages);
         // The largest hide others, which then need not be read.
         let at_once = self.options.pages_per_step.max(1) as usize;
-        let pages_read = being_read
-            .iter()
-            .filter(|request| matches!(request, Request::Page(_)));
-        let pages_left = at_once.saturating_sub(pages_read.count());
+        let is_page = |request: &&Request| matches!(request, Request::Page(_));
+        let pages_read = being_read.iter().filter(is_page).count();
+        let pages_left = at_once.saturating_sub(pages_read);
         let levels_left = if self.options.levels {
             LEVELS_PER_PAGE * at_once
         } else {
@@ -61,6 +66,9 @@ impl Pager {
             }
             let page = &self.pages[number as usize];
             let (is_visible, bytes) = (page.seen_at == step, page.bytes);
+            if !is_visible && PAGES_PER_AHEAD * (asked.len() - levels_asked + pages_read) >= at_once {
+                break;
+            }
             if !room.make(&mut self.pages, bytes, is_visible) {
                 stats.over_budget += u32::from(is_visible);
                 continue;
@@ -78,67 +86,64 @@ impl Pager {
 struct Room {
     budget: u64,
     used: u64,
-    /// The last leave first: those that hints do not name, and have not been seen for longest.
-    unseen: Vec<u32>,
+    /// Those that are not loaded ahead leave first, and of these those that have not been seen for longest.
+    unseen: BinaryHeap<Reverse<(bool, u64, u32)>>,
+    /// Memory of all that may leave, and of those that even leave for what is loaded ahead.
+    may_leave: u64,
+    idle: u64,
     step: u64,
     dropped: Vec<Changed>,
 }
 
 impl Room {
     fn new(pages: &[Page], step: u64, budget: u64) -> Room {
-        let may_leave = |page: &Page| page.seen_at < step && page.memory_there() > 0;
-        let mut unseen: Vec<u32> = (0..pages.len() as u32)
-            .filter(|&page| may_leave(&pages[page as usize]))
-            .collect();
-        unseen.sort_by_cached_key(|&number| {
-            let page = &pages[number as usize];
-            (page.rank(step) == u32::MAX, u64::MAX - page.seen_at, number)
-        });
-        Room {
+        let mut room = Room {
             budget,
             used: pages.iter().map(Page::memory).sum(),
-            unseen,
+            unseen: BinaryHeap::new(),
+            may_leave: 0,
+            idle: 0,
             step,
             dropped: Vec::new(),
+        };
+        let unseen = (0..)
+            .zip(pages)
+            .filter(|(_, page)| page.seen_at < step && page.memory_there() > 0);
+        room.unseen = unseen
+            .inspect(|(_, page)| room.count(page, |sum, bytes| sum + bytes))
+            .map(|(number, page)| Reverse((page.is_ahead(step), page.seen_at, number)))
+            .collect();
+        room
+    }
+
+    fn count(&mut self, page: &Page, count: impl Fn(u64, u64) -> u64) {
+        let bytes = page.memory_there();
+        self.may_leave = count(self.may_leave, bytes);
+        if !page.is_ahead(self.step) && page.seen_at + STAY < self.step {
+            self.idle = count(self.idle, bytes);
         }
+    }
+
+    /// Takes so many bytes of the budget, after others have left. Returns `false`, and changes nothing, if that is not enough.
+    /// For what is visible anything leaves, else what is neither loaded ahead nor was visible lately.
+    fn make(&mut self, pages: &mut [Page], needs: u64, for_visible: bool) -> bool {
+        let may_leave = if for_visible { self.may_leave } else { self.idle };
+        if self.used + needs > self.budget + may_leave {
+            return false;
+        }
+        self.used += needs;
+        self.shrink(pages);
+        true
     }
 
     /// Lets pages leave until the rest is within the budget, or all that is left is visible.
     fn shrink(&mut self, pages: &mut [Page]) {
-        let (count, used) = self.plan(pages, 0, true);
-        self.leave(pages, count, used);
-    }
-
-    /// Takes so many bytes of the budget, after others have left. Returns `false`, and changes nothing, if that is not enough.
-    /// What hints name leaves for what is visible only.
-    fn make(&mut self, pages: &mut [Page], needs: u64, for_visible: bool) -> bool {
-        let (count, used) = self.plan(pages, needs, for_visible);
-        let is_enough = used <= self.budget;
-        if is_enough {
-            self.leave(pages, count, used);
-        }
-        is_enough
-    }
-
-    /// Returns how many pages have to leave for so many bytes, and what is used then; more than the budget if all that may leave
-    /// are not enough.
-    fn plan(&self, pages: &[Page], needs: u64, for_visible: bool) -> (usize, u64) {
-        let (mut count, mut used) = (0, self.used + needs);
-        for &number in self.unseen.iter().rev() {
-            let page = &pages[number as usize];
-            if used <= self.budget || !(for_visible || page.rank(self.step) == u32::MAX) {
-                break;
-            }
-            used -= page.memory_there();
-            count += 1;
-        }
-        (count, used)
-    }
-
-    fn leave(&mut self, pages: &mut [Page], count: usize, used: u64) {
-        self.used = used;
-        for number in self.unseen.drain(self.unseen.len() - count..).rev() {
+        while self.used > self.budget
+            && let Some(Reverse((_, _, number))) = self.unseen.pop()
+        {
             let page = &mut pages[number as usize];
+            self.used -= page.memory_there();
+            self.count(page, |sum, bytes| sum - bytes);
             page.levels.take();
             if let Some(before) = page.meshes.take() {
                 self.dropped.push(Changed { number, before });

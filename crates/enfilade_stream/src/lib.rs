@@ -265,10 +265,12 @@ impl Pager {
             let eye = first.eye().map(|value| value as f32);
             let of_sector = self.hints.iter().filter(|hint| hint.sector == first.sector);
             let nearest = of_sector.min_by(|a, b| a.distance(eye).total_cmp(&b.distance(eye)));
+            let mut bytes = 0;
             for (rank, &number) in (0..).zip(nearest.iter().flat_map(|hint| &hint.pages)) {
                 let page = &mut self.pages[number as usize];
-                page.rank = page.rank(self.step).min(rank);
-                page.hinted_at = self.step;
+                bytes += page.bytes;
+                // The rest of the budget is for what is visible.
+                page.hint(self.step, (bytes <= self.options.bytes / 2).then_some(rank));
             }
         }
     }

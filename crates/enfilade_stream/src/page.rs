@@ -21,8 +21,10 @@ pub(crate) struct Page {
     /// The last step in which one of its items was visible, and the size of the largest on the screen in that step.
     pub(crate) seen_at: u64,
     pub(crate) size_px: u16,
-    /// The last step in which an eye was where hints say that it is seen, and its place among their pages.
+    /// The last step in which an eye was where hints say that it is seen.
     pub(crate) hinted_at: u64,
+    /// The last step in which it was among the first of these, which are loaded ahead, and its place among them.
+    pub(crate) ahead_at: u64,
     pub(crate) rank: u32,
 }
 
@@ -70,27 +72,36 @@ impl Page {
             seen_at: 0,
             size_px: 0,
             hinted_at: 0,
+            ahead_at: 0,
             rank: 0,
         }
     }
 
-    /// Its place among the pages that hints name in this step; the last if they do not.
-    pub(crate) fn rank(&self, step: u64) -> u32 {
-        if self.hinted_at == step {
-            self.rank
-        } else {
-            u32::MAX
+    /// Notes that hints name it in this step, at this place among those that are loaded ahead if it is one of them.
+    pub(crate) fn hint(&mut self, step: u64, rank: Option<u32>) {
+        self.hinted_at = step;
+        if let Some(rank) = rank {
+            self.rank = if self.is_ahead(step) {
+                self.rank.min(rank)
+            } else {
+                rank
+            };
+            self.ahead_at = step;
         }
+    }
+
+    /// Returns `true` if it is loaded before it is visible.
+    pub(crate) fn is_ahead(&self, step: u64) -> bool {
+        self.ahead_at == step
     }
 
     /// How much the page is wanted in this step, the least most; `None` if it is not.
     pub(crate) fn urgency(&self, step: u64) -> Option<(bool, u32)> {
-        let rank = self.rank(step);
         if self.seen_at != step {
-            return (rank < u32::MAX).then_some((true, rank));
+            return self.is_ahead(step).then_some((true, self.rank));
         }
         // What hints do not name is most often visible only because what hides it is absent. But what is large may hide much.
-        let size_px = self.size_px / if rank < u32::MAX { 1 } else { 4 };
+        let size_px = self.size_px / if self.hinted_at == step { 1 } else { 4 };
         Some((false, u32::from(u16::MAX - size_px)))
     }
 

@@ -555,7 +555,7 @@ mod tests {
             .get_subcommands_mut()
             .filter(|verb| verb.get_name() != "help");
         helps.extend(verbs.map(|verb| verb.render_help().to_string()));
-        assert_eq!(helps.len(), 13);
+        assert_eq!(helps.len(), 14);
         for help in helps {
             let (_, examples) = help.split_once("\nExamples:\n").expect("there are examples");
             assert!(

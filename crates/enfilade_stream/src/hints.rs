@@ -59,7 +59,7 @@ pub enum HintError {
     #[error("{0}")]
     Page(String),
     /// What is visible from a place does not fit into memory.
-    #[error("what is visible at once takes more than {0} bytes of memory; allow more")]
+    #[error("what is visible at once takes more than {0} bytes of memory; allow more (--memory)")]
     Memory(u64),
 }
 
@@ -135,12 +135,15 @@ impl HintSampler {
             levels: false,
             ..PagerOptions::default()
         };
+        let geometries = import.rooms.iter().map(|room| Arc::clone(&room.geometry));
+        let geometries = geometries.collect();
+        let mut pager = Pager::new(import, Arc::clone(&pages), of_pager);
+        // Those that the file has already would only load more.
+        pager.hints.clear();
         Ok(HintSampler {
             options,
-            geometries: (import.rooms.iter())
-                .map(|room| Arc::clone(&room.geometry))
-                .collect(),
-            pager: Pager::new(import, Arc::clone(&pages), of_pager),
+            geometries,
+            pager,
             pages,
             scene,
             viewers: Viewers::new(),
@@ -203,7 +206,9 @@ impl HintSampler {
         let further = eyes.into_iter().rev().take(views as usize);
         for (number, eye) in further.enumerate() {
             let angle = GOLDEN_ANGLE * number as f32;
-            let toward = [eye[0] + angle.cos(), eye[1], eye[2] + angle.sin()];
+            let [ahead, aside] = [angle.cos(), angle.sin()].map(f64::from);
+            let eye = eye.map(f64::from);
+            let toward = [eye[0] + ahead, eye[1], eye[2] + aside];
             let view = Camera::new(eye, toward).view([1280, 720])?.in_sector(sector);
             let seen = self.look(&[view])?;
             let known = seen.iter().filter(|item| hinted.contains(item)).count();
@@ -217,7 +222,7 @@ impl HintSampler {
         Ok(check)
     }
 
-    /// Returns up to `count` places in a part where people could stand; the first are the same for any number.
+    /// Returns up to `count` places in a part where people could stand.
     fn places(&self, part: usize, count: u32) -> Result<Vec<[f32; 3]>, HintError> {
         let Part { sector, bounds } = self.parts[part];
         let geometry = &self.geometries[sector.0 as usize];
@@ -278,6 +283,8 @@ fn around(eye: [f32; 3], sector: SectorId, size: u32) -> Result<Vec<View>, ViewE
     let directions = (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]);
     directions
         .map(|(axis, sign)| {
+            // In f64, because in f32 a step may vanish far from the origin.
+            let eye = eye.map(f64::from);
             let mut toward = eye;
             toward[axis] += sign;
             let camera = Camera {

@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 const LEVELS_PER_PAGE: usize = 8;
 /// Of so many pages that are asked for at once, one may be loaded ahead.
 const PAGES_PER_AHEAD: usize = 4;
-/// Steps that a page stays at least after it was visible, if memory is only needed for what is loaded ahead.
+/// Steps that a page stays after it was visible, if memory is only needed for what is loaded ahead.
 const STAY: u64 = 300;
 
 impl Pager {
@@ -86,8 +86,8 @@ impl Pager {
 struct Room {
     budget: u64,
     used: u64,
-    /// Those that are not loaded ahead leave first, and of these those that have not been seen for longest.
-    unseen: BinaryHeap<Reverse<(bool, u64, u32)>>,
+    /// Those that have not been seen for longest leave first. What is loaded ahead counts as seen not long ago.
+    unseen: BinaryHeap<Reverse<(u64, u32)>>,
     /// Memory of all that may leave, and of those that even leave for what is loaded ahead.
     may_leave: u64,
     idle: u64,
@@ -111,7 +111,14 @@ impl Room {
             .filter(|(_, page)| page.seen_at < step && page.memory_there() > 0);
         room.unseen = unseen
             .inspect(|(_, page)| room.count(page, |sum, bytes| sum + bytes))
-            .map(|(number, page)| Reverse((page.is_ahead(step), page.seen_at, number)))
+            .map(|(number, page)| {
+                let ahead = if page.is_ahead(step) {
+                    step.saturating_sub(STAY)
+                } else {
+                    0
+                };
+                Reverse((page.seen_at.max(ahead), number))
+            })
             .collect();
         room
     }
@@ -139,7 +146,7 @@ impl Room {
     /// Lets pages leave until the rest is within the budget, or all that is left is visible.
     fn shrink(&mut self, pages: &mut [Page]) {
         while self.used > self.budget
-            && let Some(Reverse((_, _, number))) = self.unseen.pop()
+            && let Some(Reverse((_, number))) = self.unseen.pop()
         {
             let page = &mut pages[number as usize];
             self.used -= page.memory_there();

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fmt::Write;
 use std::fs::File;
-use std::io::Read;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use xxhash_rust::xxh3::Xxh3;
@@ -302,16 +302,10 @@ fn hash_of(path: &Path) -> Result<Option<String>> {
     if !path.is_file() {
         return Ok(None);
     }
-    let context = || format!("cannot read {}", path.display());
-    let mut file = File::open(path).with_context(context)?;
     let mut hash = Xxh3::new();
-    let mut block = vec![0; 1 << 20];
-    loop {
-        match file.read(&mut block).with_context(context)? {
-            0 => return Ok(Some(format!("{:032x}", hash.digest128()))),
-            length => hash.update(&block[..length]),
-        }
-    }
+    let copied = File::open(path).and_then(|mut file| io::copy(&mut file, &mut hash));
+    copied.with_context(|| format!("cannot read {}", path.display()))?;
+    Ok(Some(format!("{:032x}", hash.digest128())))
 }
 
 pub(crate) fn entries(sections: &BakedSections) -> Vec<SectionEntry> {

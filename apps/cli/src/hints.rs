@@ -9,12 +9,12 @@ use crate::out;
 use crate::progress::Progress;
 use crate::run_files::{RunFiles, is_same};
 use crate::save::Destination;
-use crate::shards::parts_folder;
+use crate::shards::PartFiles;
 use crate::text::{bytes, count, ms, plural};
 use anyhow::{Context, Result, ensure};
 use enfilade::{Aabb, ItemIndex, SectorId};
 use enfilade_import::{BakedSections, bake_hints};
-use enfilade_stream::{Hint, HintCheck, HintOptions, HintSampler};
+use enfilade_stream::{Hint, HintOptions, HintSampler};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -23,17 +23,17 @@ use std::time::Instant;
 /// The JSON report.
 #[derive(Debug, Default, Serialize)]
 struct HintsReport {
-    /// `None` for a share of the parts.
+    /// `None` for a share of the regions.
     file: Option<String>,
     scene: String,
     bytes: u64,
-    /// Number of parts of rooms, and how many of them were sampled now.
-    parts: usize,
+    /// Number of regions, and how many of them were sampled now.
+    regions: usize,
     sampled: usize,
-    /// Number of hinted items, of all parts together.
+    /// Number of hinted items, of all regions together.
     items: usize,
-    /// Parts in which no place was found.
-    without_places: usize,
+    /// Regions in which no position was found.
+    without_positions: usize,
     sections: Vec<SectionEntry>,
     /// `None` without `--check`.
     check: Option<CheckReport>,
@@ -49,7 +49,7 @@ struct CheckReport {
     /// Visible items, once per view, and how many of them are hinted.
     items_visible: u64,
     items_hinted: u64,
-    /// Items that are seen from the parts, by sampling and by these views.
+    /// Items that are seen from the regions, by sampling and by these views.
     items_seen: u64,
 }
 
@@ -96,59 +96,63 @@ struct HintsRun<'a> {
     args: &'a HintsArgs,
     sampler: HintSampler,
     source: Source,
+    parts: Option<PartFiles>,
     report: HintsReport,
 }
 
 impl<'a> HintsRun<'a> {
     fn new(args: &'a HintsArgs) -> Result<HintsRun<'a>> {
-        parts_folder(&args.shards)?;
+        let parts = args.shards.parts.as_ref();
+        let parts = parts.map(|_| PartFiles::new(&args.shards, args.scene.as_os_str(), "hint"));
+        let parts = parts.transpose()?;
         let name = args.scene.display();
         let sections = BakedSections::read(&args.scene)?;
         let sections = sections.with_context(|| {
             format!("{name}: not a baked scene; bake it first: enfilade bake {name} -o FILE.enf")
         })?;
         let mut options = HintOptions::default();
-        options.places = args.places;
+        options.positions = args.positions;
         options.bytes = args.limits.memory();
         let sampler = HintSampler::open(&args.scene, options)?;
         Ok(HintsRun {
             args,
+            parts,
             report: HintsReport {
                 scene: name.to_string(),
-                parts: sampler.count(),
+                regions: sampler.region_count(),
                 ..HintsReport::default()
             },
             source: Source {
                 program: env!("CARGO_PKG_VERSION").to_owned(),
                 scene: format!("{:016x}", sections.hash),
-                places: args.places,
+                positions: args.positions,
                 size: options.size,
             },
             sampler,
         })
     }
 
-    /// Returns the hints of all parts; `None` for a share.
+    /// Returns the hints of all regions; `None` for a share.
     fn sample(&mut self, files: &mut RunFiles) -> Result<Option<Vec<Hint>>> {
         let shard = self.args.shards.shard;
-        let of_share: Vec<usize> = (0..self.sampler.count())
-            .filter(|&part| shard.is_none_or(|shard| shard.has(part)))
+        let of_share: Vec<usize> = (0..self.sampler.region_count())
+            .filter(|&region| shard.is_none_or(|shard| shard.has(region)))
             .collect();
         let progress = Progress::steps("sampling", of_share.len());
         let mut hints = Vec::new();
-        for part in of_share {
-            let hint = self.hint(part, files)?;
+        for region in of_share {
+            let hint = self.hint(region, files)?;
             self.report.items += hint.items.len();
-            self.report.without_places += usize::from(hint.items.is_empty());
+            self.report.without_positions += usize::from(hint.items.is_empty());
             hints.push(hint);
             progress.step();
         }
         Ok(shard.is_none().then_some(hints))
     }
 
-    /// Returns the hint of a part, sampled or read.
-    fn hint(&mut self, part: usize, files: &mut RunFiles) -> Result<Hint> {
-        let file = self.file_of(part);
+    /// Returns the hint of a region, sampled or read.
+    fn hint(&mut self, region: usize, files: &mut RunFiles) -> Result<Hint> {
+        let file = self.file_of(region);
         if let Some(file) = &file {
             if let Some(known) = Part::read(file).filter(|known| known.source == self.source) {
                 return Ok(known.hint());
@@ -159,7 +163,7 @@ impl<'a> HintsRun<'a> {
                 file.display()
             );
         }
-        let hint = self.sampler.sample(part)?;
+        let hint = self.sampler.sample(region)?;
         self.report.sampled += 1;
         if let Some(file) = file {
             let bytes = serde_json::to_vec(&Part::new(&self.source, &hint))?;
@@ -168,11 +172,9 @@ impl<'a> HintsRun<'a> {
         Ok(hint)
     }
 
-    fn file_of(&self, part: usize) -> Option<PathBuf> {
-        let stem = self.args.scene.file_stem().unwrap_or_default();
-        let mut name = stem.to_owned();
-        name.push(format!(".{part:05}.hint.json"));
-        Some(self.args.shards.parts.as_ref()?.join(name))
+    fn file_of(&self, region: usize) -> Option<PathBuf> {
+        let parts = self.parts.as_ref()?;
+        Some(parts.path_of(&format!("{region:05}")))
     }
 
     fn check(&mut self, hints: &[Hint]) -> Result<()> {
@@ -181,8 +183,8 @@ impl<'a> HintsRun<'a> {
         };
         let progress = Progress::steps("checking", hints.len());
         let report = self.report.check.insert(CheckReport::default());
-        for (part, hint) in hints.iter().enumerate() {
-            let check: HintCheck = self.sampler.check(part, hint, views)?;
+        for (region, hint) in hints.iter().enumerate() {
+            let check = self.sampler.check(region, hint, views)?;
             report.views += check.views;
             report.views_covered += check.covered;
             report.items_visible += check.visible;
@@ -199,11 +201,11 @@ impl<'a> HintsRun<'a> {
 struct Source {
     program: String,
     scene: String,
-    places: u32,
+    positions: u32,
     size: u32,
 }
 
-/// The hint of a part, in a file of its own.
+/// The hint of a region, in a file of its own.
 #[derive(Serialize, Deserialize)]
 struct Part {
     source: Source,
@@ -248,17 +250,17 @@ impl HintsReport {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "{} of rooms, {} sampled now: {} in {} ms",
-            plural(self.parts, "part"),
+            "{}, {} sampled now: {} in {} ms",
+            plural(self.regions, "region"),
             count(self.sampled as u64),
             plural(self.items, "hinted item"),
             ms(self.hints_ms)
         );
-        if self.without_places > 0 {
+        if self.without_positions > 0 {
             let _ = writeln!(
                 text,
-                "no place to stand was found in {}, which have no hints",
-                plural(self.without_places, "part")
+                "no position to stand at was found in {}; nothing is hinted there",
+                plural(self.without_positions, "region")
             );
         }
         if let Some(check) = &self.check {

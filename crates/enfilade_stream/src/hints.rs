@@ -1,7 +1,7 @@
 //! Prefetch hints, by sampling: eyes where people could stand, looks in all directions, until further eyes see nothing new.
 //!
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, for loading what is visible.
-//! Cost: a place takes six exact looks, once the pages around it are loaded. Memory: the boxes of all items, and pages within
+//! Cost: a position takes six exact looks, once the pages around it are loaded. Memory: the boxes of all items, and pages within
 //!     the budget.
 
 use crate::{Pager, PagerOptions, Pages};
@@ -20,19 +20,19 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct HintOptions {
-    /// Maximum number of places in a part of a room.
-    pub places: u32,
+    /// Maximum number of positions in a region of a room.
+    pub positions: u32,
     /// Width and height of the looks, in pixels. What is smaller than a pixel may be missed.
     pub size: u32,
-    /// Memory for meshes, in bytes. All that is visible from a place must fit.
+    /// Memory for meshes, in bytes. All that is visible from a position must fit.
     pub bytes: u64,
 }
 
 impl Default for HintOptions {
-    /// 128 places, looks of 512 pixels, 4 GB.
+    /// 128 positions, looks of 512 pixels, 4 GB.
     fn default() -> HintOptions {
         HintOptions {
-            places: 128,
+            positions: 128,
             size: 512,
             bytes: 4_000_000_000,
         }
@@ -58,12 +58,12 @@ pub enum HintError {
     /// A page cannot be read.
     #[error("{0}")]
     Page(String),
-    /// What is visible from a place does not fit into memory.
+    /// What is visible from a position does not fit into memory.
     #[error("what is visible at once takes more than {0} bytes of memory; allow more (--memory)")]
     Memory(u64),
 }
 
-/// How good hints are for views from further places.
+/// How good hints are for views from further positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct HintCheck {
@@ -75,13 +75,13 @@ pub struct HintCheck {
     pub visible: u64,
     /// See `visible`.
     pub hinted: u64,
-    /// Number of items seen from the part, by sampling and by these views.
+    /// Number of items seen from the region, by sampling and by these views.
     pub seen: u64,
 }
 
-/// Samples what is seen from the parts of the rooms of a baked scene.
+/// Samples what is seen from the regions of the rooms of a baked scene.
 ///
-/// A part is a room, or, where its meshes take more than 32 MB, one of the halves of a half, and so on, of its box.
+/// A region is a room, or, where its meshes take more than 32 MB, one of the halves of a half, and so on, of its box.
 pub struct HintSampler {
     options: HintOptions,
     pages: Arc<Pages>,
@@ -90,19 +90,19 @@ pub struct HintSampler {
     scene: Scene,
     pager: Pager,
     viewers: Viewers,
-    parts: Vec<Part>,
+    regions: Vec<Region>,
 }
 
-/// A part of a room.
+/// A room, or a piece of it.
 #[derive(Clone, Copy)]
-struct Part {
+struct Region {
     sector: SectorId,
     bounds: Aabb,
 }
 
-/// Size of the meshes of a part above which it is halved, in bytes.
-const PART_BYTES: u64 = 32 << 20;
-/// Sampling ends once so many places in a row see nothing new.
+/// Size of the meshes of a region above which it is halved, in bytes.
+const REGION_BYTES: u64 = 32 << 20;
+/// Sampling ends once so many positions in a row see nothing new.
 const IN_A_ROW: usize = 16;
 
 impl HintSampler {
@@ -119,7 +119,7 @@ impl HintSampler {
         let (import, pages) = Pages::open(path, &read)?;
         let pages = Arc::new(pages);
         let scene = import.scene(Method::HierarchicalZ, u64::MAX)?;
-        let mut parts = Vec::new();
+        let mut regions = Vec::new();
         for (room, sector) in import.rooms.iter().zip((0..).map(SectorId)) {
             let geometry = &room.geometry;
             let placed = |item: &Item| {
@@ -127,7 +127,12 @@ impl HintSampler {
                 (item.bounds.center(), bytes)
             };
             let items = geometry.items().iter().filter(|item| !item.bounds.is_empty());
-            split(sector, geometry.bounds(), items.map(placed).collect(), &mut parts);
+            split(
+                sector,
+                geometry.bounds(),
+                items.map(placed).collect(),
+                &mut regions,
+            );
         }
         let of_pager = PagerOptions {
             bytes: options.bytes,
@@ -147,28 +152,28 @@ impl HintSampler {
             pages,
             scene,
             viewers: Viewers::new(),
-            parts,
+            regions,
         })
     }
 
-    /// Returns the number of parts of rooms.
-    pub fn count(&self) -> usize {
-        self.parts.len()
+    /// Returns the number of regions of rooms.
+    pub fn region_count(&self) -> usize {
+        self.regions.len()
     }
 
-    /// Samples what is seen from a part. The result depends on the scene alone; it has no items if no place was found.
+    /// Samples what is seen from a region. The result depends on the scene alone; it has no items if no position was found.
     ///
     /// # Errors
     /// Returns a [`HintError`] if a page is damaged, or what is visible does not fit into memory.
     ///
     /// # Panics
-    /// If there is no such part.
-    pub fn sample(&mut self, part: usize) -> Result<Hint, HintError> {
-        let Part { sector, bounds } = self.parts[part];
-        // The number of places that see each item.
+    /// If there is no such region.
+    pub fn sample(&mut self, region: usize) -> Result<Hint, HintError> {
+        let Region { sector, bounds } = self.regions[region];
+        // The number of positions that see each item.
         let mut seen_from: HashMap<(SectorId, ItemIndex), u32> = HashMap::new();
-        let places = self.places(part, self.options.places)?;
-        for eyes in places.chunks(IN_A_ROW) {
+        let positions = self.positions(region, self.options.positions)?;
+        for eyes in positions.chunks(IN_A_ROW) {
             let known = seen_from.len();
             for &eye in eyes {
                 let views = around(eye, sector, self.options.size)?;
@@ -181,7 +186,7 @@ impl HintSampler {
             }
         }
         let mut items: Vec<_> = seen_from.into_iter().collect();
-        items.sort_unstable_by_key(|&(item, places)| (u32::MAX - places, item));
+        items.sort_unstable_by_key(|&(item, positions)| (u32::MAX - positions, item));
         Ok(Hint {
             sector,
             bounds,
@@ -189,20 +194,20 @@ impl HintSampler {
         })
     }
 
-    /// Compares hints of a part with views from further places, in all directions, of 1280 by 720 pixels.
+    /// Compares hints of a region with views from further positions, in all directions, of 1280 by 720 pixels.
     ///
     /// # Errors
     /// As [`HintSampler::sample`].
     ///
     /// # Panics
-    /// If there is no such part.
-    pub fn check(&mut self, part: usize, hint: &Hint, views: u32) -> Result<HintCheck, HintError> {
+    /// If there is no such region.
+    pub fn check(&mut self, region: usize, hint: &Hint, views: u32) -> Result<HintCheck, HintError> {
         const GOLDEN_ANGLE: f32 = 2.399_963;
-        let Part { sector, .. } = self.parts[part];
+        let Region { sector, .. } = self.regions[region];
         let hinted: BTreeSet<_> = hint.items.iter().collect();
         let mut check = HintCheck::default();
         let mut all = hinted.clone().into_iter().copied().collect::<BTreeSet<_>>();
-        let eyes = self.places(part, self.options.places + views)?;
+        let eyes = self.positions(region, self.options.positions + views)?;
         let further = eyes.into_iter().rev().take(views as usize);
         for (number, eye) in further.enumerate() {
             let angle = GOLDEN_ANGLE * number as f32;
@@ -222,9 +227,9 @@ impl HintSampler {
         Ok(check)
     }
 
-    /// Returns up to `count` places in a part where people could stand.
-    fn places(&self, part: usize, count: u32) -> Result<Vec<[f32; 3]>, HintError> {
-        let Part { sector, bounds } = self.parts[part];
+    /// Returns up to `count` positions in a region where people could stand.
+    fn positions(&self, region: usize, count: u32) -> Result<Vec<[f32; 3]>, HintError> {
+        let Region { sector, bounds } = self.regions[region];
         let geometry = &self.geometries[sector.0 as usize];
         let mut near = Vec::new();
         geometry.items_in_box(&bounds, |index| near.push(geometry.item(index)));
@@ -297,8 +302,8 @@ fn around(eye: [f32; 3], sector: SectorId, size: u32) -> Result<Vec<View>, ViewE
         .collect()
 }
 
-/// Halves a part along its longest side until its meshes are few. `items` are the centre and the bytes of each.
-fn split(sector: SectorId, bounds: Aabb, items: Vec<([f32; 3], u64)>, parts: &mut Vec<Part>) {
+/// Halves a region along its longest side until its meshes are few. `items` are the centre and the bytes of each.
+fn split(sector: SectorId, bounds: Aabb, items: Vec<([f32; 3], u64)>, regions: &mut Vec<Region>) {
     let bytes: u64 = items.iter().map(|(_, bytes)| bytes).sum();
     let size = bounds.size();
     let axis = (1..3).fold(
@@ -312,11 +317,11 @@ fn split(sector: SectorId, bounds: Aabb, items: Vec<([f32; 3], u64)>, parts: &mu
     if items.is_empty() {
         return;
     }
-    if bytes <= PART_BYTES || items.len() == 1 || !is_divisible {
-        parts.push(Part { sector, bounds });
+    if bytes <= REGION_BYTES || items.len() == 1 || !is_divisible {
+        regions.push(Region { sector, bounds });
         return;
     }
     let (below, above) = items.into_iter().partition(|(center, _)| center[axis] < middle);
-    split(sector, lower, below, parts);
-    split(sector, upper, above, parts);
+    split(sector, lower, below, regions);
+    split(sector, upper, above, regions);
 }

@@ -33,10 +33,10 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
-mod ask;
 mod hints;
 mod loader;
 mod page;
+mod residency;
 #[cfg(test)]
 mod tests;
 
@@ -108,17 +108,17 @@ pub struct Pager {
     options: PagerOptions,
     loader: Loader,
     pages: Vec<Page>,
-    /// Where the mesh of each item is, by sector and index; `None` if it is always in memory.
-    places: Vec<Vec<Option<Place>>>,
+    /// The mesh of each item, by sector and index; `None` if it is always in memory.
+    mesh_refs: Vec<Vec<Option<MeshRef>>>,
     /// The box of each mesh, by its index in the file.
     boxes: Vec<Option<Arc<Mesh>>>,
     hints: Vec<HintedPages>,
     step: u64,
 }
 
-/// Where the mesh of an item is.
+/// The page of an item's mesh, and the mesh.
 #[derive(Clone, Copy)]
-struct Place {
+struct MeshRef {
     page: u32,
     /// Index in the file.
     mesh: u32,
@@ -132,7 +132,7 @@ impl Pager {
             .map(|page| Page::new(pages.bytes(page), pages.level_bytes(page)))
             .collect();
         let mut boxes = vec![None; pages.mesh_count() as usize];
-        let mut places = Vec::new();
+        let mut mesh_refs = Vec::new();
         for (room, sector) in import.rooms.iter().zip((0..).map(SectorId)) {
             let geometry = &room.geometry;
             let of_room = (geometry.items().iter().zip((0..).map(ItemIndex))).map(|(item, index)| {
@@ -143,18 +143,18 @@ impl Pager {
                     boxes[mesh as usize] = Some(Arc::clone(&geometry.meshes()[item.mesh.0 as usize]));
                     let item = index.into();
                     list[page as usize].items.push(PagedItem { sector, item, mesh });
-                    Place { page, mesh }
+                    MeshRef { page, mesh }
                 })
             });
-            places.push(of_room.collect());
+            mesh_refs.push(of_room.collect());
         }
         let hints = pages.hints().iter();
-        let hints = hints.map(|hint| HintedPages::new(hint, &places)).collect();
+        let hints = hints.map(|hint| HintedPages::new(hint, &mesh_refs)).collect();
         Pager {
             loader: Loader::new(pages, options.threads.max(1)),
             options,
             pages: list,
-            places,
+            mesh_refs,
             boxes,
             hints,
             step: 0,
@@ -163,25 +163,26 @@ impl Pager {
 
     /// Returns `true` if the mesh of an item is not in the scene: it is a box there.
     pub fn is_absent(&self, sector: SectorId, item: ItemId) -> bool {
-        let place = self.place(sector, item);
-        place.is_some_and(|place| !matches!(self.pages[place.page as usize].meshes, State::Present(_)))
+        let mesh_ref = self.mesh_ref(sector, item);
+        mesh_ref
+            .is_some_and(|mesh_ref| !matches!(self.pages[mesh_ref.page as usize].meshes, State::Present(_)))
     }
 
     /// Returns a coarser mesh of an item whose own is absent: draw it meanwhile. It is within the box that looks see, and the
     /// materials are those of its mesh. `None` if the mesh is there, or its coarser mesh is not there yet.
     #[doc(alias = "lod")]
     pub fn level(&self, sector: SectorId, item: ItemId) -> Option<&Arc<Mesh>> {
-        let place = self.place(sector, item)?;
-        match &self.pages[place.page as usize].levels {
-            State::Present(levels) => mesh_in(levels, place.mesh),
+        let mesh_ref = self.mesh_ref(sector, item)?;
+        match &self.pages[mesh_ref.page as usize].levels {
+            State::Present(levels) => mesh_in(levels, mesh_ref.mesh),
             _ => None,
         }
     }
 
-    fn place(&self, sector: SectorId, item: ItemId) -> Option<Place> {
+    fn mesh_ref(&self, sector: SectorId, item: ItemId) -> Option<MeshRef> {
         // Items that were added later have another generation, and no page.
         let of_sector = self
-            .places
+            .mesh_refs
             .get(sector.0 as usize)
             .filter(|_| item.generation == 0)?;
         *of_sector.get(item.index.0 as usize)?
@@ -218,16 +219,16 @@ impl Pager {
                         Request::Levels(_) => page.level_bytes = bytes,
                         Request::Page(_) => {
                             page.bytes = bytes;
-                            changed.push(Changed::arrived(number));
+                            changed.push(Changed::loaded(number));
                             stats.loaded += 1;
                         }
                     }
-                    page.drop_needless_levels();
+                    page.drop_levels_if_loaded();
                 }
             }
         }
         self.note(seen);
-        let dropped = self.ask(&mut stats);
+        let dropped = self.request(&mut stats);
         stats.dropped = dropped.len() as u32;
         changed.extend(dropped);
         self.exchange(scene, changed)?;
@@ -247,7 +248,7 @@ impl Pager {
         for set in seen {
             for visible in set.items() {
                 let sector = set.passage(visible.passage).sector;
-                let Some(Place { page: number, .. }) = self.place(sector, visible.item) else {
+                let Some(MeshRef { page: number, .. }) = self.mesh_ref(sector, visible.item) else {
                     continue;
                 };
                 let page = &mut self.pages[number as usize];
@@ -264,7 +265,8 @@ impl Pager {
             };
             let eye = first.eye().map(|value| value as f32);
             let of_sector = self.hints.iter().filter(|hint| hint.sector == first.sector);
-            let nearest = of_sector.min_by(|a, b| a.distance(eye).total_cmp(&b.distance(eye)));
+            let nearest =
+                of_sector.min_by(|a, b| a.distance_squared(eye).total_cmp(&b.distance_squared(eye)));
             let mut bytes = 0;
             for (rank, &number) in (0..).zip(nearest.iter().flat_map(|hint| &hint.pages)) {
                 let page = &mut self.pages[number as usize];
@@ -295,7 +297,7 @@ impl Pager {
                         && edit.set_mesh(sector, item, Arc::clone(new)).is_ok()
                 });
                 if !is_ours {
-                    self.places[sector.0 as usize][item.index.0 as usize] = None;
+                    self.mesh_refs[sector.0 as usize][item.index.0 as usize] = None;
                 }
                 is_ours
             });

@@ -1,6 +1,6 @@
-//! A page of a scene: what of it is in memory, and how much it is wanted.
+//! A page of a scene: which of its meshes are in memory, and its priority for loading.
 
-use crate::{Hint, Place};
+use crate::{Hint, MeshRef};
 use enfilade::{Aabb, ItemId, ItemIndex, Mesh, SectorId};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ pub(crate) type Meshes = Vec<(u32, Arc<Mesh>)>;
 pub(crate) struct Page {
     pub(crate) items: Vec<PagedItem>,
     pub(crate) meshes: State,
-    /// Coarser meshes, which are there only while the meshes are not.
+    /// Coarser meshes, loaded only while the meshes are not.
     pub(crate) levels: State,
     /// Memory of the meshes: their lists and what is computed of them; an estimate before they were read.
     pub(crate) bytes: u64,
@@ -21,10 +21,10 @@ pub(crate) struct Page {
     /// The last step in which one of its items was visible, and the size of the largest on the screen in that step.
     pub(crate) seen_at: u64,
     pub(crate) size_px: u16,
-    /// The last step in which an eye was where hints say that it is seen.
+    /// The last step in which the eye was in a region whose hints name the page.
     pub(crate) hinted_at: u64,
-    /// The last step in which it was among the first of these, which are loaded ahead, and its place among them.
-    pub(crate) ahead_at: u64,
+    /// The last step in which the page was to be prefetched, and its rank among those pages.
+    pub(crate) prefetch_at: u64,
     pub(crate) rank: u32,
 }
 
@@ -38,14 +38,14 @@ pub(crate) struct PagedItem {
 pub(crate) enum State {
     Absent,
     /// It waits to be read, is being read, or has been read.
-    Asked,
+    Requested,
     Present(Meshes),
     Failed,
 }
 
 impl State {
     fn is_in_memory(&self) -> bool {
-        matches!(self, State::Asked | State::Present(_))
+        matches!(self, State::Requested | State::Present(_))
     }
 
     /// Removes the meshes, and returns them.
@@ -72,47 +72,49 @@ impl Page {
             seen_at: 0,
             size_px: 0,
             hinted_at: 0,
-            ahead_at: 0,
+            prefetch_at: 0,
             rank: 0,
         }
     }
 
-    /// Notes that hints name it in this step, at this place among those that are loaded ahead if it is one of them.
+    /// Marks the page as named by hints in this step, and as to be prefetched if it has a `rank`.
     pub(crate) fn hint(&mut self, step: u64, rank: Option<u32>) {
         self.hinted_at = step;
         if let Some(rank) = rank {
-            self.rank = if self.is_ahead(step) {
+            self.rank = if self.is_prefetch(step) {
                 self.rank.min(rank)
             } else {
                 rank
             };
-            self.ahead_at = step;
+            self.prefetch_at = step;
         }
     }
 
-    /// Returns `true` if it is loaded before it is visible.
-    pub(crate) fn is_ahead(&self, step: u64) -> bool {
-        self.ahead_at == step
+    /// Returns `true` if the page is to be loaded before it is visible.
+    pub(crate) fn is_prefetch(&self, step: u64) -> bool {
+        self.prefetch_at == step
     }
 
-    /// How much the page is wanted in this step, the least most; `None` if it is not.
-    pub(crate) fn urgency(&self, step: u64) -> Option<(bool, u32)> {
+    /// Returns the key by which requests are sorted, the most urgent first; `None` if the page is neither visible nor to be
+    /// prefetched.
+    pub(crate) fn priority(&self, step: u64) -> Option<(bool, u32)> {
         if self.seen_at != step {
-            return self.is_ahead(step).then_some((true, self.rank));
+            return self.is_prefetch(step).then_some((true, self.rank));
         }
-        // What hints do not name is most often visible only because what hides it is absent. But what is large may hide much.
+        // A box that hints do not name is most likely visible only because its occluders are absent. But a large one may itself be
+        // an occluder.
         let size_px = self.size_px / if self.hinted_at == step { 1 } else { 4 };
         Some((false, u32::from(u16::MAX - size_px)))
     }
 
-    /// Memory of what is there or being read, in bytes.
+    /// Returns the memory of what is loaded or requested, in bytes.
     pub(crate) fn memory(&self) -> u64 {
         let of = |state: &State, bytes| if state.is_in_memory() { bytes } else { 0 };
         of(&self.meshes, self.bytes) + of(&self.levels, self.level_bytes)
     }
 
-    /// Memory that is free once the page has left, in bytes.
-    pub(crate) fn memory_there(&self) -> u64 {
+    /// Returns the memory that evicting the page frees, in bytes.
+    pub(crate) fn evictable_bytes(&self) -> u64 {
         let of = |state: &State, bytes| {
             if matches!(state, State::Present(_)) {
                 bytes
@@ -123,15 +125,15 @@ impl Page {
         of(&self.meshes, self.bytes) + of(&self.levels, self.level_bytes)
     }
 
-    /// Coarser meshes are not drawn once the meshes are there.
-    pub(crate) fn drop_needless_levels(&mut self) {
+    /// Drops the coarser meshes if the meshes are loaded: only one of the two is drawn.
+    pub(crate) fn drop_levels_if_loaded(&mut self) {
         if matches!(self.meshes, State::Present(_)) {
             self.levels.take();
         }
     }
 }
 
-/// A page that comes into the scene or leaves it.
+/// A page that was loaded into the scene or evicted from it.
 pub(crate) struct Changed {
     pub(crate) number: u32,
     /// Its meshes in the scene; none if it was absent.
@@ -139,7 +141,7 @@ pub(crate) struct Changed {
 }
 
 impl Changed {
-    pub(crate) fn arrived(number: u32) -> Changed {
+    pub(crate) fn loaded(number: u32) -> Changed {
         Changed {
             number,
             before: Vec::new(),
@@ -155,11 +157,11 @@ pub(crate) struct HintedPages {
 }
 
 impl HintedPages {
-    /// `places` are those of each item, by sector and index.
-    pub(crate) fn new(hint: &Hint, places: &[Vec<Option<Place>>]) -> HintedPages {
+    /// `mesh_refs` are those of each item, by sector and index.
+    pub(crate) fn new(hint: &Hint, mesh_refs: &[Vec<Option<MeshRef>>]) -> HintedPages {
         let page = |&(SectorId(sector), ItemIndex(item)): &(SectorId, ItemIndex)| {
-            let place = places.get(sector as usize)?.get(item as usize)?;
-            place.map(|place| place.page)
+            let mesh_ref = mesh_refs.get(sector as usize)?.get(item as usize)?;
+            mesh_ref.map(|mesh_ref| mesh_ref.page)
         };
         let mut known = BTreeSet::new();
         let pages = hint.items.iter().filter_map(page);
@@ -170,8 +172,8 @@ impl HintedPages {
         }
     }
 
-    /// The square of the distance to the part of the room that it is of.
-    pub(crate) fn distance(&self, eye: [f32; 3]) -> f32 {
+    /// Returns the squared distance of a position from the region.
+    pub(crate) fn distance_squared(&self, eye: [f32; 3]) -> f32 {
         let Aabb { min, max } = self.bounds;
         let outside = (0..3).map(|axis| (min[axis] - eye[axis]).max(eye[axis] - max[axis]).max(0.0));
         outside.map(|distance| distance * distance).sum()

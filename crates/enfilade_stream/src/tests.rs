@@ -284,8 +284,8 @@ fn with_hints(file: &Path, change: impl Fn(&mut Hint)) -> Vec<Hint> {
         ..HintOptions::default()
     };
     let mut sampler = HintSampler::open(file, options).expect("a town");
-    let mut hints: Vec<Hint> = (0..sampler.count())
-        .map(|part| sampler.sample(part).expect("sampled"))
+    let mut hints: Vec<Hint> = (0..sampler.region_count())
+        .map(|region| sampler.sample(region).expect("sampled"))
         .collect();
     drop(sampler);
     hints.iter_mut().for_each(change);
@@ -300,7 +300,7 @@ fn hints_name_what_is_seen_whatever_the_budget_and_most_of_what_further_views_se
     let (_folder, file, _) = baked();
     let hints = with_hints(&file, |_| {});
     let [hint] = &hints[..] else {
-        panic!("a town of one part: {hints:?}")
+        panic!("a town of one region: {hints:?}")
     };
     assert!(hint.items.len() > 60, "{} items", hint.items.len());
     let mut options = HintOptions {
@@ -325,7 +325,7 @@ fn hints_name_what_is_seen_whatever_the_budget_and_most_of_what_further_views_se
 fn wrong_hints_change_the_order_of_loading_and_not_what_is_seen() {
     let (_folder, file, whole) = baked();
     with_hints(&file, |hint| {
-        // The houses at the far end only, and the part is not where the eye is.
+        // The houses at the far end only, and the region is not where the eye is.
         hint.items = (0..20)
             .map(|house| (SectorId(0), ItemIndex(81 - house)))
             .collect();

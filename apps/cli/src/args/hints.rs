@@ -10,12 +10,11 @@ use std::path::PathBuf;
 Programs that load a baked scene page by page (enfilade_stream) load first what the hints of the eye's room name, and then \
 what may become visible there. Hints never hide anything: what is visible is visible without them too.
 
-In each room places are chosen where people could stand, and looks from there in all directions tell which items are \
-visible, until further places see nothing new. Rooms whose meshes take more than 32 MB have hints for halves of halves of \
-their box.
+In each room, looks in all directions from positions where people could stand find the visible items, until further \
+positions find nothing new. A room whose meshes take more than 32 MB is divided into regions, each with hints of its own.
 
-With --parts the hints of each part are a file of FOLDER first, unless they are there already; so an interrupted run goes on, \
-and several machines can sample a share each.
+With --parts the hints of each region are written to a file of FOLDER first, unless it is up to date; so an interrupted run \
+goes on, and several machines can sample a share each.
 
 Examples:
   enfilade hints town.enf
@@ -31,10 +30,10 @@ pub(crate) struct HintsArgs {
     /// Write the scene with hints to this file (atomically) instead of SCENE.enf
     #[arg(short, long, value_name = "FILE.enf", conflicts_with = "shard")]
     pub(crate) output: Option<PathBuf>,
-    /// Look from at most N places in each part of a room
+    /// Look from at most N positions in each region
     #[arg(long, value_name = "N", default_value = "128", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub(crate) places: u32,
-    /// Compare the hints with N views from further places in each part
+    pub(crate) positions: u32,
+    /// Compare the hints with N views from further positions in each region
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000), conflicts_with = "shard")]
     pub(crate) check: Option<u32>,
     #[command(flatten)]

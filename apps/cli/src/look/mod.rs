@@ -9,16 +9,16 @@ use crate::check::check;
 use crate::choose;
 use crate::json::{SceneReport, Sink};
 use crate::measure::{self, PASSES};
-use crate::open::{Purpose, configure, open};
+use crate::open::{OpenedScene, Purpose, configure, open};
 use crate::out;
-use crate::prepare::{left_out, prepare};
+use crate::prepare::{PreparedScene, SkippedMethod, left_out, prepare};
 use crate::progress::Progress;
 use crate::report::{PassageReport, Report, Reports, Summary};
 use crate::run_files::RunFiles;
 use crate::text::{bytes, count, ms, percent, plural, point, short, table};
 use crate::values::Choice;
 use anyhow::Result;
-use enfilade::{ChoiceGoal, Contract, Viewer};
+use enfilade::{ChoiceGoal, Contract, View, Viewer};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -34,24 +34,13 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     }
     let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
     let sink = Sink::new(&args.json, &mut files)?;
-    configure(&args.methods.how)?;
     let choice = args.methods.choice();
-    let opened = open(
-        &args.scene.scene,
-        Purpose::Visibility,
-        choice,
-        args.methods.how.portals,
-        &args.methods.how.limits,
-        &mut files,
-    )?;
-    let views = cameras::views(&args.cameras, &opened)?;
-    let (prepared, skipped) = prepare(
-        &opened,
-        choice,
-        ChoiceGoal::Look,
-        &args.methods.how,
-        views.first(),
-    )?;
+    let Opened {
+        scene: opened,
+        views,
+        prepared,
+        skipped,
+    } = Opened::new(args, choice, &mut files)?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(|prepared| prepared.viewer()).collect();
     let mut reports = Vec::new();
     let progress = Progress::steps("looking", prepared.len() * views.len() * (1 + PASSES));
@@ -75,6 +64,37 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
     warn_of_contested(reports.each());
     reports.each().iter().for_each(print_failures);
     Ok(Outcome::of(reports.each()))
+}
+
+/// What a run looks at.
+struct Opened {
+    scene: OpenedScene,
+    views: Vec<View>,
+    prepared: Vec<PreparedScene>,
+    skipped: Vec<SkippedMethod>,
+}
+
+impl Opened {
+    fn new(args: &LookArgs, choice: Choice, files: &mut RunFiles) -> Result<Opened> {
+        let how = &args.methods.how;
+        configure(how)?;
+        let scene = open(
+            &args.scene.scene,
+            Purpose::Visibility,
+            choice,
+            how.portals,
+            &how.limits,
+            files,
+        )?;
+        let views = cameras::views(&args.cameras, &scene)?;
+        let (prepared, skipped) = prepare(&scene, choice, ChoiceGoal::Look, how, views.first())?;
+        Ok(Opened {
+            scene,
+            views,
+            prepared,
+            skipped,
+        })
+    }
 }
 
 /// Minimum share of certain samples; with fewer, a check has tested little, and a warning is printed.

@@ -4,17 +4,16 @@
 //! methods. It holds nothing that differs between runs or machines. A merge copies the lines, so numbers keep their
 //! digits, and adds up the summary again.
 
-use super::{CERTAIN_ENOUGH, location, print_approximate, print_failure, warn_of_uncertain};
+use super::{CERTAIN_ENOUGH, Opened, location, print_approximate, print_failure, warn_of_uncertain};
 use crate::Outcome;
 use crate::args::{LookArgs, TightnessArg};
-use crate::cameras;
 use crate::check::{CheckResult, check_methods, reference};
 use crate::json::{Sink, json_of};
 use crate::measure::{self, LookResult};
 use crate::names::Names;
-use crate::open::{OpenedScene, Purpose, configure, open};
+use crate::open::OpenedScene;
 use crate::out;
-use crate::prepare::{PreparedScene, SkippedMethod, prepare};
+use crate::prepare::{PreparedScene, SkippedMethod};
 use crate::progress::Progress;
 use crate::read::read_file;
 use crate::report::{ContestedReport, parallel_height, single};
@@ -24,13 +23,13 @@ use crate::shards::PartFiles;
 use crate::text::{count, percent, plural, table};
 use crate::values::{Choice, Shard};
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use enfilade::{ChoiceGoal, Contract, View, Viewer};
+use enfilade::{Contract, View, Viewer};
 use serde::{Deserialize, Serialize};
 use serde_json::value::{RawValue, to_raw_value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::Xxh3;
 
@@ -154,23 +153,12 @@ pub(super) fn run(args: &LookArgs, shard: Shard) -> Result<Outcome> {
     let mut files = RunFiles::of(&args.scene.scene, args.cameras.path.as_deref())?;
     let destination = files.writes(&parts.path(shard))?;
     let sink = Sink::new(&args.json, &mut files)?;
-    configure(&args.methods.how)?;
-    let opened = open(
-        &args.scene.scene,
-        Purpose::Visibility,
-        choice,
-        args.methods.how.portals,
-        &args.methods.how.limits,
-        &mut files,
-    )?;
-    let views = cameras::views(&args.cameras, &opened)?;
-    let (prepared, skipped) = prepare(
-        &opened,
-        choice,
-        ChoiceGoal::Look,
-        &args.methods.how,
-        views.first(),
-    )?;
+    let Opened {
+        scene: opened,
+        views,
+        prepared,
+        skipped,
+    } = Opened::new(args, choice, &mut files)?;
     let checked = checked_views(args, shard, &prepared, &views)?;
     let lines: Vec<Box<RawValue>> = (checked.iter())
         .map(|view| to_raw_value(view).context("cannot encode the report as JSON"))
@@ -524,17 +512,7 @@ fn hash_of_files(scene: &Path, others: &[PathBuf]) -> Result<String> {
             Err(why) if why.kind() == ErrorKind::NotFound && path != scene => continue,
             file => file.with_context(fails)?,
         };
-        let mut buffer = vec![0; 1 << 20];
-        let mut length = 0;
-        loop {
-            match file.read(&mut buffer).with_context(fails)? {
-                0 => break,
-                some => {
-                    hash.update(&buffer[..some]);
-                    length += some as u64;
-                }
-            }
-        }
+        let length = io::copy(&mut file, &mut hash).with_context(fails)?;
         hash.update(&length.to_le_bytes());
     }
     Ok(format!("{:032x}", hash.digest128()))

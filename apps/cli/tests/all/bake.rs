@@ -291,7 +291,7 @@ fn hints_have_the_same_bytes_at_once_in_shares_and_again() {
     let rooms = info["sectors"].as_array().expect("a list").len();
     let report = folder.json("hints rooms.enf -o hinted.enf --check 4");
     assert_eq!(
-        (&report["parts"], &report["sampled"]),
+        (&report["regions"], &report["sampled"]),
         (&json!(rooms), &json!(rooms))
     );
     assert!(report["items"].as_u64() > Some(rooms as u64));
@@ -300,7 +300,7 @@ fn hints_have_the_same_bytes_at_once_in_shares_and_again() {
     let hinted = fs::read(folder.path("hinted.enf")).expect("a file");
     let run = folder.run("hints rooms.enf --parts . --merge");
     assert!(
-        run.code == Some(2) && run.stderr.contains("rooms.00000.hint.json is missing"),
+        run.code == Some(2) && run.stderr.contains("rooms.enf.00000.hint is missing"),
         "{}",
         run.stderr
     );
@@ -309,7 +309,7 @@ fn hints_have_the_same_bytes_at_once_in_shares_and_again() {
     let sampled: u64 = shares.iter().filter_map(Value::as_u64).sum();
     assert_eq!((sampled, &shares[3]), (rooms as u64, &json!(0)));
     // One is cut off, as by a full disk.
-    fs::write(folder.path("rooms.00000.hint.json"), "{\"source\":").expect("written");
+    fs::write(folder.path("rooms.enf.00000.hint"), "{\"source\":").expect("written");
     assert_eq!(
         folder.json("hints rooms.enf --parts . --shard 0/3")["sampled"],
         json!(1)
@@ -338,7 +338,7 @@ fn hints_of_what_is_no_baked_scene_are_refused() {
         ("hints absent.enf", "absent.enf"),
         ("hints scene.enf --shard 0/2", "--parts"),
         ("hints scene.enf --parts nowhere", "no such folder"),
-        ("hints scene.enf --places 0", "1..=10000"),
+        ("hints scene.enf --positions 0", "1..=10000"),
         ("hints scene.enf --memory 99", "more than"),
         ("hints scene.enf -o scene2.glb", ".enf"),
     ] {

@@ -4,45 +4,65 @@
 //!     grid become one of them, and faces with two corners in a cell vanish.
 //! Cost: O(corners) for each grid that is tried.
 
-use enfilade::{Aabb, Attributes, Indices, MaterialId, Mesh, Part, Vertices};
+use enfilade::{Attributes, Indices, MaterialId, Mesh, Part, Vertices};
+use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// Cells along the longest side of the grids, the finest first.
-const GRIDS: [u32; 3] = [8, 4, 2];
-/// A mesh has so many times more triangles than a coarser one, unless that has
+/// Cells along the longest side of the grids that are tried.
+const GRIDS: [u32; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
+/// A coarser mesh has at most one in this many triangles of a mesh,
 const REDUCTION: u64 = 8;
-/// so few.
-const FEW: u64 = 12;
+/// or this many.
+const FEW: u64 = 64;
+/// If joining leaves less than one in this many of the triangles that it may, most of the mesh has vanished.
+const LOST: u64 = 4;
+
+/// The triangles of each material, as vertices of a mesh.
+type Triangles = BTreeMap<MaterialId, BTreeSet<[u32; 3]>>;
 
 /// Returns a coarser mesh within the box of a mesh, of the same materials; `None` if it has no faces.
 pub(super) fn coarse(mesh: &Mesh) -> Option<Mesh> {
-    let enough = (mesh.triangle_count() / REDUCTION).max(FEW);
     if mesh.bounds().is_empty() || mesh.face_count() == 0 {
         return None;
     }
     if mesh.triangle_count() <= FEW {
         return Some(mesh.clone());
     }
-    let mut least = None;
-    for grid in GRIDS {
-        let Some(found) = clustered(mesh, grid) else {
-            break;
-        };
-        let is_enough = found.triangle_count() <= enough;
-        least = Some(found);
-        if is_enough {
-            break;
+    let most = (mesh.triangle_count() / REDUCTION).max(FEW);
+    let mut finest = Triangles::new();
+    // As if the number of triangles grew with the grid, which it nearly does.
+    let _ = GRIDS.partition_point(|&grid| {
+        let joined = joined(mesh, grid);
+        let is_coarse = count(&joined) <= most;
+        if is_coarse {
+            finest = joined;
         }
+        is_coarse
+    });
+    if LOST * count(&finest) < most {
+        finest = largest(mesh, most as usize);
     }
-    least.or_else(|| {
-        let Aabb { min, max } = mesh.bounds();
-        let material = mesh.clusters().first()?.material;
-        Mesh::cuboid(min, max, material).ok()
-    })
+    build(mesh, &finest)
 }
 
-/// Joins the vertices in each cell of a grid; `None` if no face is left.
-fn clustered(mesh: &Mesh, grid: u32) -> Option<Mesh> {
+fn count(triangles: &Triangles) -> u64 {
+    triangles.values().map(|list| list.len() as u64).sum()
+}
+
+/// Calls `visit` with the material and the corners of each triangle.
+fn each_triangle(mesh: &Mesh, mut visit: impl FnMut(MaterialId, [u32; 3])) {
+    for cluster in mesh.clusters() {
+        for face in cluster.faces.clone() {
+            let corners = mesh.face(face);
+            for pair in corners[1..].windows(2) {
+                visit(cluster.material, [corners[0], pair[0], pair[1]]);
+            }
+        }
+    }
+}
+
+/// Joins the vertices in each cell of a grid.
+fn joined(mesh: &Mesh, grid: u32) -> Triangles {
     let bounds = mesh.bounds();
     let cells_per_unit = f64::from(grid) / f64::from(bounds.longest_side());
     let cell_of = |&position: &[f32; 3]| {
@@ -52,30 +72,48 @@ fn clustered(mesh: &Mesh, grid: u32) -> Option<Mesh> {
         })
     };
     let cells: Vec<[u32; 3]> = mesh.positions().iter().map(cell_of).collect();
-    let (kept, new_of) = nearest_to_means(mesh.positions(), &cells);
-    let mut of_materials: BTreeMap<MaterialId, BTreeSet<[u32; 3]>> = BTreeMap::new();
-    for cluster in mesh.clusters() {
-        let triangles = of_materials.entry(cluster.material).or_default();
-        for face in cluster.faces.clone() {
-            let corners = mesh.face(face);
-            for pair in corners[1..].windows(2) {
-                let [a, b, c] = [corners[0], pair[0], pair[1]].map(|corner| new_of[corner as usize]);
-                if a != b && b != c && c != a {
-                    // The same triangle from whichever corner it starts.
-                    triangles.insert(
-                        [[a, b, c], [b, c, a], [c, a, b]]
-                            .into_iter()
-                            .min()
-                            .unwrap_or([a, b, c]),
-                    );
-                }
-            }
+    let kept = nearest_to_means(mesh.positions(), &cells);
+    let mut triangles = Triangles::new();
+    each_triangle(mesh, |material, corners| {
+        let [a, b, c] = corners.map(|corner| kept[corner as usize]);
+        if a != b && b != c && c != a {
+            // The same triangle from whichever corner it starts.
+            let same = [[a, b, c], [b, c, a], [c, a, b]];
+            let of_material = triangles.entry(material).or_default();
+            of_material.insert(same.into_iter().min().unwrap_or([a, b, c]));
         }
+    });
+    triangles
+}
+
+/// Returns the largest triangles.
+fn largest(mesh: &Mesh, count: usize) -> Triangles {
+    let mut all = Vec::new();
+    each_triangle(mesh, |material, corners| {
+        let [a, b, c] = corners.map(|corner| DVec3::from(mesh.positions()[corner as usize].map(f64::from)));
+        all.push(((b - a).cross(c - a).length_squared(), material, corners));
+    });
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut triangles = Triangles::new();
+    for (_, material, corners) in all.into_iter().take(count) {
+        triangles.entry(material).or_default().insert(corners);
     }
-    let list = Kept::new(mesh, &kept);
-    let corners: Vec<(MaterialId, Vec<u32>)> = (of_materials.into_iter())
-        .filter(|(_, triangles)| !triangles.is_empty())
-        .map(|(material, triangles)| (material, triangles.into_iter().flatten().collect()))
+    triangles
+}
+
+/// Builds a mesh of some triangles of the vertices of another.
+fn build(mesh: &Mesh, triangles: &Triangles) -> Option<Mesh> {
+    let used: BTreeSet<u32> = triangles.values().flatten().flatten().copied().collect();
+    let used: Vec<u32> = used.into_iter().collect();
+    let list = Kept::new(mesh, &used);
+    let new_of: HashMap<u32, u32> = used.into_iter().zip(0..).collect();
+    let corners: Vec<(MaterialId, Vec<u32>)> = (triangles.iter())
+        .map(|(&material, triangles)| {
+            (
+                material,
+                triangles.iter().flatten().map(|old| new_of[old]).collect(),
+            )
+        })
         .collect();
     let parts: Vec<Part> = (corners.iter())
         .map(|(material, corners)| Part {
@@ -86,38 +124,40 @@ fn clustered(mesh: &Mesh, grid: u32) -> Option<Mesh> {
             attributes: list.attributes(),
         })
         .collect();
-    if parts.is_empty() {
-        return None;
-    }
-    Mesh::new(&parts).ok()
+    Mesh::new(&parts).ok().filter(|mesh| mesh.face_count() > 0)
 }
 
-/// Returns the vertices that are nearest to the mean of those in their cell, and for each vertex the place of that of its cell.
-fn nearest_to_means(positions: &[[f32; 3]], cells: &[[u32; 3]]) -> (Vec<u32>, Vec<u32>) {
-    let mut sums: HashMap<[u32; 3], ([f64; 3], f64)> = HashMap::new();
-    for (position, &cell) in positions.iter().zip(cells) {
-        let (sum, count) = sums.entry(cell).or_default();
-        (0..3).for_each(|axis| sum[axis] += f64::from(position[axis]));
-        *count += 1.0;
+/// Returns for each vertex the one of its cell that is nearest to the mean of all in the cell.
+fn nearest_to_means(positions: &[[f32; 3]], cells: &[[u32; 3]]) -> Vec<u32> {
+    /// The sum of the positions in a cell and their number, and the nearest vertex so far with its squared distance.
+    #[derive(Default)]
+    struct Cell {
+        sum: DVec3,
+        count: f64,
+        nearest: Option<(f64, u32)>,
     }
-    // The place of each cell, and the distance of its nearest vertex so far.
-    let mut places: HashMap<[u32; 3], (u32, f64)> = HashMap::new();
-    let (mut kept, mut new_of) = (Vec::new(), Vec::with_capacity(cells.len()));
-    for ((position, &cell), vertex) in positions.iter().zip(cells).zip(0..) {
-        let (sum, count) = sums[&cell];
-        let offset = (0..3).map(|axis| f64::from(position[axis]) - sum[axis] / count);
-        let distance = offset.map(|offset| offset * offset).sum::<f64>();
-        let (place, best) = places.entry(cell).or_insert_with(|| {
-            kept.push(vertex);
-            (kept.len() as u32 - 1, distance)
-        });
-        if distance < *best {
-            *best = distance;
-            kept[*place as usize] = vertex;
+    let positions = || {
+        positions
+            .iter()
+            .map(|position| DVec3::from(position.map(f64::from)))
+    };
+    let mut of_cells: HashMap<[u32; 3], Cell> = HashMap::new();
+    for (position, &cell) in positions().zip(cells) {
+        let cell = of_cells.entry(cell).or_default();
+        cell.sum += position;
+        cell.count += 1.0;
+    }
+    for ((position, cell), vertex) in positions().zip(cells).zip(0..) {
+        let cell = of_cells.entry(*cell).or_default();
+        let distance = position.distance_squared(cell.sum / cell.count);
+        if cell.nearest.is_none_or(|(least, _)| distance < least) {
+            cell.nearest = Some((distance, vertex));
         }
-        new_of.push(*place);
     }
-    (kept, new_of)
+    let nearest = |cell| of_cells.get(cell)?.nearest;
+    let each = cells.iter().zip(0..);
+    each.map(|(cell, vertex)| nearest(cell).map_or(vertex, |(_, nearest)| nearest))
+        .collect()
 }
 
 /// The vertices that are kept, with what they have.
@@ -207,7 +247,7 @@ mod tests {
             rough.triangle_count(),
             ball.triangle_count()
         );
-        let cell = ball.bounds().longest_side() / 8.0 * 3.0_f32.sqrt();
+        let cell = ball.bounds().longest_side() / 16.0 * 3.0_f32.sqrt();
         let distance =
             |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f32>().sqrt();
         for position in ball.positions() {
@@ -228,17 +268,20 @@ mod tests {
     }
 
     #[test]
-    fn what_vanishes_in_every_grid_becomes_a_box_and_small_meshes_stay() {
-        // A cloud of specks, each within a cell.
+    fn of_what_vanishes_in_grids_the_largest_faces_stay_and_small_meshes_stay_as_they_are() {
+        // A cloud of specks, each within a cell of the finest grid, and some panes among them.
         let mut positions = Vec::new();
-        for speck in 0..40_u8 {
-            let at = f32::from(speck % 2) * 9.0;
-            positions.extend([[at, at, at], [at + 0.1, at, at], [at, at + 0.1, at + 0.1]]);
+        for speck in 0..800_u16 {
+            let at = f32::from(speck) * 9.0;
+            let size = if speck % 80 == 7 { 2.0 } else { 0.01 };
+            positions.extend([[at, at, at], [at + size, at, at], [at, at + size, at + size]]);
         }
-        let corners: Vec<u32> = (0..120).collect();
+        let corners: Vec<u32> = (0..2400).collect();
         let specks = Mesh::triangles(&positions, &corners, MaterialId(3)).expect("specks");
-        let rough = coarse(&specks).expect("a box");
-        assert_eq!((rough.bounds(), rough.face_count()), (specks.bounds(), 6));
+        let rough = coarse(&specks).expect("faces");
+        assert_eq!(rough.face_count(), 100);
+        let pane = |pane: u16| [9.0 * f32::from(80 * pane + 7); 3];
+        assert!((0..10).all(|number| rough.positions().contains(&pane(number))));
         let cuboid = Mesh::cuboid([0.0; 3], [1.0; 3], MaterialId(0)).expect("a cuboid");
         assert!(coarse(&cuboid).expect("a cuboid").to_bytes() == cuboid.to_bytes());
         assert!(coarse(&Mesh::new(&[]).expect("nothing")).is_none());

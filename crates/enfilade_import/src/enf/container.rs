@@ -42,7 +42,7 @@ pub(super) enum Kind {
     Image = 6,
     /// What the scene was baked from, in the words of the program that baked it.
     Source = 7,
-    /// What is seen from a part of a room: see [`Hint`](super::Hint).
+    /// What is seen from a region of a room: see [`Hint`](super::Hint).
     Hint = 8,
     /// Coarser meshes of those of the page of the same number, as in the page.
     Level = 9,

@@ -1,4 +1,4 @@
-//! Prefetch hints: what is seen from a part of a room, by sampling. They order loading, and never filter.
+//! Prefetch hints: what is seen from a region of a room, by sampling. They order loading, and never filter.
 
 use super::BakeError;
 use super::container::{Container, Kind, Section, Source, Writer};
@@ -12,14 +12,14 @@ use std::io::{Seek, Write};
 use std::path::Path;
 use std::sync::Mutex;
 
-/// The items that are seen from a part of a room.
+/// The items that are seen from a region: a room, or a piece of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hint {
     /// The room.
     pub sector: SectorId,
-    /// The part of it, in its space.
+    /// The AABB of the region, in the space of the room.
     pub bounds: Aabb,
-    /// The items, those seen from most places first.
+    /// The items, those seen from most positions first.
     pub items: Vec<(SectorId, ItemIndex)>,
 }
 
@@ -49,7 +49,7 @@ fn decode(bytes: &[u8], counts: &[u32]) -> Result<Hint, &'static str> {
     let record: HintRecord = bytemuck::pod_read_unaligned(record);
     let [min, max] = record.bounds;
     if record.sector as usize >= counts.len() || min.iter().chain(&max).any(|value| value.is_nan()) {
-        return Err("it is of no part of a room");
+        return Err("its region is in no room");
     }
     if !items.len().is_multiple_of(size_of::<[u32; 2]>()) {
         return Err("it ends within an item");

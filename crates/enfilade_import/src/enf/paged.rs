@@ -145,7 +145,7 @@ impl Pages {
         self.records[mesh as usize].length.into()
     }
 
-    /// Returns what is seen from parts of rooms, if the scene was baked with hints.
+    /// Returns what is seen from regions of rooms, if the scene was baked with hints.
     pub fn hints(&self) -> &[Hint] {
         &self.hints
     }
@@ -169,7 +169,7 @@ impl Pages {
     }
 
     /// Reads coarser meshes of those of a page, to draw until it is read: each is within the box of its mesh, has its materials,
-    /// and up to an eighth of its triangles. Returns them with the index in the file of the mesh that they stand for. They are
+    /// and at most an eighth of its triangles, or 64. Returns them with the index in the file of the mesh that they stand for. They are
     /// not for looks: they hide what their mesh does not, and the other way round.
     ///
     /// # Errors

@@ -2,11 +2,10 @@
 //!
 //! Source: Rossignac, Borrel, Multi-resolution 3D approximations for rendering complex scenes, 1993: the vertices in a cell of a
 //!     grid become one of them, and faces with two corners in a cell vanish.
-//! Cost: O(corners) for each grid that is tried.
+//! Cost: O(n log n) in the corners, for each of three or four grids.
 
 use enfilade::{Attributes, Indices, MaterialId, Mesh, Part, Vertices};
 use glam::DVec3;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Cells along the longest side of the grids that are tried.
 const GRIDS: [u32; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
@@ -15,10 +14,10 @@ const REDUCTION: u64 = 8;
 /// or this many.
 const FEW: u64 = 64;
 /// If joining leaves less than one in this many of the triangles that it may, most of the mesh has vanished.
-const LOST: u64 = 4;
+const LOST: usize = 4;
 
-/// The triangles of each material, as vertices of a mesh.
-type Triangles = BTreeMap<MaterialId, BTreeSet<[u32; 3]>>;
+/// The material of each triangle and its vertices in a mesh, sorted, each once.
+type Triangles = Vec<(MaterialId, [u32; 3])>;
 
 /// Returns a coarser mesh within the box of a mesh, of the same materials; `None` if it has no faces.
 pub(super) fn coarse(mesh: &Mesh) -> Option<Mesh> {
@@ -28,25 +27,21 @@ pub(super) fn coarse(mesh: &Mesh) -> Option<Mesh> {
     if mesh.triangle_count() <= FEW {
         return Some(mesh.clone());
     }
-    let most = (mesh.triangle_count() / REDUCTION).max(FEW);
+    let most = (mesh.triangle_count() / REDUCTION).max(FEW) as usize;
     let mut finest = Triangles::new();
     // As if the number of triangles grew with the grid, which it nearly does.
     let _ = GRIDS.partition_point(|&grid| {
         let joined = joined(mesh, grid);
-        let is_coarse = count(&joined) <= most;
+        let is_coarse = joined.len() <= most;
         if is_coarse {
             finest = joined;
         }
         is_coarse
     });
-    if LOST * count(&finest) < most {
-        finest = largest(mesh, most as usize);
+    if LOST * finest.len() < most {
+        finest = largest(mesh, most);
     }
     build(mesh, &finest)
-}
-
-fn count(triangles: &Triangles) -> u64 {
-    triangles.values().map(|list| list.len() as u64).sum()
 }
 
 /// Calls `visit` with the material and the corners of each triangle.
@@ -65,24 +60,25 @@ fn each_triangle(mesh: &Mesh, mut visit: impl FnMut(MaterialId, [u32; 3])) {
 fn joined(mesh: &Mesh, grid: u32) -> Triangles {
     let bounds = mesh.bounds();
     let cells_per_unit = f64::from(grid) / f64::from(bounds.longest_side());
-    let cell_of = |&position: &[f32; 3]| {
-        [0, 1, 2].map(|axis| {
+    // The number of the cell; a side has at most 256.
+    let cell_of = |position: &[f32; 3]| {
+        (0..3).fold(0, |cell, axis| {
             let along = f64::from(position[axis]) - f64::from(bounds.min[axis]);
-            ((along * cells_per_unit) as u32).min(grid - 1)
+            cell << 8 | ((along * cells_per_unit) as u32).min(grid - 1)
         })
     };
-    let cells: Vec<[u32; 3]> = mesh.positions().iter().map(cell_of).collect();
-    let kept = nearest_to_means(mesh.positions(), &cells);
+    let kept = nearest_to_means(mesh.positions(), cell_of);
     let mut triangles = Triangles::new();
     each_triangle(mesh, |material, corners| {
         let [a, b, c] = corners.map(|corner| kept[corner as usize]);
         if a != b && b != c && c != a {
             // The same triangle from whichever corner it starts.
             let same = [[a, b, c], [b, c, a], [c, a, b]];
-            let of_material = triangles.entry(material).or_default();
-            of_material.insert(same.into_iter().min().unwrap_or([a, b, c]));
+            triangles.push((material, same.into_iter().min().unwrap_or([a, b, c])));
         }
     });
+    triangles.sort_unstable();
+    triangles.dedup();
     triangles
 }
 
@@ -94,25 +90,26 @@ fn largest(mesh: &Mesh, count: usize) -> Triangles {
         all.push(((b - a).cross(c - a).length_squared(), material, corners));
     });
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut triangles = Triangles::new();
-    for (_, material, corners) in all.into_iter().take(count) {
-        triangles.entry(material).or_default().insert(corners);
-    }
+    let largest = all.into_iter().take(count);
+    let mut triangles: Triangles = largest
+        .map(|(_, material, corners)| (material, corners))
+        .collect();
+    triangles.sort_unstable();
     triangles
 }
 
 /// Builds a mesh of some triangles of the vertices of another.
 fn build(mesh: &Mesh, triangles: &Triangles) -> Option<Mesh> {
-    let used: BTreeSet<u32> = triangles.values().flatten().flatten().copied().collect();
-    let used: Vec<u32> = used.into_iter().collect();
+    let mut used: Vec<u32> = triangles.iter().flat_map(|(_, corners)| *corners).collect();
+    used.sort_unstable();
+    used.dedup();
     let list = Kept::new(mesh, &used);
-    let new_of: HashMap<u32, u32> = used.into_iter().zip(0..).collect();
-    let corners: Vec<(MaterialId, Vec<u32>)> = (triangles.iter())
-        .map(|(&material, triangles)| {
-            (
-                material,
-                triangles.iter().flatten().map(|old| new_of[old]).collect(),
-            )
+    let new_of = |old: u32| used.partition_point(|&vertex| vertex < old) as u32;
+    let corners: Vec<(MaterialId, Vec<u32>)> = triangles
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|triangles| {
+            let corners = triangles.iter().flat_map(|(_, corners)| *corners);
+            (triangles[0].0, corners.map(new_of).collect())
         })
         .collect();
     let parts: Vec<Part> = (corners.iter())
@@ -127,37 +124,21 @@ fn build(mesh: &Mesh, triangles: &Triangles) -> Option<Mesh> {
     Mesh::new(&parts).ok().filter(|mesh| mesh.face_count() > 0)
 }
 
-/// Returns for each vertex the one of its cell that is nearest to the mean of all in the cell.
-fn nearest_to_means(positions: &[[f32; 3]], cells: &[[u32; 3]]) -> Vec<u32> {
-    /// The sum of the positions in a cell and their number, and the nearest vertex so far with its squared distance.
-    #[derive(Default)]
-    struct Cell {
-        sum: DVec3,
-        count: f64,
-        nearest: Option<(f64, u32)>,
-    }
-    let positions = || {
-        positions
-            .iter()
-            .map(|position| DVec3::from(position.map(f64::from)))
-    };
-    let mut of_cells: HashMap<[u32; 3], Cell> = HashMap::new();
-    for (position, &cell) in positions().zip(cells) {
-        let cell = of_cells.entry(cell).or_default();
-        cell.sum += position;
-        cell.count += 1.0;
-    }
-    for ((position, cell), vertex) in positions().zip(cells).zip(0..) {
-        let cell = of_cells.entry(*cell).or_default();
-        let distance = position.distance_squared(cell.sum / cell.count);
-        if cell.nearest.is_none_or(|(least, _)| distance < least) {
-            cell.nearest = Some((distance, vertex));
+/// Returns for each vertex the one that is nearest to the mean of all in its cell.
+fn nearest_to_means(positions: &[[f32; 3]], cell_of: impl Fn(&[f32; 3]) -> u32) -> Vec<u32> {
+    let mut by_cell: Vec<(u32, u32)> = positions.iter().map(cell_of).zip(0..).collect();
+    by_cell.sort_unstable();
+    let mut nearest = vec![0; positions.len()];
+    for cell in by_cell.chunk_by(|a, b| a.0 == b.0) {
+        let position = |&(_, vertex): &(u32, u32)| DVec3::from(positions[vertex as usize].map(f64::from));
+        let mean = cell.iter().map(position).sum::<DVec3>() / cell.len() as f64;
+        let distance = |vertex| position(vertex).distance_squared(mean);
+        let of_cell = (cell.iter()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        for &(_, vertex) in cell {
+            nearest[vertex as usize] = of_cell.map_or(vertex, |&(_, nearest)| nearest);
         }
     }
-    let nearest = |cell| of_cells.get(cell)?.nearest;
-    let each = cells.iter().zip(0..);
-    each.map(|(cell, vertex)| nearest(cell).map_or(vertex, |(_, nearest)| nearest))
-        .collect()
+    nearest
 }
 
 /// The vertices that are kept, with what they have.
@@ -195,6 +176,7 @@ impl Kept {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
 
     /// A ball of many triangles, in two materials.
     fn ball(rows: u32) -> Mesh {

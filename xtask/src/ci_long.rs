@@ -3,9 +3,13 @@
 
 use crate::targets::cargo;
 use anyhow::{Context, Result, ensure};
+use std::time::Instant;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
+    /// Run only the steps whose command contains one of these [default: all]
+    #[arg(value_name = "PART")]
+    parts: Vec<String>,
     /// Number of random scenes
     #[arg(long, default_value_t = 20_000)]
     scenes: u64,
@@ -54,16 +58,37 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             "--ignored",
         ],
     ];
+    let wanted = |line: &String| args.parts.is_empty() || args.parts.iter().any(|part| line.contains(part));
     let mut failed = Vec::new();
+    let mut count = 0;
     for step in steps {
         let line = format!("cargo {}", step.join(" "));
+        if !wanted(&line) {
+            continue;
+        }
         println!("\n== {line} ==");
-        let status = cargo().args(step).status();
-        if !status.with_context(|| line.clone())?.success() {
+        let start = Instant::now();
+        let passed = cargo()
+            .args(step)
+            .status()
+            .with_context(|| line.clone())?
+            .success();
+        println!(
+            "== {}, {:.0} s: {line}",
+            if passed { "passed" } else { "failed" },
+            start.elapsed().as_secs_f64()
+        );
+        if !passed {
             failed.push(line);
         }
+        count += 1;
     }
+    ensure!(
+        count > 0,
+        "no step contains {}; give no argument to run all",
+        args.parts.join(", ")
+    );
     ensure!(failed.is_empty(), "failed: {}", failed.join("; "));
-    println!("\nall steps passed");
+    println!("\nall {count} steps passed");
     Ok(())
 }

@@ -1,8 +1,9 @@
 //! Walks through a baked scene that is larger than memory, and prints what is absent and how long frames take.
 //!
-//! `cargo run --release -p enfilade_stream --example walk -- SCENE.enf VIEWS.jsonl MEGABYTES [FRAME_MS]`: the views are those
-//! that `enfilade look --path` reads, a frame each; a frame takes at least FRAME_MS, as in a game. With MEGABYTES 0 everything
-//! is in memory. With FRAME_MS 0 each frame waits for a page, and is compared with an exact look at everything in memory.
+//! `cargo run --release -p enfilade_stream --example walk -- SCENE.enf VIEWS.jsonl MEGABYTES [FRAME_MS [TRUTH]]`: the views are
+//! those that `enfilade look --path` reads, a frame each; a frame takes at least FRAME_MS, as in a game. With MEGABYTES 0
+//! everything is in memory. With FRAME_MS 0 each frame waits for a page. TRUTH is a file of what exact looks at everything find
+//! visible; it is written if MEGABYTES is 0, and else compared with.
 #![allow(clippy::print_stdout, reason = "the answer")]
 
 use enfilade::{Camera, ItemIndex, Method, Scene, SectorId, View, Viewer, VisibleSet};
@@ -16,10 +17,11 @@ use std::time::{Duration, Instant};
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
-    let (file, views, megabytes, frame_ms) = match args[..] {
-        [file, views, megabytes] => (file, views, megabytes, "16"),
-        [file, views, megabytes, frame_ms] => (file, views, megabytes, frame_ms),
-        _ => return Err("usage: walk SCENE.enf VIEWS.jsonl MEGABYTES [FRAME_MS]".into()),
+    let (file, views, megabytes, frame_ms, truth) = match args[..] {
+        [file, views, megabytes] => (file, views, megabytes, "16", None),
+        [file, views, megabytes, frame_ms] => (file, views, megabytes, frame_ms, None),
+        [file, views, megabytes, frame_ms, truth] => (file, views, megabytes, frame_ms, Some(truth)),
+        _ => return Err("usage: walk SCENE.enf VIEWS.jsonl MEGABYTES [FRAME_MS [TRUTH]]".into()),
     };
     let (file, frame_ms) = (Path::new(file), frame_ms.parse()?);
     let views = read_views(views)?;
@@ -27,6 +29,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     options.bytes = megabytes.parse::<u64>()? * 1_000_000;
     let start = Instant::now();
     let mut walk = Walk::default();
+    if let (0, Some(truth)) = (options.bytes, truth) {
+        let scene = whole(file, Method::HierarchicalZ)?;
+        let mut viewer = Viewer::new();
+        let seen = views.iter().map(|view| line(&items(viewer.look(&scene, view))));
+        return Ok(std::fs::write(truth, seen.collect::<String>())?);
+    }
     if options.bytes == 0 {
         walk.in_memory(&whole(file, METHOD)?, &views, frame_ms);
     } else {
@@ -38,12 +46,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             start.elapsed().as_secs_f64() * 1e3,
             peak_megabytes()
         );
-        let truth = if frame_ms == 0 {
-            Some(whole(file, Method::HierarchicalZ)?)
-        } else {
-            None
-        };
-        walk.paged(&mut scene, &mut pager, &views, frame_ms, truth.as_ref())?;
+        let truth = truth.map_or(Ok(String::new()), std::fs::read_to_string)?;
+        walk.paged(&mut scene, &mut pager, &views, frame_ms, &truth)?;
     }
     walk.print(views.len());
     Ok(())
@@ -74,6 +78,8 @@ struct Walk {
     most_bytes: u64,
     compared: u64,
     lost: u64,
+    truly_absent: u64,
+    frames_truly_absent: u32,
 }
 
 impl Walk {
@@ -93,17 +99,24 @@ impl Walk {
         pager: &mut Pager,
         views: &[View],
         frame_ms: u64,
-        truth: Option<&Scene>,
+        truth: &str,
     ) -> Result<(), Box<dyn Error>> {
-        let [mut viewer, mut of_truth] = [Viewer::new(), Viewer::new()];
+        let mut viewer = Viewer::new();
+        let mut truth = truth.lines();
         for view in views {
             let start = Instant::now();
             let seen = viewer.look(scene, view);
             self.looks_ms.push(start.elapsed().as_secs_f64() * 1e3);
-            if let Some(truth) = truth {
-                let exact = items(of_truth.look(truth, view));
+            if let Some(line) = truth.next() {
+                let exact = line.split_whitespace().map(|item| Ok(ItemIndex(item.parse()?)));
+                let exact = exact.collect::<Result<BTreeSet<_>, Box<dyn Error>>>()?;
+                let seen = items(seen);
+                let is_absent = |&&item: &&ItemIndex| pager.is_absent(SectorId(0), item.into());
+                let absent = exact.intersection(&seen).filter(is_absent).count() as u64;
                 self.compared += exact.len() as u64;
-                self.lost += exact.difference(&items(seen)).count() as u64;
+                self.lost += exact.difference(&seen).count() as u64;
+                self.truly_absent += absent;
+                self.frames_truly_absent += u32::from(absent > 0);
             }
             let after_look = Instant::now();
             let stats = pager.step(scene, &[seen])?;
@@ -156,8 +169,13 @@ impl Walk {
         );
         if self.compared > 0 {
             println!(
-                "compared: {} of {} visible items are neither seen nor absent",
-                self.lost, self.compared
+                "compared: {} of {} items that exact looks see are neither seen nor absent; {:.1} are absent on average, \
+                 something in {} frames ({:.1} %)",
+                self.lost,
+                self.compared,
+                self.truly_absent as f64 / frames,
+                self.frames_truly_absent,
+                100.0 * f64::from(self.frames_truly_absent) / frames,
             );
         }
     }
@@ -165,6 +183,12 @@ impl Walk {
 
 fn items(set: &VisibleSet) -> BTreeSet<ItemIndex> {
     set.items().iter().map(|visible| visible.item.index).collect()
+}
+
+/// A line of what is visible in a view.
+fn line(items: &BTreeSet<ItemIndex>) -> String {
+    let numbers: Vec<String> = items.iter().map(|item| item.0.to_string()).collect();
+    numbers.join(" ") + "\n"
 }
 
 fn rest(start: Instant, frame_ms: u64) {

@@ -24,6 +24,7 @@ use crate::ids::MaterialId;
 use attributes::MeshAttributes;
 use below::Below;
 use build::{build, check};
+use bytes::Bytes;
 use face_boxes::FaceBoxes;
 use list::List;
 use std::ops::Range;
@@ -73,6 +74,8 @@ pub struct Mesh {
     bounds: Aabb,
     /// For each cluster the boxes of its faces, made by the first query that needs them.
     face_boxes: Vec<OnceLock<FaceBoxes>>,
+    /// Its occluders, as `occluders` writes them; empty if they are not known.
+    occluders: Bytes,
 }
 
 /// A meshlet: up to 128 nearby faces with one material, the unit of culling and drawing.
@@ -135,6 +138,7 @@ impl Mesh {
             below: Below::default(),
             bounds: Aabb::EMPTY,
             face_boxes: Vec::new(),
+            occluders: Bytes::new(),
         }
     }
 
@@ -290,8 +294,18 @@ impl Mesh {
                 .filter_map(OnceLock::get)
                 .map(FaceBoxes::bytes)
                 .sum::<usize>()
-            + self.attributes.bytes()) as u64
+            + self.attributes.bytes()
+            + self.occluders.len()) as u64
             + self.tree.bytes()
+    }
+
+    /// Returns the occluders that are kept with the mesh; empty if there are none.
+    pub(crate) fn occluder_bytes(&self) -> &Bytes {
+        &self.occluders
+    }
+
+    pub(crate) fn set_occluder_bytes(&mut self, occluders: Bytes) {
+        self.occluders = occluders;
     }
 
     /// Traverses the octree over the clusters front to back from `eye`, in object space; its things are indices of

@@ -4,7 +4,7 @@
 //! are read anyway to check them.
 //! Layout, in little-endian words of 32 bits: [`Header`]; for each cluster its number of faces, its number of positions and its
 //! material; for each node of the octree its centre, its first child, the mask of its children, and its number of clusters; then
-//! positions, normals, texture coordinates, colors, corners, starts; and at last the neighbours, a byte each.
+//! positions, normals, texture coordinates, colors, corners, starts; and at last bytes: neighbours, and occluders.
 //! Cost: reading is bound by memory; a few operations per position and corner.
 
 use super::attributes::MeshAttributes;
@@ -36,6 +36,8 @@ struct Header {
     nodes: u32,
     /// Bits: 1 normals, 2 texture coordinates, 4 colors, 8 no faces but a box.
     flags: u32,
+    /// Length of the occluders, in bytes.
+    occluders: u32,
     /// The box of a mesh without faces.
     bounds: [[f32; 3]; 2],
 }
@@ -60,10 +62,15 @@ struct Reader {
 
 impl Reader {
     fn list<T: Pod + Send>(&mut self, count: usize) -> Result<List<T>, MeshDataError> {
-        let length = count.checked_mul(size_of::<T>());
-        let length = length.filter(|&length| length <= self.bytes.len());
-        let length = length.ok_or(MeshDataError("there are fewer bytes than the header says"))?;
-        Ok(List::from_bytes(self.bytes.split_to(length)))
+        let length = count.checked_mul(size_of::<T>()).unwrap_or(usize::MAX);
+        Ok(List::from_bytes(self.bytes(length)?))
+    }
+
+    fn bytes(&mut self, length: usize) -> Result<Bytes, MeshDataError> {
+        if length > self.bytes.len() {
+            return Err(MeshDataError("there are fewer bytes than the header says"));
+        }
+        Ok(self.bytes.split_to(length))
     }
 }
 
@@ -85,6 +92,7 @@ impl Mesh {
                 | flag(TEXTURE, !attributes.texture.is_empty())
                 | flag(COLORS, !attributes.colors.is_empty())
                 | flag(BOUNDS_ONLY, is_box),
+            occluders: self.occluders.len() as u32,
             bounds: if is_box {
                 [self.bounds.min, self.bounds.max]
             } else {
@@ -109,6 +117,7 @@ impl Mesh {
         bytes.extend_from_slice(bytemuck::cast_slice(&self.corners));
         bytes.extend_from_slice(bytemuck::cast_slice(&self.starts));
         bytes.extend_from_slice(&self.neighbours);
+        bytes.extend_from_slice(&self.occluders);
         bytes.resize(bytes.len().next_multiple_of(4), 0);
         bytes
     }
@@ -139,6 +148,7 @@ impl Mesh {
         let corners = reader.list::<u32>(header.corners as usize)?;
         let starts = reader.list::<u32>(header.starts as usize)?;
         let neighbours = reader.list::<u8>(header.corners as usize)?;
+        let occluders = reader.bytes(header.occluders as usize)?;
         if reader.bytes.len() >= 4 {
             return Err(MeshDataError("there are more bytes than the header says"));
         }
@@ -164,6 +174,7 @@ impl Mesh {
             corners,
             starts,
             neighbours,
+            occluders,
             ..Mesh::nothing()
         };
         mesh.check_starts()?;
@@ -320,6 +331,10 @@ mod tests {
         Mesh::new(&parts[usize::from(n.is_multiple_of(2))..]).expect("a valid mesh")
     }
 
+    fn materials() -> [Material; 2] {
+        [Material::opaque([0.5; 3]); 2]
+    }
+
     fn walked(mesh: &Mesh, eye: [f64; 3]) -> Vec<String> {
         let mut steps = Vec::new();
         mesh.walk(eye, |step| {
@@ -333,7 +348,9 @@ mod tests {
     fn a_mesh_that_is_read_is_the_one_that_was_written() {
         let bounds_only = Mesh::bounds_only([-1.0; 3], [1.0, 2.0, 3.0]).expect("a box");
         let empty = Mesh::new(&[]).expect("an empty mesh");
-        for mesh in [sheet(1), sheet(30), sheet(31), empty, bounds_only] {
+        let occluding = sheet(31).with_occluders(&materials());
+        assert!(occluding.to_bytes().len() > sheet(31).to_bytes().len() + 100);
+        for mesh in [sheet(1), sheet(30), sheet(31), occluding, empty, bounds_only] {
             let bytes = Bytes::from_owner(mesh.to_bytes());
             let read = Mesh::from_bytes(bytes.clone()).expect("sound bytes");
             assert_eq!(read.to_bytes(), bytes);
@@ -363,7 +380,7 @@ mod tests {
 
     /// Looks at a mesh by methods that together use all that is stored. Returns whether a geometry takes it.
     fn look_at(mesh: Mesh) -> bool {
-        let mut room = GeometryBuilder::new([Material::opaque([0.5; 3]); 2]);
+        let mut room = GeometryBuilder::new(materials());
         let mesh = room.mesh(mesh);
         room.item("damaged", mesh, Transform::IDENTITY);
         // A damaged material, or a place out of range, is an error of the geometry.
@@ -386,7 +403,7 @@ mod tests {
     fn damaged_bytes_are_an_error_or_a_mesh_that_can_be_looked_at() {
         let mut dice = Dice::new(34);
         let [mut refused, mut read, mut looked] = [0; 3];
-        for sound in [sheet(5), sheet(12)].map(|mesh| mesh.to_bytes()) {
+        for sound in [sheet(5), sheet(12)].map(|mesh| mesh.with_occluders(&materials()).to_bytes()) {
             for length in 0..sound.len() {
                 assert!(
                     Mesh::from_bytes(Bytes::from(sound[..length].to_vec())).is_err()

@@ -5,8 +5,9 @@ use super::outline::{EXACT, Outline};
 use super::pieces::{SheetPiece, pieces};
 use super::sheets::Sheet;
 use super::soup::Soup;
+use super::stored;
 use crate::geom::Aabb;
-use crate::geometry::Geometry;
+use crate::geometry::Material;
 use crate::mesh::Mesh;
 use glam::DVec3;
 
@@ -28,9 +29,13 @@ pub(super) struct MeshPolygons {
 }
 
 impl MeshPolygons {
-    /// Finds the occluders of a mesh.
-    pub(super) fn of(mesh: &Mesh, geometry: &Geometry) -> MeshPolygons {
-        let Some(soup) = Soup::of(mesh, geometry) else {
+    /// Returns the occluders of a mesh: those stored with it, or else it finds them.
+    pub(super) fn of(mesh: &Mesh, materials: &[Material]) -> MeshPolygons {
+        stored::read(mesh, materials).unwrap_or_else(|| MeshPolygons::find(mesh, materials))
+    }
+
+    fn find(mesh: &Mesh, materials: &[Material]) -> MeshPolygons {
+        let Some(soup) = Soup::of(mesh, materials) else {
             return MeshPolygons::default();
         };
         let [x, y, z] = mesh.bounds().size().map(f64::from);
@@ -67,7 +72,9 @@ fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygo
             }]
         }
     };
-    for piece in pieces.into_iter().filter(|piece| piece.area >= least_area) {
+    for mut piece in pieces.into_iter().filter(|piece| piece.area >= least_area) {
+        // No zero is negative, so that equal corners have the same bits.
+        piece.corners.iter_mut().for_each(|corner| *corner += DVec3::ZERO);
         let corners = &piece.corners;
         let far = corners
             .iter()
@@ -93,7 +100,7 @@ fn found_in(soup: &Soup, sheet: &Sheet, least_area: f64, found: &mut Vec<(Polygo
 }
 
 /// Returns the area of a planar polygon in space.
-fn area(corners: &[DVec3]) -> f64 {
+pub(super) fn area(corners: &[DVec3]) -> f64 {
     let first = corners[0];
     let sum: DVec3 = corners
         .windows(2)
@@ -103,7 +110,7 @@ fn area(corners: &[DVec3]) -> f64 {
 }
 
 /// Returns the smallest f32 box that contains all points.
-fn box_around(points: &[DVec3]) -> Aabb {
+pub(super) fn box_around(points: &[DVec3]) -> Aabb {
     let below = |value: f64| {
         let rounded = value as f32;
         if f64::from(rounded) > value {

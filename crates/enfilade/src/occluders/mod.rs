@@ -22,6 +22,7 @@ mod pieces;
 mod screen;
 mod sheets;
 mod soup;
+mod stored;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -139,7 +140,7 @@ impl OccluderSet {
         threads::for_each(&mut found, |place, found| {
             let mesh = &geometry.meshes()[place];
             if is_small(mesh) {
-                *found = MeshPolygons::of(mesh, geometry);
+                *found = MeshPolygons::of(mesh, geometry.materials());
             }
         });
         let mut set = OccluderSet::default();
@@ -147,7 +148,7 @@ impl OccluderSet {
             let found = if is_small(mesh) {
                 found
             } else {
-                MeshPolygons::of(mesh, geometry)
+                MeshPolygons::of(mesh, geometry.materials())
             };
             let of_mesh = set.add(found);
             set.meshes.push(of_mesh);
@@ -161,7 +162,8 @@ impl OccluderSet {
     /// Updates the set after items were edited, and returns the number of octree nodes touched.
     pub(crate) fn follow(&mut self, geometry: &Geometry, done: &mut Exchanged) -> u64 {
         for &mesh in &done.meshes {
-            let of_mesh = self.add(MeshPolygons::of(&geometry.meshes()[mesh.0 as usize], geometry));
+            let found = MeshPolygons::of(&geometry.meshes()[mesh.0 as usize], geometry.materials());
+            let of_mesh = self.add(found);
             let place = mesh.0 as usize;
             if place >= self.meshes.len() {
                 self.meshes.resize_with(place + 1, MeshOccluders::default);

@@ -197,13 +197,7 @@ impl SheetFill<'_> {
             .map(|&face| soup.normal(face))
             .map(|normal| if normal.dot(along) < 0.0 { -normal } else { normal })
             .sum();
-        let axis = sum.abs().cmpgt(DVec3::ZERO);
-        // Exact for an axis-aligned plane: dividing by the length would round.
-        let normal = if axis.bitmask().count_ones() == 1 {
-            sum.signum() * DVec3::from(<[bool; 3]>::from(axis).map(|on| f64::from(u8::from(on))))
-        } else {
-            sum.try_normalize()?
-        };
+        let normal = unit_normal(sum)?;
         let (least, greatest) = self.spread(faces, normal);
         Some((normal, 0.5 * (least + greatest)))
     }
@@ -222,5 +216,16 @@ impl SheetFill<'_> {
     fn slack(&self, faces: &[u32], (normal, distance): (DVec3, f64)) -> f64 {
         let (least, greatest) = self.spread(faces, normal);
         (greatest - distance).max(distance - least)
+    }
+}
+
+/// Returns the unit vector of an area vector; `None` if it is zero.
+pub(super) fn unit_normal(area: DVec3) -> Option<DVec3> {
+    let axis = area.abs().cmpgt(DVec3::ZERO);
+    // Exact for an axis-aligned plane: dividing by the length would round.
+    if axis.bitmask().count_ones() == 1 {
+        Some(DVec3::select(axis, area.signum(), DVec3::ZERO))
+    } else {
+        area.try_normalize()
     }
 }

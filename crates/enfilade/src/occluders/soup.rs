@@ -4,8 +4,8 @@
 //! edge; so there is nothing between them, not even a crack.
 //! Cost: O(n log n) for sorting vertices and edges.
 
-use crate::geometry::Geometry;
-use crate::mesh::Mesh;
+use crate::geometry::Material;
+use crate::mesh::{Cluster, Mesh};
 use glam::DVec3;
 
 /// Opaque faces of a mesh that may occlude, with their adjacency.
@@ -30,11 +30,12 @@ pub(super) struct Soup {
 
 impl Soup {
     /// Collects the opaque faces of a mesh that are not marked as detail; `None` if it has none.
-    pub(super) fn of(mesh: &Mesh, geometry: &Geometry) -> Option<Soup> {
-        let chosen = |cluster: &&crate::mesh::Cluster| geometry.material(cluster).can_occlude();
+    pub(super) fn of(mesh: &Mesh, materials: &[Material]) -> Option<Soup> {
+        let material = |cluster: &Cluster| &materials[cluster.material.0 as usize];
+        let chosen = |cluster: &&Cluster| !cluster.faces.is_empty() && material(cluster).can_occlude();
         let (mut starts, mut corners, mut double_sided) = (vec![0], Vec::new(), Vec::new());
         for cluster in mesh.clusters().iter().filter(chosen) {
-            let both = geometry.material(cluster).double_sided;
+            let both = material(cluster).double_sided;
             for face in cluster.faces.clone() {
                 corners.extend_from_slice(mesh.face(face));
                 starts.push(corners.len() as u32);
@@ -208,7 +209,7 @@ fn share_edges(starts: &[u32], corners: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>
 
 /// Returns the area vector by Newell's sum: twice the area times the unit normal. Relative to the first corner, so that
 /// faces far from the origin lose no precision.
-fn twice_area(mut corners: impl Iterator<Item = DVec3>) -> DVec3 {
+pub(super) fn twice_area(mut corners: impl Iterator<Item = DVec3>) -> DVec3 {
     let (Some(first), Some(second)) = (corners.next(), corners.next()) else {
         return DVec3::ZERO;
     };

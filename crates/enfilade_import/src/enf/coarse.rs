@@ -25,7 +25,7 @@ pub(super) fn coarse(mesh: &Mesh) -> Option<Mesh> {
         return None;
     }
     if mesh.triangle_count() <= FEW {
-        return Some(mesh.clone());
+        return Some(mesh.without_occluders());
     }
     let most = (mesh.triangle_count() / REDUCTION).max(FEW) as usize;
     let mut finest = Triangles::new();

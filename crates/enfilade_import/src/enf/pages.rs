@@ -1,7 +1,7 @@
 //! Groups meshes into pages: octree subtrees of the places where items have them.
 
 use crate::Import;
-use enfilade::{Aabb, ItemIndex, Mesh};
+use enfilade::{Aabb, ItemIndex, Material, Mesh};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -11,10 +11,17 @@ const PAGE_BYTES: u64 = 1 << 20;
 
 /// The meshes of a scene, each once, with the meshes of each room by their index.
 pub(super) struct Meshes<'a> {
-    pub(super) list: Vec<&'a Mesh>,
+    pub(super) list: Vec<PagedMesh<'a>>,
     pub(super) of_rooms: Vec<Vec<u32>>,
     /// The meshes of each page.
     pub(super) pages: Vec<Vec<u32>>,
+}
+
+/// A mesh, and the materials of the first room that has it.
+#[derive(Clone, Copy)]
+pub(super) struct PagedMesh<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) materials: &'a [Material],
 }
 
 /// A mesh that has no page yet.
@@ -43,7 +50,8 @@ impl Meshes<'_> {
                 let index = *known.entry(Arc::as_ptr(mesh)).or_insert_with(|| {
                     new_of[id] = Some(new.len());
                     let index = meshes.list.len() as u32;
-                    meshes.list.push(mesh);
+                    let materials = geometry.materials();
+                    meshes.list.push(PagedMesh { mesh, materials });
                     new.push(Placed {
                         mesh: index,
                         bytes: estimated_bytes(mesh),

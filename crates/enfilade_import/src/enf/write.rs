@@ -2,7 +2,7 @@
 
 use super::coarse::coarse;
 use super::container::{Kind, Section, Writer};
-use super::pages::Meshes;
+use super::pages::{Meshes, PagedMesh};
 use super::stored::{ItemRecord, MeshRecord, StoredRoom, StoredScene, StoredTerrain, StoredTexture, flags};
 use crate::{Import, ImportError, Room};
 use bytemuck::Zeroable;
@@ -209,18 +209,24 @@ impl<W: Write + Seek> Baker<W> {
     /// Writes meshes page by page, with other materials if `materials` has them.
     fn write_pages(
         &mut self,
-        meshes: &[&Mesh],
+        meshes: &[PagedMesh],
         pages: &[Vec<u32>],
         materials: Option<&[u32]>,
     ) -> Result<(), BakeError> {
         let first = self.meshes.len();
         self.meshes.resize(first + meshes.len(), MeshRecord::zeroed());
         let encode = |&number: &u32| {
-            let mesh = meshes[number as usize];
-            let renamed = materials.map(|new| mesh.with_materials(|old| MaterialId(new[old.0 as usize])));
-            let mesh = renamed.as_ref().unwrap_or(mesh);
-            let level = coarse(mesh).map_or(Vec::new(), |level| level.to_bytes());
-            [mesh.to_bytes(), level]
+            let PagedMesh { mesh, materials: own } = meshes[number as usize];
+            let stored = |mesh: Mesh| match materials {
+                Some(new) => mesh
+                    .with_materials(|old| MaterialId(new[old.0 as usize]))
+                    .to_bytes(),
+                None => mesh.to_bytes(),
+            };
+            [
+                stored(mesh.with_occluders(own)),
+                coarse(mesh).map_or(Vec::new(), stored),
+            ]
         };
         for pages in pages.chunks(PAGES_AT_ONCE) {
             let encoded: Vec<Vec<[Vec<u8>; 2]>> = pages
@@ -230,7 +236,7 @@ impl<W: Write + Seek> Baker<W> {
             for (page, encoded) in pages.iter().zip(encoded) {
                 let [mut bytes, mut levels] = [const { Vec::new() }; 2];
                 for (&mesh, [encoded, level]) in page.iter().zip(encoded) {
-                    let held = meshes[mesh as usize];
+                    let held = meshes[mesh as usize].mesh;
                     let places = [bytes.len(), encoded.len(), levels.len(), level.len()].map(u32::try_from);
                     let [Ok(start), Ok(length), Ok(level_start), Ok(level_length)] = places else {
                         return Err(BakeError::LargeMesh(held.face_count()));

@@ -62,7 +62,7 @@ struct Reader {
 
 impl Reader {
     fn list<T: Pod + Send>(&mut self, count: usize) -> Result<List<T>, MeshDataError> {
-        let length = count.checked_mul(size_of::<T>()).unwrap_or(usize::MAX);
+        let length = count.saturating_mul(size_of::<T>());
         Ok(List::from_bytes(self.bytes(length)?))
     }
 

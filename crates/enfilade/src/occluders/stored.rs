@@ -53,10 +53,11 @@ impl Head {
 }
 
 impl Mesh {
-    /// Finds the occluders of the mesh, as it is drawn with these materials, and returns the mesh with them: in its bytes, and
-    /// for every [`OccluderSet`](super::OccluderSet) of a geometry where the same clusters are opaque and double-sided.
+    /// Returns the mesh with its occluders, which [`Mesh::to_bytes`] then writes too: found once, for all geometries in which the
+    /// same clusters are opaque and double-sided as with these materials. Those of other meshes are found by each
+    /// [`OccluderSet::build`](super::OccluderSet::build).
     ///
-    /// O(n log n) in the faces. Meshes that are edited or read without occluders have them found when a method needs them.
+    /// O(n log n) in the faces.
     ///
     /// # Panics
     /// If a cluster has a material that is not among them.
@@ -68,7 +69,7 @@ impl Mesh {
         mesh
     }
 
-    /// Returns the mesh without what [`Mesh::with_occluders`] found.
+    /// Returns the mesh without the occluders of [`Mesh::with_occluders`].
     #[must_use]
     pub fn without_occluders(&self) -> Mesh {
         let mut mesh = self.clone();
@@ -197,7 +198,8 @@ fn read_polygon(rest: &mut &[u8], mesh: &Mesh) -> Option<(Polygon, Vec<DVec3>)> 
         are_sound &= held.is_finite();
         number += 1;
     });
-    (are_sound && polygon.normal.is_normalized()).then_some((polygon, corners))
+    let is_plane = polygon.normal.is_normalized() && polygon.slack >= 0.0 && polygon.inset >= 0.0;
+    (are_sound && is_plane).then_some((polygon, corners))
 }
 
 /// Visits the values of a polygon that mostly follow from its corners and the values before, with what follows.

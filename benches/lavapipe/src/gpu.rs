@@ -218,7 +218,9 @@ impl Gpu {
             let _ = sender.send(result);
         });
         self.device.poll(wgpu::PollType::wait_indefinitely())?;
-        receiver.recv().context("the driver did not finish copying the picture")??;
+        receiver
+            .recv()
+            .context("the driver did not finish copying the picture")??;
         let bytes = buffer.slice(..).get_mapped_range()?;
         let rows = bytes.chunks(row as usize);
         Ok(rows

@@ -42,7 +42,10 @@ impl Peer {
         if cores == 1 {
             command.env(DRIVER_THREADS, "0");
         } else {
-            anyhow::ensure!(cores == all, "the driver uses one core or all, not {cores} of {all}");
+            anyhow::ensure!(
+                cores == all,
+                "the driver uses one core or all, not {cores} of {all}"
+            );
             command.env_remove(DRIVER_THREADS);
         }
         // Without it the driver prints a warning, though no window is needed.
@@ -51,7 +54,12 @@ impl Peer {
         }
         let mut process = command.spawn()?;
         let commands = process.stdin.take();
-        let mut answers = BufReader::new(process.stdout.take().context("the drawing process has no standard output")?);
+        let mut answers = BufReader::new(
+            process
+                .stdout
+                .take()
+                .context("the drawing process has no standard output")?,
+        );
         let mut driver = String::new();
         answers.read_line(&mut driver)?;
         anyhow::ensure!(
@@ -90,7 +98,10 @@ impl Peer {
     }
 
     fn send(&mut self, line: &str) -> Result<()> {
-        let commands = self.commands.as_mut().context("the drawing process has been closed")?;
+        let commands = self
+            .commands
+            .as_mut()
+            .context("the drawing process has been closed")?;
         writeln!(commands, "{line}")?;
         Ok(commands.flush()?)
     }

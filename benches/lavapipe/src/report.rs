@@ -1,7 +1,7 @@
 //! Result tables.
 
 use crate::clock::Clock;
-use crate::measure::{DrawStats, Timing, Renderer};
+use crate::measure::{DrawStats, Renderer, Timing};
 use crate::serve::DrawSet;
 use enfilade::Method;
 

@@ -11,7 +11,8 @@ Programs that load a baked scene page by page (enfilade_stream) load first what 
 what may become visible there. Hints never hide anything: what is visible is visible without them too.
 
 In each room, looks in all directions from positions where people could stand find the visible items, until further \
-positions find nothing new. A room whose meshes take more than 32 MB is divided into regions, each with hints of its own.
+positions find nothing new. A room whose meshes take more than 32 MB is divided into regions, each with hints of its own. \
+Pages are read within --memory, and again if it does not hold what is seen from a region: for a town, allow 4GB.
 
 With --parts the hints of each region are written to a file of FOLDER first, unless it is up to date; so an interrupted run \
 goes on, and several machines can sample a share each.

@@ -103,6 +103,38 @@ fn what_an_occluder_hides_is_hidden_by_faces() {
 }
 
 #[test]
+fn occluders_kept_with_any_wall_are_those_found_in_it() {
+    let mut dice = Dice::new(34);
+    let [mut vertices, mut between] = [0; 2];
+    for round in 0..30 {
+        for (what, wall) in walls(&mut dice) {
+            let wall = if round % 3 == 0 {
+                wall
+            } else {
+                wall.moved(&anywhere(&mut dice))
+            };
+            let plain = wall.geometry(round % 2 == 0, &[Transform::IDENTITY]);
+            let kept = plain.meshes()[0].with_occluders(plain.materials());
+            let mut builder = GeometryBuilder::new(plain.materials());
+            let mesh = builder.mesh(kept);
+            builder.item("wall", mesh, Transform::IDENTITY);
+            let kept = builder.build().expect("as before");
+            let [found, read] = [&plain, &kept].map(OccluderSet::build);
+            assert_eq!(format!("{read:?}"), format!("{found:?}"), "{what}, round {round}");
+            assert!(
+                stored::read(&kept.meshes()[0], kept.materials()).is_some(),
+                "{what}"
+            );
+            for corner in &found.corners {
+                let is_vertex = plain.meshes()[0].positions().contains(&corner.as_vec3().into());
+                *(if is_vertex { &mut vertices } else { &mut between }) += 1;
+            }
+        }
+    }
+    assert!(vertices > 1000 && between > 100, "{vertices}, {between}");
+}
+
+#[test]
 fn a_plain_wall_becomes_one_rectangle() {
     let mut dice = Dice::new(2);
     for round in 0..40 {

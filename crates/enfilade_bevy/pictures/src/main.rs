@@ -31,6 +31,7 @@ use enfilade_bevy::{EnfiladePlugin, EnfiladeScene, NoVisibilityCulling};
 use std::any::TypeId;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::time::Instant;
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 /// By how much a channel of equal pictures may differ, of 255: where faces are equally far, the order in which they are drawn
@@ -43,6 +44,8 @@ const SAMPLES: [Vec2; 4] = [
     Vec2::new(0.125, 0.625),
     Vec2::new(0.625, 0.875),
 ];
+/// Frames from one line of progress to the next.
+const PROGRESS: usize = 25;
 /// Updates that the last pictures may take.
 const PATIENCE: usize = 200;
 
@@ -68,9 +71,18 @@ fn main() -> Result<()> {
         .collect();
     path.retain(|(number, _)| only.is_none_or(|only| *number == only));
     let frames = path.len();
+    let start = Instant::now();
     let mut stage = Stage::open(Path::new(scene), has_rooms)?;
+    println!("{scene}: opened in {:.0} s", start.elapsed().as_secs_f64());
     let mut sums = Sums::default();
-    for (number, place) in path {
+    for (done, (number, place)) in path.into_iter().enumerate() {
+        if done > 0 && done % PROGRESS == 0 {
+            println!(
+                "frame {done} of {frames}: {:.0} s, {} pictures lack something",
+                start.elapsed().as_secs_f64(),
+                sums.lacking
+            );
+        }
         stage.look_from(place);
         stage.draw(number, Drawn::With);
         sums.with += stage.drawn();

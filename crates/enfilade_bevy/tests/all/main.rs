@@ -4,6 +4,7 @@ mod culling;
 mod edges;
 #[cfg(feature = "gltf")]
 mod gltf;
+mod lights;
 mod pvs;
 mod rooms;
 mod world;

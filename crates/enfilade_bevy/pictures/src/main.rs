@@ -1,8 +1,8 @@
 //! Compares what Bevy draws with and without Enfilade: the pictures, which must be the same, and how much is drawn.
 //!
 //! `cargo run --release -p enfilade_bevy_pictures -- SCENE.glb VIEWS.jsonl FRAMES [--without-rooms]`: the views are those
-//! that `enfilade look --path` reads, and the path leads from one to the next. A second camera looks the other way. A
-//! software driver will do. Without rooms, the file's extras are ignored, and the path may lead through walls. Where FRAMES is
+//! that `enfilade look --path` reads, and the path leads from one to the next. In every tenth frame, a second camera looks the
+//! other way. A software driver will do. Without rooms, the file's extras are ignored, and the path may lead through walls. Where FRAMES is
 //! `300:192`, only frame 192 of the 300 is drawn.
 //!
 //! Where pictures differ, rays say whether the face that is nearest at a sample was drawn. If it was, the difference is the
@@ -21,7 +21,7 @@ use bevy::camera::visibility::VisibleEntities;
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::gltf::{GltfAssetLabel, GltfExtras};
 use bevy::light::cluster::GlobalClusterSettings;
-use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap};
+use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, ShadowFilteringMethod};
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
@@ -44,8 +44,9 @@ const SAMPLES: [Vec2; 4] = [
     Vec2::new(0.125, 0.625),
     Vec2::new(0.625, 0.875),
 ];
-/// In one frame of so many, rays through all samples say how many entities any culling must draw.
-const RAYS: usize = 10;
+/// In one frame of so many, the second camera draws too, and rays through all samples say how many entities any culling must
+/// draw.
+const TENTH: usize = 10;
 /// Frames from one line of progress to the next.
 const PROGRESS: usize = 25;
 /// Updates that the last pictures may take.
@@ -85,42 +86,45 @@ fn main() -> Result<()> {
                 sums.lacking
             );
         }
-        stage.look_from(place);
+        let is_tenth = number % TENTH == 0 || frames == 1;
+        stage.look_from(place, is_tenth);
         stage.draw(number, Drawn::With);
-        sums.with += stage.drawn();
-        sums.drawn
-            .insert(number, stage.cameras.map(|camera| stage.drawn_by(camera)));
+        let drawn = stage.drawn();
+        let count = drawn.iter().map(|by| by.entities.len()).sum::<usize>();
+        sums.with += count;
+        sums.views += drawn.len();
         sums.times.push(stage.plugin_ms());
-        if number % RAYS == 0 || frames == 1 {
+        if is_tenth {
             let scene = stage.app.world().resource::<EnfiladeScene>();
-            let drawn = &sums.drawn[&number];
             sums.nearest += drawn.iter().map(|by| by.nearest_count(scene)).sum::<usize>();
-            sums.nearest_or_not += stage.drawn();
+            sums.nearest_or_not += count;
         }
+        sums.drawn.insert(number, drawn);
         stage.draw(number, Drawn::Without);
-        sums.without += stage.drawn();
+        sums.without += stage.drawn().iter().map(|by| by.entities.len()).sum::<usize>();
         sums.compare(&mut stage)?;
     }
     for _ in 0..PATIENCE {
-        if sums.compared == 2 * frames {
+        if sums.compared == sums.views {
             break;
         }
         stage.app.update();
         sums.compare(&mut stage)?;
     }
-    ensure!(sums.compared == 2 * frames, "no picture came");
+    ensure!(sums.compared == sums.views, "no picture came");
     sums.times.sort_by(f64::total_cmp);
     let time = |part: f64| sums.times[((sums.times.len() - 1) as f64 * part) as usize];
     let entities = stage.app.world().resource::<EnfiladeScene>().scene().item_count();
     println!(
-        "{scene}: {entities} entities, {frames} frames of 2 cameras: {} pictures lack something, {} pixels differ though the \
+        "{scene}: {entities} entities, {} pictures of {frames} frames: {} pictures lack something, {} pixels differ though the \
          nearest face is drawn, {} by one level; entities drawn per view {:.1} of {:.1} \
          in the frustum, {:.1} % less ({:.1} % of them are nearest at a sample); plugin {:.2} ms (median), {:.2} ms (p99)",
+        sums.views,
         sums.lacking,
         sums.renderers,
         sums.rounded,
-        sums.with as f64 / (2 * frames) as f64,
-        sums.without as f64 / (2 * frames) as f64,
+        sums.with as f64 / sums.views as f64,
+        sums.without as f64 / sums.views as f64,
         100.0 * (1.0 - sums.with as f64 / sums.without as f64),
         100.0 * sums.nearest as f64 / sums.nearest_or_not as f64,
         time(0.5),
@@ -139,8 +143,10 @@ struct Sums {
     renderers: usize,
     /// Pixels that differ by rounding.
     rounded: usize,
-    /// What was drawn with Enfilade in each frame, by the two cameras, and from where.
-    drawn: BTreeMap<usize, [Drawing; 2]>,
+    /// Pictures with Enfilade, and as many without.
+    views: usize,
+    /// What was drawn with Enfilade in each frame, by each active camera, and from where.
+    drawn: BTreeMap<usize, Vec<Drawing>>,
     with: usize,
     without: usize,
     /// Of the frames for which rays were cast: the entities that are nearest at a sample, and all that were drawn.
@@ -261,6 +267,8 @@ struct Stage {
     app: App,
     cameras: [Entity; 2],
     targets: [Handle<Image>; 2],
+    /// How many of the cameras draw.
+    active: usize,
 }
 
 #[derive(Clone, Copy)]
@@ -348,8 +356,10 @@ impl Stage {
                 ..AmbientLight::default()
             };
             let target = RenderTarget::Image(targets[number].clone().into());
+            // The others take nine samples or more of the shadow map.
+            let shadows = ShadowFilteringMethod::Hardware2x2;
             app.world_mut()
-                .spawn((Camera3d::default(), camera, target, light))
+                .spawn((Camera3d::default(), camera, target, light, shadows))
                 .id()
         });
         for _ in 0..20_000 {
@@ -364,6 +374,7 @@ impl Stage {
                     app,
                     cameras,
                     targets,
+                    active: 2,
                 });
             }
             std::thread::sleep(std::time::Duration::from_millis(2));
@@ -371,10 +382,16 @@ impl Stage {
         bail!("{}: no mesh came", file.display())
     }
 
-    fn look_from(&mut self, place: Transform) {
+    /// Moves the cameras; the second draws only if `both`.
+    fn look_from(&mut self, place: Transform, both: bool) {
         let turned = place.with_rotation(place.rotation * Quat::from_rotation_y(std::f32::consts::PI));
-        for (camera, place) in self.cameras.into_iter().zip([place, turned]) {
-            self.app.world_mut().entity_mut(camera).insert(place);
+        self.active = if both { 2 } else { 1 };
+        for (number, place) in [place, turned].into_iter().enumerate() {
+            let mut camera = self.app.world_mut().entity_mut(self.cameras[number]);
+            camera.insert(place);
+            if let Some(mut camera) = camera.get_mut::<Camera>() {
+                camera.is_active = number < self.active;
+            }
         }
     }
 
@@ -387,7 +404,8 @@ impl Stage {
                 Drawn::Without => camera.insert(NoVisibilityCulling),
             };
         }
-        for (camera, target) in self.targets.clone().into_iter().enumerate() {
+        for camera in 0..self.active {
+            let target = self.targets[camera].clone();
             let capture = move |shot: On<ScreenshotCaptured>, mut captured: ResMut<Captured>| {
                 captured.0.entry((frame, camera)).or_default()[drawn as usize] = shot.image.data.clone();
             };
@@ -399,7 +417,12 @@ impl Stage {
         self.app.update();
     }
 
-    /// Returns what a camera drew in the last frame.
+    /// Returns what the active cameras drew in the last frame.
+    fn drawn(&self) -> Vec<Drawing> {
+        let cameras = &self.cameras[..self.active];
+        cameras.iter().map(|&camera| self.drawn_by(camera)).collect()
+    }
+
     fn drawn_by(&self, camera: Entity) -> Drawing {
         let world = self.app.world();
         let list = world.get::<VisibleEntities>(camera);
@@ -413,15 +436,6 @@ impl Stage {
             lens,
             entities: entities.iter().copied().collect(),
         }
-    }
-
-    /// Returns how many entities with meshes the last frame drew, for both cameras.
-    fn drawn(&self) -> usize {
-        let of = |camera: Entity| {
-            let list = self.app.world().get::<VisibleEntities>(camera);
-            list.map_or(0, |list| list.len(TypeId::of::<Mesh3d>()))
-        };
-        self.cameras.into_iter().map(of).sum()
     }
 
     fn plugin_ms(&self) -> f64 {

@@ -151,7 +151,22 @@ pub(crate) fn cull(
             seen = state.frozen.filter(|_| view.is_frozen).or(own);
             state.frozen = seen.filter(|_| view.is_frozen);
         }
-        let Some(seen) = seen else {
+        let found = match (seen, view.pvs) {
+            (None, _) => None,
+            (Some(seen), Some(pvs)) => {
+                let list = view.visible.get_mut(mesh);
+                Some((state.cull_by_pvs(list, pvs, &seen, &scene), Vec::new()))
+            }
+            (Some(seen), None) => {
+                let of_camera = view.samples.map(|samples| samples.0);
+                let samples = settings.samples.or(of_camera).unwrap_or(Samples::Any);
+                let mut options = settings.options;
+                options.layers = layer_bits(view.layers).0;
+                let list = view.visible.get_mut(mesh);
+                state.cull_by_looks(list, samples, options, &seen, &scene)
+            }
+        };
+        let Some((visible, sectors)) = found else {
             for entity in state.show_all() {
                 entities_changed.write(EntityVisibilityChanged {
                     camera: view.entity,
@@ -162,20 +177,9 @@ pub(crate) fn cull(
             continue;
         };
         state.is_culled = true;
-        let list = view.visible.get_mut(mesh);
-        let (visible, sectors) = match view.pvs {
-            Some(pvs) => (state.cull_by_pvs(list, pvs, &seen, &scene), Vec::new()),
-            None => {
-                let of_camera = view.samples.map(|samples| samples.0);
-                let samples = settings.samples.or(of_camera).unwrap_or(Samples::Any);
-                let mut options = settings.options;
-                options.layers = layer_bits(view.layers).0;
-                state.cull_by_looks(list, samples, options, &seen, &scene)
-            }
-        };
         state.is_by_pvs = view.pvs.is_some();
         stats.cameras += 1;
-        stats.visible += list.len();
+        stats.visible += view.visible.get(mesh).len();
         stats.hidden += state.hidden.len();
         let camera = view.entity;
         for (entity, visible) in differences(&state.visible, &visible) {
@@ -232,7 +236,8 @@ impl CameraState {
         visible
     }
 
-    /// Takes off a list what looks do not see. Returns what is left, but for what is left alone, and the visible sectors.
+    /// Takes off a list what looks do not see. Returns what is left, but for what is left alone, and the visible sectors;
+    /// `None`, and takes nothing off, where portals lead farther than looks may follow.
     fn cull_by_looks(
         &mut self,
         list: &mut Vec<Entity>,
@@ -240,7 +245,7 @@ impl CameraState {
         mut options: ViewerOptions,
         seen: &View,
         scene: &EnfiladeScene,
-    ) -> (Vec<Entity>, Vec<SectorId>) {
+    ) -> Option<(Vec<Entity>, Vec<SectorId>)> {
         let views = match samples {
             Samples::Centers | Samples::Any => [Some(*seen), None, None, None],
             Samples::Four => View::FOUR_SAMPLES.map(|at| seen.at_sample(at).ok()),
@@ -251,6 +256,9 @@ impl CameraState {
         look(&mut self.viewers, &scene.scene, views, options);
         let sets = self.viewers.iter().zip(views).filter(|(_, view)| view.is_some());
         let sets: Vec<&VisibleSet> = sets.map(|(viewer, _)| viewer.visible()).collect();
+        if !sets.iter().all(|set| set.complete()) {
+            return None;
+        }
         let passages = sets.iter().flat_map(|set| set.passages());
         let mut sectors: Vec<SectorId> = passages.map(|passage| passage.sector).collect();
         sectors.sort_unstable();
@@ -274,7 +282,7 @@ impl CameraState {
             side.push(entity);
             is_seen
         });
-        (visible, sectors)
+        Some((visible, sectors))
     }
 }
 

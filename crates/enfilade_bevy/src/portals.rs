@@ -270,19 +270,19 @@ fn rooms_beside(outline: &[Vec3], normal: Vec3, rooms: &Rooms) -> Option<[Sector
     })
 }
 
-/// Returns the directions in which the first of two rooms may be from an outline: both if that is not certain.
-fn sides_of(
+/// Returns the direction in which the first of two rooms is from an outline; `None` if that is not certain.
+fn side_of(
     outline: &[Vec3],
     normal: Vec3,
     beside: Option<[SectorId; 2]>,
     [from, to]: [SectorId; 2],
     rooms: &Rooms,
-) -> Vec<Vec3> {
+) -> Option<Vec3> {
     if beside == Some([from, to]) {
-        return vec![normal];
+        return Some(normal);
     }
     if beside == Some([to, from]) {
-        return vec![-normal];
+        return Some(-normal);
     }
     let within = |toward: Vec3, room: SectorId| {
         let points = points_beside(outline, toward);
@@ -294,9 +294,9 @@ fn sides_of(
     let before = within(normal, from) + within(-normal, to);
     let behind = within(normal, to) + within(-normal, from);
     match before.cmp(&behind) {
-        Ordering::Greater => vec![normal],
-        Ordering::Less => vec![-normal],
-        Ordering::Equal => vec![normal, -normal],
+        Ordering::Greater => Some(normal),
+        Ordering::Less => Some(-normal),
+        Ordering::Equal => None,
     }
 }
 
@@ -333,25 +333,26 @@ fn wanted(
                 .to_owned(),
         );
     };
-    let mut wanted = Vec::new();
-    for toward in sides_of(outline, normal, beside, [from, other], rooms) {
-        let outline = polygon(outline, toward)?;
-        wanted.push(Wanted {
-            from,
-            outline: outline.clone(),
-            to: other,
-            there_from_here: Transform::IDENTITY,
-        });
-        if portal.two_way {
-            wanted.push(Wanted {
-                from: other,
-                outline: outline.flipped(),
-                to: from,
-                there_from_here: Transform::IDENTITY,
-            });
-        }
-    }
-    Ok(wanted)
+    // Seen through from both sides in both rooms, it would lead there and back for ever.
+    let Some(toward) = side_of(outline, normal, beside, [from, other], rooms) else {
+        return Err(
+            "cannot tell on which side of it its rooms are; move it into the wall between them".to_owned(),
+        );
+    };
+    let outline = polygon(outline, toward)?;
+    let back = portal.two_way.then(|| Wanted {
+        from: other,
+        outline: outline.flipped(),
+        to: from,
+        there_from_here: Transform::IDENTITY,
+    });
+    let there = Wanted {
+        from,
+        outline,
+        to: other,
+        there_from_here: Transform::IDENTITY,
+    };
+    Ok(std::iter::once(there).chain(back).collect())
 }
 
 fn reflected(

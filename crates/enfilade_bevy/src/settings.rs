@@ -1,7 +1,7 @@
 //! What applies to all cameras.
 
 use bevy_ecs::prelude::*;
-use enfilade::{Method, ViewerOptions};
+use enfilade::{Limits, Method, ViewerOptions};
 
 /// What applies to all cameras. May be changed at run time.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
@@ -13,7 +13,8 @@ pub struct EnfiladeSettings {
     /// At which samples of a picture nothing may be missing. Default `None`: what each camera's antialiasing takes. Without
     /// the feature `pbr`, that is not known, and is [`Samples::Any`].
     pub samples: Option<Samples>,
-    /// Options of looks; layers are the camera's own, and the margin follows from the samples.
+    /// Options of looks; layers are the camera's own, and the margin follows from the samples. A camera that sees through more
+    /// portals than the [`Limits`] allow, between mirrors that face each other, say, is not culled for. Default: 256 passages.
     pub options: ViewerOptions,
 }
 
@@ -31,6 +32,8 @@ pub enum Samples {
 
 impl Default for EnfiladeSettings {
     fn default() -> EnfiladeSettings {
+        let mut limits = Limits::default();
+        limits.max_passages = 256;
         EnfiladeSettings {
             enabled: true,
             method: Method::Masked,
@@ -40,6 +43,7 @@ impl Default for EnfiladeSettings {
                 growth_px: 1.0,
                 // Bevy's own tasks fill the cores.
                 parallel: false,
+                limits,
                 ..ViewerOptions::default()
             },
         }

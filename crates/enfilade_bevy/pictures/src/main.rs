@@ -211,11 +211,12 @@ impl Drawing {
             .find(|entity| !self.entities.contains(entity))
     }
 
-    /// Returns how many entities are nearest at a sample.
+    /// Returns how many of the entities are nearest at a sample.
     fn nearest_count(&self, scene: &EnfiladeScene) -> usize {
         let pixels = 0..SIZE.element_product() as usize;
         let nearest: BTreeSet<Entity> = pixels.flat_map(|pixel| self.nearest(scene, pixel)).collect();
-        nearest.len()
+        // Rays enter mirrors, and meet what is behind the camera.
+        nearest.intersection(&self.entities).count()
     }
 
     /// Returns what is nearest at the samples of a pixel.

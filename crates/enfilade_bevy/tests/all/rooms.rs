@@ -91,6 +91,28 @@ fn a_door_shows_what_is_in_line_with_it_and_nothing_while_it_is_closed() {
 }
 
 #[test]
+fn where_portals_lead_farther_than_looks_follow_nothing_is_hidden() {
+    let mut house = a_house();
+    let passages = |house: &mut House, max: u32| {
+        let mut settings = house.app.world_mut().resource_mut::<EnfiladeSettings>();
+        settings.options.limits.max_passages = max;
+    };
+    // The first is the room of the camera.
+    passages(&mut house, 1);
+    assert!(house.sees(house.beside) && house.sees(house.in_line));
+    assert_eq!(
+        house
+            .app
+            .world()
+            .resource::<EnfiladeCameras>()
+            .hidden(house.camera),
+        []
+    );
+    passages(&mut house, 2);
+    assert!(house.sees(house.in_line) && !house.sees(house.beside));
+}
+
+#[test]
 fn rooms_say_that_they_came_into_sight() {
     let mut house = a_house();
     house.app.update();
@@ -276,8 +298,7 @@ fn a_doorway_in_the_middle_of_a_room_hides_nothing() {
         .world_mut()
         .entity_mut(house.door)
         .insert(at(0.0, 1.0, -2.0));
-    assert!(house.sees(house.in_line));
-    assert!(!house.sees(house.in_yard));
+    assert!(house.sees(house.in_line) && house.sees(house.in_yard));
 }
 
 #[test]

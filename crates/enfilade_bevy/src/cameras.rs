@@ -58,6 +58,8 @@ struct CameraState {
     frozen: Option<View>,
     is_culled: bool,
     is_by_pvs: bool,
+    /// Whether a look of the last frame hit a limit.
+    hit_limit: bool,
     /// Culled entities that are left to draw, sorted.
     visible: Vec<Entity>,
     /// Entities in the frustum that are hidden, sorted.
@@ -253,10 +255,25 @@ impl CameraState {
         if samples == Samples::Any {
             options.margin_px = 0.5;
         }
+        // Where the last looks hit a limit, one tells whether they still do: between mirrors that face each other, each
+        // takes long.
+        if std::mem::take(&mut self.hit_limit) {
+            look(
+                &mut self.viewers,
+                &scene.scene,
+                [views[0], None, None, None],
+                options,
+            );
+            self.hit_limit = !self.viewers[0].visible().complete();
+        }
+        if self.hit_limit {
+            return None;
+        }
         look(&mut self.viewers, &scene.scene, views, options);
         let sets = self.viewers.iter().zip(views).filter(|(_, view)| view.is_some());
         let sets: Vec<&VisibleSet> = sets.map(|(viewer, _)| viewer.visible()).collect();
         if !sets.iter().all(|set| set.complete()) {
+            self.hit_limit = true;
             return None;
         }
         let passages = sets.iter().flat_map(|set| set.passages());

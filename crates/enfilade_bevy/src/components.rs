@@ -65,8 +65,9 @@ pub struct Sector;
 /// An opening between two rooms, or a room and outdoors: a convex polygon in the entity's XY plane.
 ///
 /// It joins the room that it is a descendant of, if any, with the one on the other side of the wall: rooms are looked for
-/// before and behind its middle, up to half the distance from there to a corner. If the plugin cannot find both rooms, or tell
-/// which is on which side, it logs a warning and hides nothing until [`Portal::to`] is set or the portal is moved.
+/// before and behind its middle, up to half the distance from there to a corner. If the plugin cannot find both rooms, it logs a
+/// warning and hides nothing until [`Portal::to`] is set or the portal is moved; if it cannot tell which is on which side, it hides
+/// nothing while the portal is in view.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component)]
 pub struct Portal {

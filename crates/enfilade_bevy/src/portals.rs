@@ -27,6 +27,8 @@ pub(crate) struct Portals {
     pub(crate) are_awaited: bool,
     /// Rooms that were found to have no portal.
     closed: Vec<Entity>,
+    /// Portals of which it was not certain on which side of them their rooms are.
+    doubted: Vec<Entity>,
 }
 
 /// A portal of the world, as it is in the scene.
@@ -112,6 +114,18 @@ impl Portals {
             let outline = placed(&portal.corners, &transform.affine());
             let owner = rooms.owner(entity, parents);
             let wanted = wanted(&portal, &outline, owner, rooms);
+            let is_doubted = wanted.as_ref().is_ok_and(|all| {
+                let sides = all.iter().filter(|wanted| wanted.from == all[0].from);
+                sides.count() > 1
+            });
+            if is_doubted && !self.doubted.contains(&entity) {
+                self.doubted.push(entity);
+                let name = name.map_or_else(|| entity.to_string(), ToString::to_string);
+                warn!(
+                    "portal {name}: cannot tell on which side of it its rooms are; while it is in view, Enfilade hides \
+                     nothing; move it into the wall between them"
+                );
+            }
             let portals = self.add_all(scene, (entity, name), wanted);
             for &made in &portals {
                 scene.set_open(made, portal.open);
@@ -270,19 +284,20 @@ fn rooms_beside(outline: &[Vec3], normal: Vec3, rooms: &Rooms) -> Option<[Sector
     })
 }
 
-/// Returns the direction in which the first of two rooms is from an outline; `None` if that is not certain.
-fn side_of(
+/// Returns the directions in which the first of two rooms may be from an outline: both if that is not certain. Looks then
+/// lead there and back through it until they reach a limit, and nothing is hidden.
+fn sides_of(
     outline: &[Vec3],
     normal: Vec3,
     beside: Option<[SectorId; 2]>,
     [from, to]: [SectorId; 2],
     rooms: &Rooms,
-) -> Option<Vec3> {
+) -> Vec<Vec3> {
     if beside == Some([from, to]) {
-        return Some(normal);
+        return vec![normal];
     }
     if beside == Some([to, from]) {
-        return Some(-normal);
+        return vec![-normal];
     }
     let within = |toward: Vec3, room: SectorId| {
         let points = points_beside(outline, toward);
@@ -294,9 +309,9 @@ fn side_of(
     let before = within(normal, from) + within(-normal, to);
     let behind = within(normal, to) + within(-normal, from);
     match before.cmp(&behind) {
-        Ordering::Greater => Some(normal),
-        Ordering::Less => Some(-normal),
-        Ordering::Equal => None,
+        Ordering::Greater => vec![normal],
+        Ordering::Less => vec![-normal],
+        Ordering::Equal => vec![normal, -normal],
     }
 }
 
@@ -333,26 +348,25 @@ fn wanted(
                 .to_owned(),
         );
     };
-    // Seen through from both sides in both rooms, it would lead there and back for ever.
-    let Some(toward) = side_of(outline, normal, beside, [from, other], rooms) else {
-        return Err(
-            "cannot tell on which side of it its rooms are; move it into the wall between them".to_owned(),
-        );
-    };
-    let outline = polygon(outline, toward)?;
-    let back = portal.two_way.then(|| Wanted {
-        from: other,
-        outline: outline.flipped(),
-        to: from,
-        there_from_here: Transform::IDENTITY,
-    });
-    let there = Wanted {
-        from,
-        outline,
-        to: other,
-        there_from_here: Transform::IDENTITY,
-    };
-    Ok(std::iter::once(there).chain(back).collect())
+    let mut wanted = Vec::new();
+    for toward in sides_of(outline, normal, beside, [from, other], rooms) {
+        let outline = polygon(outline, toward)?;
+        wanted.push(Wanted {
+            from,
+            outline: outline.clone(),
+            to: other,
+            there_from_here: Transform::IDENTITY,
+        });
+        if portal.two_way {
+            wanted.push(Wanted {
+                from: other,
+                outline: outline.flipped(),
+                to: from,
+                there_from_here: Transform::IDENTITY,
+            });
+        }
+    }
+    Ok(wanted)
 }
 
 fn reflected(

@@ -14,7 +14,7 @@ pub struct EnfiladeSettings {
     /// the feature `pbr`, that is not known, and is [`Samples::Any`].
     pub samples: Option<Samples>,
     /// Options of looks; layers are the camera's own, and the margin follows from the samples. A camera that sees through more
-    /// portals than the [`Limits`] allow, between mirrors that face each other, say, is not culled for. Default: 256 passages.
+    /// portals than the [`Limits`] allow, between mirrors that face each other, say, is not culled for. Default: 128 passages.
     pub options: ViewerOptions,
 }
 
@@ -33,7 +33,7 @@ pub enum Samples {
 impl Default for EnfiladeSettings {
     fn default() -> EnfiladeSettings {
         let mut limits = Limits::default();
-        limits.max_passages = 256;
+        limits.max_passages = 128;
         EnfiladeSettings {
             enabled: true,
             method: Method::Masked,

@@ -299,6 +299,11 @@ fn a_doorway_in_the_middle_of_a_room_hides_nothing() {
         .entity_mut(house.door)
         .insert(at(0.0, 1.0, -2.0));
     assert!(house.sees(house.in_line) && house.sees(house.in_yard));
+    let turned = at(0.0, 1.5, 0.0).with_rotation(Quat::from_rotation_y(std::f32::consts::PI));
+    house.app.world_mut().entity_mut(house.camera).insert(turned);
+    house.app.update();
+    let cameras = house.app.world().resource::<EnfiladeCameras>();
+    assert!(cameras.visible_set(house.camera).is_some(), "culled for again");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 mod outline;
 
 use glam::DVec3;
-use outline::{Outline, grown, within};
+use outline::{Outline, within_grown};
 use smallvec::smallvec;
 
 /// A rectangle of samples: columns `x0..x1`, rows `y0..y1`.
@@ -212,7 +212,7 @@ impl Aperture {
         spread: f64,
         margin: f64,
     ) -> Option<Aperture> {
-        let outline = grown(within(&self.outline, opening), margin);
+        let outline = within_grown(&self.outline, opening, margin);
         let rect = match &rows {
             Some(rows) => rows.rect(),
             None => around(&outline, spread, &self.rect),

@@ -45,12 +45,20 @@ pub(super) fn within(parent: &Outline, opening: impl Iterator<Item = DVec3>) -> 
     hull.into_iter().collect()
 }
 
-/// Returns the outline with a square of twice `margin` pixels around each corner: all positions that are at most `margin`
-/// away along each axis.
-pub(super) fn grown(outline: Outline, margin: f64) -> Outline {
+/// As [`within`], with the opening grown by `margin` pixels first: all positions of `parent` that are at most `margin` away from
+/// it along each axis. Does not grow `parent`, in which the margins of the openings before are.
+pub(super) fn within_grown(parent: &Outline, opening: impl Iterator<Item = DVec3>, margin: f64) -> Outline {
     if margin == 0.0 {
-        return outline;
+        return within(parent, opening);
     }
+    // Before the division by W nothing can grow, so clip what is far off first.
+    let near = within(&grown(parent, margin), opening);
+    let opening = grown(&near, margin).into_iter();
+    within(parent, opening.map(|[x, y]| DVec3::new(x, y, 1.0)))
+}
+
+/// Returns the outline with a square of twice `margin` pixels around each corner.
+fn grown(outline: &Outline, margin: f64) -> Outline {
     let corner =
         |&[x, y]: &[f64; 2]| [-margin, margin].map(|dx| [-margin, margin].map(|dy| [x + dx, y + dy]));
     let mut hull = convex_hull(outline.iter().flat_map(corner).flatten().collect());
@@ -146,6 +154,27 @@ mod tests {
         let outline = within(&screen, bent.into_iter());
         assert_eq!(outline[..], [[20.0, 20.0], [20.0, 80.0], [80.0, 20.0]]);
         assert_eq!(within(&screen, bent.into_iter().rev()), outline);
+    }
+
+    #[test]
+    fn openings_one_behind_another_grow_once_and_no_further() {
+        let square = |low: f64, high: f64| {
+            [[low, low], [low, high], [high, high], [high, low]].map(|[x, y]| DVec3::new(x, y, 1.0))
+        };
+        let screen: Outline = smallvec![[0.0, 0.0], [0.0, 100.0], [100.0, 100.0], [100.0, 0.0]];
+        let first = within_grown(&screen, square(20.0, 40.0).into_iter(), 1.0);
+        assert_eq!(
+            first[..],
+            [[19.0, 19.0], [19.0, 41.0], [41.0, 41.0], [41.0, 19.0]]
+        );
+        assert_eq!(within_grown(&first, square(20.0, 40.0).into_iter(), 1.0), first);
+        // Beside the first, but not farther than both grow.
+        let beside = within_grown(&first, square(41.5, 60.0).into_iter(), 1.0);
+        assert_eq!(
+            beside[..],
+            [[40.5, 40.5], [40.5, 41.0], [41.0, 41.0], [41.0, 40.5]]
+        );
+        assert!(within_grown(&first, square(42.5, 60.0).into_iter(), 1.0).is_empty());
     }
 
     #[test]

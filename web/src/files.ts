@@ -152,6 +152,14 @@ export class FileViewer {
     this.#file.lookFrom(this.#viewer, Float64Array.of(...eye, ...toward, ...up, fovY), width, height, layers >>> 0);
   }
 
+  /**
+   * Whether the last look followed every visible portal; if not, visible objects may be missing. A look follows 1,024 passages:
+   * enough for all but mirrors that face each other.
+   */
+  get isComplete(): boolean {
+    return this.#viewer.isComplete;
+  }
+
   /** Keys of the visible objects, ascending. A view of the module's memory: read it before the next call. */
   get visible(): Uint32Array {
     return loader.words(this.#viewer.listsAddress, this.#viewer.visibleCount);

@@ -10,8 +10,8 @@ pub(crate) struct Args {
     /// Only what CI has time for: the tests without Bevy's renderer
     #[arg(long)]
     quick: bool,
-    /// Draw 300 frames with the whole of Bevy, with and without Enfilade, of the palace and the scenes in
-    /// ENFILADE_SCENES. Needs a Vulkan driver, as of Debian's package mesa-vulkan-drivers
+    /// Draw 300 frames with the whole of Bevy, with and without Enfilade, of the palace and two scenes in
+    /// ENFILADE_SCENES, and 100 of the palace with its rooms. Needs a Vulkan driver, as of Debian's package mesa-vulkan-drivers
     #[arg(long)]
     pictures: bool,
 }
@@ -32,18 +32,18 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         )?;
         let in_scenes = |name: &str| scenes.join(name);
         let runs = [
-            (&palace, "palace_rooms", None),
+            (&palace, "palace_rooms", "100", None),
             // Flies through walls.
-            (&palace, "palace", Some("--without-rooms")),
-            (&in_scenes("ifc_office_a.glb"), "ifc_office_a", None),
-            (&in_scenes("sponza_crytek.glb"), "sponza_crytek", None),
+            (&palace, "palace", "300", Some("--without-rooms")),
+            (&in_scenes("ifc_office_a.glb"), "ifc_office_a", "300", None),
+            (&in_scenes("sponza_crytek.glb"), "sponza_crytek", "300", None),
         ];
-        for (scene, views, option) in runs {
+        for (scene, views, frames, option) in runs {
             let views = folder.join("pictures/views").join(views).with_extension("jsonl");
             let mut run = crate::targets::cargo();
             run.args(["run", "--release", "-p", "enfilade_bevy_pictures", "--"]);
             run.args([scene, &views])
-                .arg("300")
+                .arg(frames)
                 .args(option)
                 .current_dir(&folder);
             succeed(&mut run)?;

@@ -2,7 +2,7 @@
 
 use crate::scene::Scene;
 use crate::{check_length, error};
-use enfilade::{ClipDepth, Tightness, View, ViewerOptions, VisibleKeys};
+use enfilade::{ClipDepth, Limits, Tightness, View, ViewerOptions, VisibleKeys};
 use wasm_bindgen::prelude::*;
 
 /// The camera of a page. Keep one for each camera: what it saw makes the next look cheaper.
@@ -17,7 +17,11 @@ pub struct Viewer {
     lists: Vec<u32>,
     /// Keys that count as visible, besides those of the last sample.
     others: Vec<u64>,
+    is_complete: bool,
 }
+
+/// Passages of a look: between mirrors that face each other, more would take seconds.
+const MAX_PASSAGES: u32 = 1024;
 
 #[wasm_bindgen]
 impl Viewer {
@@ -26,6 +30,8 @@ impl Viewer {
     /// or 4 for those of 4x multisampling, each looked at.
     #[wasm_bindgen(constructor)]
     pub fn new(tightness: u32, growth_px: f32, samples: u32) -> Viewer {
+        let mut limits = Limits::default();
+        limits.max_passages = MAX_PASSAGES;
         let options = ViewerOptions {
             tightness: match tightness {
                 0 => Tightness::Boxes,
@@ -33,6 +39,7 @@ impl Viewer {
                 _ => Tightness::Resolved,
             },
             growth_px,
+            limits,
             ..ViewerOptions::default()
         };
         let viewers = (0..if samples > 1 { View::FOUR_SAMPLES.len() } else { 1 })
@@ -44,6 +51,7 @@ impl Viewer {
             bits: Vec::new(),
             lists: Vec::new(),
             others: Vec::new(),
+            is_complete: false,
         }
     }
 
@@ -99,6 +107,12 @@ impl Viewer {
         self.keys.all().len()
     }
 
+    /// Whether every visible portal was followed. If not, keys may be missing.
+    #[wasm_bindgen(getter, js_name = isComplete)]
+    pub fn is_complete(&self) -> bool {
+        self.is_complete
+    }
+
     /// Number of keys that became visible.
     #[wasm_bindgen(getter, js_name = enteredCount)]
     pub fn entered_count(&self) -> usize {
@@ -142,6 +156,7 @@ impl Viewer {
     ) -> Result<(), JsValue> {
         self.others.clear();
         self.others.extend(others.into_iter().map(u64::from));
+        self.is_complete = true;
         let samples = self.viewers.len();
         for (number, viewer) in self.viewers.iter_mut().enumerate() {
             viewer.options.layers = layers;
@@ -152,6 +167,7 @@ impl Viewer {
                 let view = view.at_sample(at).map_err(|why| error(why.code(), why))?;
                 viewer.look(scene, &view)
             };
+            self.is_complete &= set.complete();
             if number + 1 < samples {
                 self.others.extend(set.items().iter().map(|item| item.key));
             } else {

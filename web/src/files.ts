@@ -153,7 +153,7 @@ export class FileViewer {
   }
 
   /**
-   * Whether the last look followed every visible portal; if not, visible objects may be missing. A look follows 1,024 passages:
+   * Whether the last look followed every visible portal; if not, all objects count as visible. A look follows 1,024 passages:
    * enough for all but mirrors that face each other.
    */
   get isComplete(): boolean {

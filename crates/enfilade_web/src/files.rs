@@ -209,7 +209,7 @@ impl SceneFile {
         layers: u32,
     ) -> Result<(), JsValue> {
         let view = view(eye_from_world, clip_from_eye, depth, [width, height])?;
-        viewer.see(&self.scene, [], &view, layers)
+        viewer.see(&self.scene, [], self.items.len() as u64, &view, layers)
     }
 
     /// As [`SceneFile::look`], from a camera like those of [`SceneFile::cameras`].
@@ -235,7 +235,7 @@ impl SceneFile {
         let view = camera
             .view([width, height])
             .map_err(|why| error(why.code(), why))?;
-        viewer.see(&self.scene, [], &view, layers)
+        viewer.see(&self.scene, [], self.items.len() as u64, &view, layers)
     }
 }
 

@@ -78,6 +78,8 @@ impl Viewer {
         self.see(
             scene.scene(),
             scene.always_visible().iter().copied(),
+            // It has no portals.
+            0,
             &view,
             layers,
         )
@@ -107,7 +109,7 @@ impl Viewer {
         self.keys.all().len()
     }
 
-    /// Whether every visible portal was followed. If not, keys may be missing.
+    /// Whether every visible portal was followed. If not, all keys count as visible.
     #[wasm_bindgen(getter, js_name = isComplete)]
     pub fn is_complete(&self) -> bool {
         self.is_complete
@@ -146,11 +148,13 @@ pub(crate) fn view(
 }
 
 impl Viewer {
-    /// Looks, and keeps the keys that are visible, `others` among them.
+    /// Looks, and keeps the keys that are visible, `others` among them; all keys up to `count` where portals lead farther than a
+    /// look follows them.
     pub(crate) fn see(
         &mut self,
         scene: &enfilade::Scene,
         others: impl IntoIterator<Item = u32>,
+        count: u64,
         view: &View,
         layers: u32,
     ) -> Result<(), JsValue> {
@@ -171,7 +175,8 @@ impl Viewer {
             if number + 1 < samples {
                 self.others.extend(set.items().iter().map(|item| item.key));
             } else {
-                self.keys.update_with(set, self.others.iter().copied());
+                let all = if self.is_complete { 0..0 } else { 0..count };
+                self.keys.update_with(set, self.others.iter().copied().chain(all));
             }
         }
         self.bits.fill(0);

@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release -p enfilade_bevy_pictures -- SCENE.glb VIEWS.jsonl FRAMES [--without-rooms]`: the views are those
 //! that `enfilade look --path` reads, and the path leads from one to the next. In every tenth frame, a second camera looks the
-//! other way. A software driver will do. Without rooms, the file's extras are ignored, and the path may lead through walls. Where FRAMES is
-//! `300:192`, only frame 192 of the 300 is drawn.
+//! other way. A software driver will do. Without rooms, the file's extras are ignored, and the path may lead through walls.
+//! Where FRAMES is `300:192`, only frame 192 of the 300 is drawn.
 //!
 //! Where pictures differ, rays say whether the face that is nearest at a sample was drawn. If it was, the difference is the
 //! renderer's: at samples beside an edge, or on a sliver, whose depth a rasterizer extrapolates, it may draw over a nearer face

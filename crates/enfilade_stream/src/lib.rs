@@ -28,8 +28,8 @@
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, for octree subtrees that are loaded as needed and
 //!     dropped when not.
 //! Cost: a step is O(visible items + pages), plus an edit of the items of the pages that came or went.
-//! The visible set of any look contains all that a look at the whole scene would see, and is equal to it once nothing visible
-//! is absent (exact methods).
+//! The visible set of any look contains all that a look at the whole scene would see, unless it hits a limit
+//! (`VisibleSet::complete`), and is equal to it once nothing visible is absent (exact methods).
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 

@@ -78,7 +78,8 @@ pub struct LightView {
     /// The view of a shadow map. It has one view direction, whatever portals its light passes: draw each passage by its own
     /// matrix, as those of a camera.
     pub view: View,
-    /// The passages of the light, and the casters in each.
+    /// The passages of the light, and the casters in each. Some may be missing if [`VisibleSet::complete`] is `false`: the light
+    /// passes more portals than [`ShadowCasters::options`] allows.
     pub casters: VisibleSet,
 }
 
@@ -107,8 +108,8 @@ impl ShadowCasters {
     }
 
     /// Finds what casts shadows of a light on the items of a visible set: one view for each cascade of a sun, one for a spot
-    /// light, up to six for a point light. A view without receivers is left out, so the result is empty if the light reaches
-    /// nothing visible.
+    /// light, up to six for a point light. A complete view without casters is left out, so the result is empty if the light
+    /// reaches nothing visible.
     ///
     /// Limits of distance and size of items ([`ItemOptions`](crate::ItemOptions)) do not apply. The views are in the space of
     /// the light's sector.
@@ -139,7 +140,7 @@ impl ShadowCasters {
     }
 
     /// Finds what casts shadows of a light on the items of a visible set, in views that the renderer has chosen. They are taken
-    /// as views from the light's sector. Those without receivers are left out; [`LightView::number`] is the place of a view in
+    /// as views from the light's sector. Those that are complete and without casters are left out; [`LightView::number`] is the place of a view in
     /// `views`.
     ///
     /// A parallel view should begin before everything that casts shadows.
@@ -188,7 +189,8 @@ impl ShadowCasters {
             let receivers = &self.receivers[request.cascade];
             keep_casters(scene, map, receivers, range_of(lamp), &mut self.mask);
         }
-        self.maps.retain(|map| !map.casters.items().is_empty());
+        self.maps
+            .retain(|map| !(map.casters.items().is_empty() && map.casters.complete()));
         &self.maps
     }
 }

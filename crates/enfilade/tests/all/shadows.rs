@@ -2,7 +2,7 @@
 
 use enfilade::laws::{Lamplight, SurfacePoint};
 use enfilade::{
-    LightId, LightShape, LightView, Scene, ShadowCasters, View, Viewer, ViewerOptions, VisibleItem,
+    Light, LightId, LightShape, LightView, Scene, ShadowCasters, View, Viewer, ViewerOptions, VisibleItem,
     VisibleSet,
 };
 use enfilade_scenes::{BuiltIn, Random, built_in, parallel_view, random_scene, with_random_lights};
@@ -120,4 +120,33 @@ fn all_that_blocks_light_on_its_way_to_what_is_seen_casts_shadows() {
     }
     let [blocked, found, others] = sum;
     assert!(blocked > 10_000 && found > 5000 && others > 10_000, "{sum:?}");
+}
+
+#[test]
+fn a_light_behind_more_doors_than_its_look_may_follow_says_that_casters_may_be_missing() {
+    let BuiltIn { mut scene, cameras } = built_in("two-rooms").expect("a built-in scene");
+    let near = scene.sectors().next().expect("two rooms");
+    let middle = scene.bounds(near).center();
+    let lamp = Light::point(near, middle, [1.0; 3], 100.0);
+    let lamp = scene.add_light(lamp).expect("a valid light");
+    let view = cameras[0].view(SIZE).expect("a valid view");
+    let mut viewer = Viewer::new();
+    let set = viewer.look(&scene, &view);
+    let mut shadows = ShadowCasters::new();
+    let followed = shadows.find(&scene, lamp, set);
+    assert!(followed.iter().all(|map| map.casters.complete()));
+    let through_door = |map: &&LightView| map.casters.passages().len() > 1;
+    let behind: Vec<u32> = followed
+        .iter()
+        .filter(through_door)
+        .map(|map| map.number)
+        .collect();
+    assert!(!behind.is_empty());
+    shadows.options.limits.max_crossings = 0;
+    let cut = shadows.find(&scene, lamp, set).iter();
+    let incomplete: Vec<u32> = cut
+        .filter(|map| !map.casters.complete())
+        .map(|map| map.number)
+        .collect();
+    assert_eq!(incomplete, behind);
 }

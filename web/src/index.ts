@@ -263,6 +263,14 @@ export class Viewer {
     return loader.words(this.#viewer.listsAddress + 4 * before, this.#viewer.leftCount);
   }
 
+  /**
+   * Whether the matrices of the last look mirror, so that faces that are counter-clockwise in the world appear clockwise. The
+   * answer holds for a renderer that draws the same sides as without: flip its winding, or draw everything.
+   */
+  get isMirrored(): boolean {
+    return this.#viewer.isMirrored;
+  }
+
   /** Frees the memory. Do not use it afterwards. */
   dispose(): void {
     this.#viewer.free();

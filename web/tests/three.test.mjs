@@ -583,6 +583,33 @@ onBoth(
 );
 
 onBoth(
+  'a camera that mirrors sees through walls that are drawn from one side',
+  async (renderer) => {
+    const scene = new THREE.Scene();
+    const wall = new THREE.Mesh(new THREE.PlaneGeometry(40, 40), new THREE.MeshBasicMaterial());
+    const thing = new THREE.Mesh(new THREE.BoxGeometry(), new THREE.MeshBasicMaterial({ color: 0xff0000 }));
+    wall.position.z = -5;
+    thing.position.z = -9;
+    scene.add(wall, thing);
+    const culler = await EnfiladeCuller.load({ renderer });
+    culler.addScene(scene);
+    const camera = new THREE.PerspectiveCamera(60, 16 / 9, 0.1, 100);
+    const results = [];
+    for (const x of [1, -1]) {
+      const result = await compare(renderer, scene, camera, culler, 2, () => camera.scale.set(x, 1, 1));
+      results.push({ ...result, isSeen: culler.isVisible(thing, camera) });
+    }
+    return results;
+  },
+  ([plain, mirrored]) => {
+    same(plain);
+    same(mirrored);
+    assert.deepEqual([plain.isSeen, mirrored.isSeen], [false, true]);
+  },
+  { warns: true },
+);
+
+onBoth(
   'ten thousand objects move each frame; reported ones cost less; a disposed culler undoes everything',
   async (renderer) => {
     const { scene, camera, at } = rooms(16, 10_000);

@@ -24,7 +24,8 @@ pub enum EnfiladeClipDepth {
 /// Matrices are 16 doubles, column after column, and multiply column vectors: the clip position of a point is clip_from_eye x
 /// eye_from_sector x (x, y, z, 1). A matrix of rows that multiply row vectors (DirectXMath, Unreal) has the same numbers in the
 /// same order. Right- or left-handed, any up axis, off-centre, jittered, infinite or reversed depth, orthographic, oblique near
-/// plane. There is no far plane: what is beyond it counts as visible.
+/// plane. There is no far plane: what is beyond it counts as visible. Matrices that mirror, as of a planar reflection, leave
+/// visible, and occluding, the same sides of faces: flip the winding of your renderer for them.
 ///
 /// If too much or too little is visible, print one matrix: a view matrix has the translation in its last four numbers, and a
 /// perspective projection -1 or 1 as number 11 (the first is 0). A wrong clip_depth between the first two is not noticed.

@@ -18,6 +18,7 @@ pub struct Viewer {
     /// Keys that count as visible, besides those of the last sample.
     others: Vec<u64>,
     is_complete: bool,
+    is_mirrored: bool,
 }
 
 /// Passages of a look: between mirrors that face each other, more would take seconds.
@@ -52,6 +53,7 @@ impl Viewer {
             lists: Vec::new(),
             others: Vec::new(),
             is_complete: false,
+            is_mirrored: false,
         }
     }
 
@@ -115,6 +117,12 @@ impl Viewer {
         self.is_complete
     }
 
+    /// Whether counter-clockwise faces appear clockwise on the screen.
+    #[wasm_bindgen(getter, js_name = isMirrored)]
+    pub fn is_mirrored(&self) -> bool {
+        self.is_mirrored
+    }
+
     /// Number of keys that became visible.
     #[wasm_bindgen(getter, js_name = enteredCount)]
     pub fn entered_count(&self) -> usize {
@@ -161,6 +169,7 @@ impl Viewer {
         self.others.clear();
         self.others.extend(others.into_iter().map(u64::from));
         self.is_complete = true;
+        self.is_mirrored = view.mirrored();
         let samples = self.viewers.len();
         for (number, viewer) in self.viewers.iter_mut().enumerate() {
             viewer.options.layers = layers;

@@ -57,6 +57,10 @@ export class CameraView {
       depth,
       layers: camera.layers.mask,
     });
+    if (this.viewer.isMirrored) {
+      // three.js looks at the transforms of objects alone: of this camera, it draws the sides that are away from it.
+      throw Object.assign(new Error('its matrices mirror, and three.js draws back faces for such cameras'), { code: 'view/mirrored' });
+    }
     const { bits } = this.viewer;
     if (this.#present.length < slots.present.length) {
       this.#present = new Uint32Array(slots.present.length);

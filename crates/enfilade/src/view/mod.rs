@@ -455,6 +455,16 @@ impl View {
         self.clip_from_eye.to_cols_array_2d()
     }
 
+    /// Returns `true` if faces that are counter-clockwise from the eye, by (b − a) × (c − a), appear clockwise on the screen: in a
+    /// mirrored projection, the camera of a planar reflection, or left-handed coordinates. The visible set is the same: a
+    /// one-sided face is visible, and hides, from the side to which that vector points. Draw the same sides
+    /// ([`Passage::mirrored`](crate::Passage::mirrored) is about portals), or do not cull by this view.
+    #[doc(alias = "winding")]
+    #[doc(alias = "invert culling")]
+    pub fn mirrored(&self) -> bool {
+        (self.viewport_from_eye.matrix3 * self.eye_from_sector.matrix3).determinant() < 0.0
+    }
+
     /// Returns the ray through a position in the viewport, in pixels, y down: origin (the eye, or a point of the near plane
     /// of a parallel view) and direction, in the space of the sector. The direction has length 1 along the view direction,
     /// measured in eye space.

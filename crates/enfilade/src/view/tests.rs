@@ -200,6 +200,25 @@ fn a_stereo_offset_in_the_projection_moves_the_eye() {
 }
 
 #[test]
+fn a_view_says_whether_it_turns_counter_clockwise_faces_clockwise() {
+    let orthographic = glam::dcamera::rh::proj::directx::orthographic(-1.0, 1.0, -1.0, 1.0, 0.5, 9.0);
+    for clip in [PERSPECTIVE, orthographic.to_cols_array_2d()] {
+        let mut flipped = clip;
+        for column in &mut flipped {
+            column[0] = -column[0];
+        }
+        let mut mirror = IDENTITY;
+        mirror[1][1] = -1.0;
+        let mirrored = |view, clip| {
+            let view = View::from_matrices(view, clip, ClipDepth::ZeroToOne, [64, 64]);
+            view.expect("a valid view").mirrored()
+        };
+        assert!(!mirrored(IDENTITY, clip) && !mirrored(mirror, flipped));
+        assert!(mirrored(IDENTITY, flipped) && mirrored(mirror, clip));
+    }
+}
+
+#[test]
 fn a_ray_goes_to_what_its_pixel_shows() {
     let view = View::new([1.0, 2.0, 3.0], [4.0, 1.0, -7.0], [640, 480]).expect("a valid view");
     let [origin, direction] = view.ray([123.0, 45.0]).map(DVec3::from);

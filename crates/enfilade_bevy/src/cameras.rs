@@ -1,7 +1,7 @@
-//! Looks for the cameras, and takes what is hidden off their lists of visible entities.
+//! Culls for the cameras: looks, and removes hidden entities from their lists of visible ones.
 //!
-//! Bevy's [`VisibleEntities`] of a camera say what is drawn for it, and nothing else: shadows, picking, other cameras and
-//! `ViewVisibility`, which is one flag for all views, stay as they are.
+//! [`VisibleEntities`] of a camera decide what is drawn for it, and nothing else: shadows, picking, other cameras and
+//! `ViewVisibility`, which is one flag for all views, do not change.
 
 use crate::automatic::CameraSamples;
 use crate::components::{FreezeVisibility, NoVisibilityCulling, PvsCells};
@@ -36,7 +36,7 @@ pub struct EnfiladeCameras {
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
 pub struct LookStats {
-    /// Time to bring the scene in step with the world.
+    /// Time to synchronize the scene with the world.
     pub sync_time: Duration,
     /// Time of the looks, and of what follows from them.
     pub look_time: Duration,
@@ -117,16 +117,16 @@ pub(crate) struct CulledCamera {
     has_no_cpu_culling: Has<NoCpuCulling>,
 }
 
-/// Notes how long the scene took to get in step.
+/// Records how long synchronizing took.
 pub(crate) fn note_sync_time(mut cameras: ResMut<EnfiladeCameras>, start: Res<SyncStart>) {
     cameras.stats.sync_time = start.0.elapsed();
 }
 
-/// When the scene began to get in step.
+/// When synchronizing began.
 #[derive(Resource)]
 pub(crate) struct SyncStart(pub(crate) Instant);
 
-/// Takes what is hidden off the lists of the cameras.
+/// Removes hidden entities from the lists of the cameras.
 pub(crate) fn cull(
     settings: Res<EnfiladeSettings>,
     scene: Res<EnfiladeScene>,
@@ -207,7 +207,7 @@ pub(crate) fn cull(
 }
 
 impl CameraState {
-    /// Takes note that nothing is hidden any more. Returns what was.
+    /// Records that nothing is hidden any more. Returns the entities that were.
     fn show_all(&mut self) -> Vec<Entity> {
         let hidden = std::mem::take(&mut self.hidden);
         self.visible.extend_from_slice(&hidden);
@@ -215,7 +215,7 @@ impl CameraState {
         hidden
     }
 
-    /// Takes off a list what a PVS says is hidden. Returns what is left, but for what is left alone.
+    /// Removes from a list what a PVS hides. Returns the entities left in it that may be culled.
     fn cull_by_pvs(
         &mut self,
         list: &mut Vec<Entity>,
@@ -227,10 +227,10 @@ impl CameraState {
         let mut visible = Vec::with_capacity(self.visible.len());
         self.hidden.clear();
         list.retain(|&entity| {
-            let Some(held) = scene.bounds(entity) else {
+            let Some(bounds) = scene.bounds(entity) else {
                 return true;
             };
-            let is_seen = from.is_none_or(|from| self.cells.may_be_seen(pvs, from, entity, held));
+            let is_seen = from.is_none_or(|from| self.cells.may_be_seen(pvs, from, entity, bounds));
             let side = if is_seen { &mut visible } else { &mut self.hidden };
             side.push(entity);
             is_seen
@@ -238,8 +238,8 @@ impl CameraState {
         visible
     }
 
-    /// Takes off a list what looks do not see. Returns what is left, but for what is left alone, and the visible sectors;
-    /// `None`, and takes nothing off, where portals lead farther than looks may follow.
+    /// Removes from a list what looks do not see. Returns the entities left in it that may be culled, and the visible
+    /// sectors; `None`, with the list unchanged, if a look hits a limit.
     fn cull_by_looks(
         &mut self,
         list: &mut Vec<Entity>,
@@ -292,7 +292,7 @@ impl CameraState {
             let key = entity.to_bits();
             while keys.next_if(|&next| next < key).is_some() {}
             let is_seen = keys.next_if_eq(&key).is_some();
-            if !is_seen && !scene.holds(entity) {
+            if !is_seen && !scene.contains(entity) {
                 return true;
             }
             let side = if is_seen { &mut visible } else { &mut self.hidden };
@@ -303,7 +303,7 @@ impl CameraState {
     }
 }
 
-/// Looks from each view with the viewer of its place, at once where Bevy has threads.
+/// Looks from each view with the viewer of the same index, in parallel where Bevy has threads.
 fn look(viewers: &mut [Viewer; 4], scene: &Scene, views: [Option<View>; 4], options: ViewerOptions) {
     let pairs = viewers
         .iter_mut()
@@ -343,6 +343,15 @@ fn view_of(of: &CulledCameraItem, scene: &EnfiladeScene, owner: Option<SectorId>
             return None;
         }
     };
+    // Occluders hide by the sides that are in front in the world. Here the others are drawn.
+    if view.mirrored() != of.camera.invert_culling {
+        warn_once!(
+            "Enfilade does not cull for the camera {}, which draws back faces: its `invert_culling` is to be set if its \
+             transform or projection mirrors, and only then",
+            of.entity
+        );
+        return None;
+    }
     if scene.rooms.is_empty() {
         return Some(view.in_sector(OUTDOORS));
     }

@@ -104,7 +104,8 @@ impl Portal {
 /// A mirror: a convex polygon in the entity's XY plane that reflects the room before it, on the side of +Z.
 ///
 /// What is seen in it becomes visible to the camera that looks at it. A camera that you render the reflection with is
-/// culled like others; with rooms, make it a descendant of the room that it reflects.
+/// culled like others, if its `invert_culling` is set where its matrices mirror; with rooms, make it a descendant of the room
+/// that it reflects.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component)]
 pub struct Mirror {

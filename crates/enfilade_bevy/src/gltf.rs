@@ -24,11 +24,11 @@ use serde::Deserialize;
 /// `extras` of a node.
 #[derive(Deserialize)]
 struct Extras {
-    enfilade: Option<Marked>,
+    enfilade: Option<Mark>,
 }
 
 #[derive(Clone, Default, Deserialize)]
-struct Marked {
+struct Mark {
     kind: Option<String>,
     to: Option<String>,
     #[serde(default, deserialize_with = "flag")]
@@ -44,22 +44,22 @@ fn flag<'de, D: serde::Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
 
 /// A node whose mark was read.
 #[derive(Component)]
-pub(crate) struct Known;
+pub(crate) struct MarkRead;
 
 /// A portal whose room on the other side, or whose mesh, is not there yet. Until it is, nothing is hidden.
 #[derive(Component)]
-pub(crate) struct Unfinished(Marked);
+pub(crate) struct PendingOpening(Mark);
 
-type New<'a> = (Entity, Option<&'a Name>, &'a GltfExtras);
+type NewNode<'a> = (Entity, Option<&'a Name>, &'a GltfExtras);
 
 /// Reads the names and extras of new nodes.
 pub(crate) fn read_extras(
     mut commands: Commands,
-    new: Query<New, Added<GltfExtras>>,
-    names: Query<(Entity, &Name), Without<Known>>,
+    new: Query<NewNode, Added<GltfExtras>>,
+    names: Query<(Entity, &Name), Without<MarkRead>>,
     parents: Query<&ChildOf>,
     scenes: Query<(), With<GltfSceneName>>,
-    unfinished: Query<(Entity, Ref<Unfinished>, Option<&Name>, &GlobalTransform)>,
+    unfinished: Query<(Entity, Ref<PendingOpening>, Option<&Name>, &GlobalTransform)>,
     mut scene: ResMut<EnfiladeScene>,
     rooms: Query<(Entity, &Name), With<Sector>>,
     children: Query<&Children>,
@@ -67,17 +67,17 @@ pub(crate) fn read_extras(
     assets: Res<Assets<Mesh>>,
 ) {
     let mut are_awaited = false;
-    let mut found: Vec<(Entity, &str, Marked)> = Vec::new();
+    let mut found: Vec<(Entity, &str, Mark)> = Vec::new();
     for (entity, name, extras) in &new {
         let name = name.map_or("", |name| name.as_str());
-        found.push((entity, name, marked(name, extras)));
+        found.push((entity, name, mark_of(name, extras)));
     }
     let with_marks = found.iter().filter(|(.., marked)| marked.kind.is_some());
     let files: EntityHashSet = with_marks
         .map(|&(entity, ..)| file_of(entity, &parents, &scenes))
         .collect();
     let in_files = files.iter().flat_map(|&file| children.iter_descendants(file));
-    let mut named: Vec<(Entity, &str, Marked)> = Vec::new();
+    let mut named: Vec<(Entity, &str, Mark)> = Vec::new();
     for (entity, name) in names.iter_many(in_files) {
         let kind = kind_of(name).map(ToOwned::to_owned);
         match found.iter_mut().find(|(other, ..)| *other == entity) {
@@ -85,16 +85,16 @@ pub(crate) fn read_extras(
             None if kind.is_some() => named.push((
                 entity,
                 name,
-                Marked {
+                Mark {
                     kind,
-                    ..Marked::default()
+                    ..Mark::default()
                 },
             )),
             None => {}
         }
     }
     for (entity, name, marked) in found.into_iter().chain(named) {
-        commands.entity(entity).insert(Known);
+        commands.entity(entity).insert(MarkRead);
         match marked.kind.as_deref() {
             Some("room") => {
                 commands.entity(entity).insert(Sector);
@@ -108,7 +108,7 @@ pub(crate) fn read_extras(
             Some("portal") if marked.exit.is_some() => {}
             Some("portal" | "mirror") => {
                 are_awaited = true;
-                commands.entity(entity).insert(Unfinished(marked));
+                commands.entity(entity).insert(PendingOpening(marked));
             }
             Some("terrain") | None => {}
             Some(other) => warn!("{name}: kinds are room, portal, mirror, terrain and door, not `{other}`"),
@@ -150,7 +150,7 @@ pub(crate) fn read_extras(
         };
         // The opening is at its place once transforms are propagated.
         are_awaited = true;
-        commands.entity(entity).remove::<Unfinished>();
+        commands.entity(entity).remove::<PendingOpening>();
         // Without corners it is refused, and nothing is hidden.
         let (at, corners) = outline(&points, normal, transform).unwrap_or_else(|| {
             warn!("portal {name}: its mesh must be flat");
@@ -204,7 +204,7 @@ fn kind_of(name: &str) -> Option<&'static str> {
         .find(|&kind| kind == ending)
 }
 
-fn marked(name: &str, extras: &GltfExtras) -> Marked {
+fn mark_of(name: &str, extras: &GltfExtras) -> Mark {
     let from_extras = match serde_json::from_str::<Extras>(&extras.value) {
         Ok(extras) => extras.enfilade,
         Err(why) if extras.value.contains("\"enfilade\"") => {

@@ -10,16 +10,16 @@
 //! | to | use |
 //! |---|---|
 //! | let meshes with materials of your own hide others | [`Occluder`], [`OccluderProxy`] |
-//! | let one hide nothing, or leave it alone | [`NotOccluder`], [`AlwaysVisible`] |
+//! | let one hide nothing, or neither hide nor be culled | [`NotOccluder`], [`AlwaysVisible`] |
 //! | see a house by rooms and doors | [`Sector`], [`Portal`], [`Mirror`], [`MethodOf`] |
 //! | cull by a baked PVS, as of a Quake map | [`PvsCells`] |
-//! | know what came into sight | [`EntityVisibilityChanged`], [`SectorVisibilityChanged`], [`EnfiladeCameras`] |
-//! | leave a camera alone | [`NoVisibilityCulling`] |
+//! | know what became visible or hidden | [`EntityVisibilityChanged`], [`SectorVisibilityChanged`], [`EnfiladeCameras`] |
+//! | do not cull for a camera | [`NoVisibilityCulling`] |
 //! | look at the visible set from outside | [`FreezeVisibility`] and the gizmos of the feature `gizmos` |
 //! | ask for lines of sight and rays | [`EnfiladeScene::scene`] |
 //!
-//! What is hidden is taken off `VisibleEntities` of the camera, where it can be counted. Shadows, picking and `ViewVisibility` stay
-//! as they are. What Bevy draws by `NoCpuCulling` cannot be hidden by a CPU.
+//! Hidden entities are removed from `VisibleEntities` of the camera, where they can be counted. Shadows, picking and
+//! `ViewVisibility` do not change. What Bevy draws by `NoCpuCulling` cannot be hidden by a CPU.
 //!
 //! # Features
 //!

@@ -15,7 +15,7 @@ use crate::Occluder;
 /// Triangles from which a mesh is built on the task pool: a smaller one takes less than 0.1 ms.
 const LARGE: usize = 1000;
 
-/// Built meshes, by asset and by which sides hide.
+/// BuiltMesh meshes, by asset and by which sides hide.
 #[derive(Default)]
 pub(crate) struct OccluderMeshes {
     numbers: HashMap<(AssetId<Mesh>, Occluder), u64>,
@@ -25,7 +25,7 @@ pub(crate) struct OccluderMeshes {
 }
 
 /// A mesh that has been built, or cannot be.
-pub(crate) type Built = (u64, Option<Arc<enfilade::Mesh>>);
+pub(crate) type BuiltMesh = (u64, Option<Arc<enfilade::Mesh>>);
 
 impl OccluderMeshes {
     /// Returns the number of a mesh, and begins to build it if it is new.
@@ -33,7 +33,7 @@ impl OccluderMeshes {
         &mut self,
         key: (AssetId<Mesh>, Occluder),
         assets: &Assets<Mesh>,
-        built: &mut Vec<Built>,
+        built: &mut Vec<BuiltMesh>,
     ) -> u64 {
         if let Some(&number) = self.numbers.get(&key) {
             return number;
@@ -45,8 +45,8 @@ impl OccluderMeshes {
         number
     }
 
-    /// Builds anew what was made of an asset that has changed.
-    pub(crate) fn changed(&mut self, id: AssetId<Mesh>, assets: &Assets<Mesh>, built: &mut Vec<Built>) {
+    /// Rebuilds the meshes of an asset that has changed.
+    pub(crate) fn changed(&mut self, id: AssetId<Mesh>, assets: &Assets<Mesh>, built: &mut Vec<BuiltMesh>) {
         for sides in [Occluder::OneSided, Occluder::TwoSided] {
             if let Some(&number) = self.numbers.get(&(id, sides)) {
                 self.build(number, (id, sides), assets, built);
@@ -54,8 +54,8 @@ impl OccluderMeshes {
         }
     }
 
-    /// Drops what was made of an asset that is gone.
-    pub(crate) fn removed(&mut self, id: AssetId<Mesh>, built: &mut Vec<Built>) {
+    /// Drops the meshes of an asset that is gone.
+    pub(crate) fn removed(&mut self, id: AssetId<Mesh>, built: &mut Vec<BuiltMesh>) {
         for sides in [Occluder::OneSided, Occluder::TwoSided] {
             if let Some(&number) = self.numbers.get(&(id, sides)) {
                 self.pending.retain(|(pending, _)| *pending != number);
@@ -64,8 +64,8 @@ impl OccluderMeshes {
         }
     }
 
-    /// Takes what the task pool has built.
-    pub(crate) fn poll(&mut self, built: &mut Vec<Built>) {
+    /// Collects the meshes that the task pool has built.
+    pub(crate) fn poll(&mut self, built: &mut Vec<BuiltMesh>) {
         self.pending
             .retain_mut(|(number, task)| match block_on(poll_once(task)) {
                 Some(mesh) => {
@@ -86,18 +86,18 @@ impl OccluderMeshes {
         number: u64,
         (id, sides): (AssetId<Mesh>, Occluder),
         assets: &Assets<Mesh>,
-        built: &mut Vec<Built>,
+        built: &mut Vec<BuiltMesh>,
     ) {
         self.pending.retain(|(pending, _)| *pending != number);
         let material = material(sides);
         match assets.get(id).and_then(triangles) {
             None => built.push((number, None)),
             Some(triangles) if triangles.1.len() < 3 * LARGE => {
-                built.push((number, made(&triangles, material)));
+                built.push((number, build(&triangles, material)));
             }
             Some(triangles) => {
                 built.push((number, None));
-                let task = AsyncComputeTaskPool::get().spawn(async move { made(&triangles, material) });
+                let task = AsyncComputeTaskPool::get().spawn(async move { build(&triangles, material) });
                 self.pending.push((number, task));
             }
         }
@@ -121,7 +121,7 @@ fn material(sides: Occluder) -> MaterialId {
     }
 }
 
-fn made(
+fn build(
     (positions, indices): &(Vec<[f32; 3]>, Vec<u32>),
     material: MaterialId,
 ) -> Option<Arc<enfilade::Mesh>> {

@@ -29,14 +29,14 @@ pub struct EnfiladePlugin {
 pub enum EnfiladeSystems {
     /// Finds what is opaque, and rooms in glTF files.
     Read,
-    /// Brings the scene in step with the world.
+    /// Synchronizes the scene with the world.
     Sync,
-    /// Takes what is hidden off the lists of the cameras.
+    /// Removes hidden entities from the lists of the cameras.
     Cull,
 }
 
 impl EnfiladePlugin {
-    /// Milliseconds to bring the scene in step with the world.
+    /// Milliseconds to synchronize the scene with the world.
     pub const SYNC_TIME: DiagnosticPath = DiagnosticPath::const_new("enfilade/sync_time");
     /// Milliseconds of the looks of all cameras.
     pub const LOOK_TIME: DiagnosticPath = DiagnosticPath::const_new("enfilade/look_time");
@@ -90,8 +90,10 @@ impl Plugin for EnfiladePlugin {
                 ),
             );
         #[cfg(feature = "pbr")]
-        app.init_resource::<bevy_asset::Assets<bevy_pbr::StandardMaterial>>()
+        app.init_resource::<Assets<bevy_pbr::StandardMaterial>>()
+            .init_resource::<Assets<bevy_image::Image>>()
             .add_message::<bevy_asset::AssetEvent<bevy_pbr::StandardMaterial>>()
+            .add_message::<bevy_asset::AssetEvent<bevy_image::Image>>()
             .add_systems(
                 PostUpdate,
                 (

@@ -1,6 +1,6 @@
 //! Portals and mirrors: openings of the scene's sectors.
 //!
-//! Idea: whenever one of them moves or leads elsewhere, all are made anew; a door that opens or closes is a flag.
+//! Idea: whenever one of them moves or leads elsewhere, all are rebuilt; a door that opens or closes is a flag.
 
 use crate::components::{Mirror, Portal};
 use crate::rooms::{OUTDOORS, Rooms};
@@ -16,10 +16,10 @@ use std::cmp::Ordering;
 /// The openings of the scene.
 #[derive(Default)]
 pub(crate) struct Portals {
-    made: HashMap<Entity, Made>,
+    scene_portals: HashMap<Entity, ScenePortal>,
     /// Sectors with openings.
     with_openings: Vec<SectorId>,
-    /// Whether all are to be made anew.
+    /// Whether all are to be rebuilt.
     pub(crate) is_dirty: bool,
     /// Whether each portal leads somewhere. If not, something could be hidden that is seen through it.
     pub(crate) are_complete: bool,
@@ -32,13 +32,13 @@ pub(crate) struct Portals {
 }
 
 /// A portal of the world, as it is in the scene.
-struct Made {
+struct ScenePortal {
     of: Portal,
     portals: Vec<PortalId>,
 }
 
-/// An opening to be made: its sector, the outline as seen from there, where it leads, and how.
-struct Wanted {
+/// An opening to be added: its sector, the outline as seen from there, where it leads, and how.
+struct OpeningSpec {
     from: SectorId,
     outline: ConvexPolygon,
     to: SectorId,
@@ -71,8 +71,8 @@ pub(crate) struct OpeningQuery<'w, 's> {
 }
 
 impl Portals {
-    /// Takes what has changed of portals and mirrors.
-    pub(crate) fn take(
+    /// Updates the openings of portals and mirrors that have changed.
+    pub(crate) fn update(
         &mut self,
         scene: &mut Scene,
         rooms: &Rooms,
@@ -85,7 +85,10 @@ impl Portals {
             if !portal.is_changed() && !transform.is_changed() {
                 continue;
             }
-            let made = self.made.get_mut(&entity).filter(|_| !transform.is_changed());
+            let made = self
+                .scene_portals
+                .get_mut(&entity)
+                .filter(|_| !transform.is_changed());
             match made {
                 Some(made) if same_but_open(&made.of, &portal) => {
                     made.of.open = portal.open;
@@ -101,11 +104,11 @@ impl Portals {
             .iter()
             .any(|(_, mirror, transform, _)| mirror.is_changed() || transform.is_changed());
         if std::mem::take(&mut self.is_dirty) {
-            self.make(scene, rooms, world, parents);
+            self.rebuild(scene, rooms, world, parents);
         }
     }
 
-    fn make(&mut self, scene: &mut Scene, rooms: &Rooms, world: &OpeningQuery, parents: &Query<&ChildOf>) {
+    fn rebuild(&mut self, scene: &mut Scene, rooms: &Rooms, world: &OpeningQuery, parents: &Query<&ChildOf>) {
         self.clear(scene);
         self.are_complete = true;
         let mut portals: Vec<_> = world.portals.iter().collect();
@@ -113,7 +116,7 @@ impl Portals {
         for (entity, portal, transform, name) in portals {
             let outline = placed(&portal.corners, &transform.affine());
             let owner = rooms.owner(entity, parents);
-            let wanted = wanted(&portal, &outline, owner, rooms);
+            let wanted = openings_of_portal(&portal, &outline, owner, rooms);
             let is_doubted = wanted.as_ref().is_ok_and(|all| {
                 let sides = all.iter().filter(|wanted| wanted.from == all[0].from);
                 sides.count() > 1
@@ -131,7 +134,7 @@ impl Portals {
                 scene.set_open(made, portal.open);
             }
             let of = Portal::clone(&portal);
-            self.made.insert(entity, Made { of, portals });
+            self.scene_portals.insert(entity, ScenePortal { of, portals });
         }
         let mut mirrors: Vec<_> = world.mirrors.iter().collect();
         mirrors.sort_unstable_by_key(|(entity, ..)| *entity);
@@ -139,7 +142,7 @@ impl Portals {
             let affine = transform.affine();
             let outline = placed(&mirror.corners, &affine);
             let front = (affine.matrix3 * Vec3::Z).normalize_or_zero();
-            let reflected = reflected(&outline, front, rooms.owner(entity, parents), rooms);
+            let reflected = opening_of_mirror(&outline, front, rooms.owner(entity, parents), rooms);
             self.add_all(scene, (entity, name), reflected);
         }
         if self.are_complete && !self.are_awaited {
@@ -150,7 +153,7 @@ impl Portals {
     /// Warns once of each room that no portal leads into.
     fn warn_of_closed(&mut self, scene: &Scene, rooms: &Rooms, names: &Query<&Name>) {
         let mut entered = vec![false; scene.sector_count()];
-        for made in self.made.values().flat_map(|made| &made.portals) {
+        for made in self.scene_portals.values().flat_map(|made| &made.portals) {
             entered[scene.portals()[made.0 as usize].to.0 as usize] = true;
         }
         for (&room, &sector) in &rooms.sectors {
@@ -170,7 +173,7 @@ impl Portals {
         &mut self,
         scene: &mut Scene,
         (entity, name): (Entity, Option<&Name>),
-        wanted: Result<Vec<Wanted>, String>,
+        wanted: Result<Vec<OpeningSpec>, String>,
     ) -> Vec<PortalId> {
         let mut portals = Vec::new();
         let added = wanted.and_then(|all| {
@@ -187,7 +190,7 @@ impl Portals {
         portals
     }
 
-    fn add(&mut self, scene: &mut Scene, wanted: Wanted) -> Result<PortalId, String> {
+    fn add(&mut self, scene: &mut Scene, wanted: OpeningSpec) -> Result<PortalId, String> {
         let mut edit = scene.edit();
         let added = edit.add_opening(wanted.from, "", wanted.outline);
         let opening = added.map_err(|why| why.to_string())?;
@@ -198,7 +201,7 @@ impl Portals {
     }
 
     fn clear(&mut self, scene: &mut Scene) {
-        self.made.clear();
+        self.scene_portals.clear();
         self.with_openings.sort_unstable();
         self.with_openings.dedup();
         for sector in self.with_openings.drain(..) {
@@ -315,12 +318,12 @@ fn sides_of(
     }
 }
 
-fn wanted(
+fn openings_of_portal(
     portal: &Portal,
     outline: &[Vec3],
     owner: Option<SectorId>,
     rooms: &Rooms,
-) -> Result<Vec<Wanted>, String> {
+) -> Result<Vec<OpeningSpec>, String> {
     if rooms.is_empty() {
         return Err("there is no `Sector` that it leads into or out of".to_owned());
     }
@@ -351,14 +354,14 @@ fn wanted(
     let mut wanted = Vec::new();
     for toward in sides_of(outline, normal, beside, [from, other], rooms) {
         let outline = polygon(outline, toward)?;
-        wanted.push(Wanted {
+        wanted.push(OpeningSpec {
             from,
             outline: outline.clone(),
             to: other,
             there_from_here: Transform::IDENTITY,
         });
         if portal.two_way {
-            wanted.push(Wanted {
+            wanted.push(OpeningSpec {
                 from: other,
                 outline: outline.flipped(),
                 to: from,
@@ -369,18 +372,18 @@ fn wanted(
     Ok(wanted)
 }
 
-fn reflected(
+fn opening_of_mirror(
     outline: &[Vec3],
     front: Vec3,
     owner: Option<SectorId>,
     rooms: &Rooms,
-) -> Result<Vec<Wanted>, String> {
+) -> Result<Vec<OpeningSpec>, String> {
     let polygon = polygon(outline, front)?;
     let before = points_beside(outline, front);
     let sector = owner.or_else(|| before.iter().find_map(|point| rooms.at(point.to_array())));
     let sector = sector.unwrap_or(OUTDOORS);
     let there_from_here = Transform::reflection(polygon.corners()[0], polygon.normal());
-    Ok(vec![Wanted {
+    Ok(vec![OpeningSpec {
         from: sector,
         outline: polygon,
         to: sector,

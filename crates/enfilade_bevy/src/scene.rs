@@ -1,4 +1,4 @@
-//! The scene that mirrors Bevy's world, and what keeps it in step.
+//! The scene that mirrors Bevy's world, and the system that synchronizes it.
 //!
 //! Idea: what changed since the last frame is read from Bevy's change detection, and applied as one edit by
 //! `enfilade_sync`. An entity is an item of the room that it is a descendant of; others are outdoors, and in each room whose
@@ -9,7 +9,7 @@ use crate::automatic::AutomaticOccluder;
 use crate::components::{
     AlwaysVisible, MethodOf, Mirror, NotOccluder, Occluder, OccluderProxy, Portal, Sector,
 };
-use crate::meshes::{Built, OccluderMeshes, materials};
+use crate::meshes::{BuiltMesh, OccluderMeshes, materials};
 use crate::portals::{OpeningQuery, Portals};
 use crate::rooms::{OUTDOORS, Rooms, RoomsChanged};
 use crate::settings::EnfiladeSettings;
@@ -43,19 +43,19 @@ pub struct EnfiladeScene {
     /// Occluders that are not drawn.
     proxies: EntityMap,
     meshes: OccluderMeshes,
-    held: HashMap<Entity, Held>,
-    /// A bit for each entity that is held, by its index: asked of all that is in the frustums.
-    held_bits: Vec<u64>,
+    tracked: HashMap<Entity, TrackedEntity>,
+    /// A bit for each entity that is tracked, by its index: asked of all that is in the frustums.
+    tracked_bits: Vec<u64>,
     pub(crate) rooms: Rooms,
     pub(crate) portals: Portals,
     /// Whether changes were missed, so that all entities are to be read.
     is_stale: bool,
     method: Method,
-    pending: Pending,
+    pending: PendingChanges,
 }
 
 /// An entity that is in the scene.
-struct Held {
+struct TrackedEntity {
     spawn: Spawn,
     proxy: Option<Spawn>,
     sectors: Vec<SectorId>,
@@ -68,17 +68,17 @@ struct Held {
 
 /// Changes for the next edit; kept for their memory.
 #[derive(Default)]
-struct Pending {
+struct PendingChanges {
     despawned: Vec<enfilade_sync::Entity>,
     spawned: Vec<Spawn>,
     moved: Vec<(enfilade_sync::Entity, Transform)>,
     proxies_despawned: Vec<enfilade_sync::Entity>,
     proxies_spawned: Vec<Spawn>,
     proxies_moved: Vec<(enfilade_sync::Entity, Transform)>,
-    built: Vec<Built>,
+    built: Vec<BuiltMesh>,
 }
 
-impl Pending {
+impl PendingChanges {
     fn clear(&mut self) {
         self.despawned.clear();
         self.spawned.clear();
@@ -89,36 +89,36 @@ impl Pending {
         self.built.clear();
     }
 
-    fn despawn(&mut self, held: &Held) {
-        let key = held.spawn.entity.key;
-        for &sector in &held.sectors {
+    fn despawn(&mut self, tracked: &TrackedEntity) {
+        let key = tracked.spawn.entity.key;
+        for &sector in &tracked.sectors {
             self.despawned.push(enfilade_sync::Entity::new(key, sector));
-            if held.proxy.is_some() {
+            if tracked.proxy.is_some() {
                 self.proxies_despawned
                     .push(enfilade_sync::Entity::new(key, sector));
             }
         }
     }
 
-    fn spawn(&mut self, held: &Held) {
+    fn spawn(&mut self, tracked: &TrackedEntity) {
         let in_sector = |spawn: &Spawn, sector| Spawn {
             entity: enfilade_sync::Entity::new(spawn.entity.key, sector),
             ..*spawn
         };
-        for &sector in &held.sectors {
-            self.spawned.push(in_sector(&held.spawn, sector));
-            if let Some(proxy) = &held.proxy {
+        for &sector in &tracked.sectors {
+            self.spawned.push(in_sector(&tracked.spawn, sector));
+            if let Some(proxy) = &tracked.proxy {
                 self.proxies_spawned.push(in_sector(proxy, sector));
             }
         }
     }
 
-    fn shift(&mut self, held: &Held) {
-        let (key, transform) = (held.spawn.entity.key, held.spawn.transform);
-        for &sector in &held.sectors {
+    fn shift(&mut self, tracked: &TrackedEntity) {
+        let (key, transform) = (tracked.spawn.entity.key, tracked.spawn.transform);
+        for &sector in &tracked.sectors {
             self.moved
                 .push((enfilade_sync::Entity::new(key, sector), transform));
-            if held.proxy.is_some() {
+            if tracked.proxy.is_some() {
                 self.proxies_moved
                     .push((enfilade_sync::Entity::new(key, sector), transform));
             }
@@ -133,18 +133,18 @@ impl EnfiladeScene {
             entities: EntityMap::new(),
             proxies: EntityMap::new(),
             meshes: OccluderMeshes::default(),
-            held: HashMap::default(),
-            held_bits: Vec::new(),
+            tracked: HashMap::default(),
+            tracked_bits: Vec::new(),
             rooms: Rooms::default(),
             portals: Portals::default(),
             is_stale: true,
             method,
-            pending: Pending::default(),
+            pending: PendingChanges::default(),
         }
     }
 
     /// Drops what is known of the world, to read it again.
-    fn start_anew(&mut self, method: Method) {
+    fn reset(&mut self, method: Method) {
         let are_awaited = self.portals.are_awaited;
         *self = EnfiladeScene::new(method);
         self.portals.are_awaited = are_awaited;
@@ -171,38 +171,38 @@ impl EnfiladeScene {
     }
 
     /// Returns whether an entity is in the scene, so that it may be culled.
-    pub fn holds(&self, entity: Entity) -> bool {
+    pub fn contains(&self, entity: Entity) -> bool {
         let index = entity.index_u32() as usize;
-        (self.held_bits.get(index / 64)).is_some_and(|bits| bits >> (index % 64) & 1 != 0)
+        (self.tracked_bits.get(index / 64)).is_some_and(|bits| bits >> (index % 64) & 1 != 0)
     }
 
     /// Returns whether an entity hides others with triangles of its own or of its proxy, by now.
-    pub fn hides(&self, entity: Entity) -> bool {
+    pub fn is_occluder(&self, entity: Entity) -> bool {
         let has_mesh = |map: &EntityMap, spawn: &Spawn, sector| {
             let entity = enfilade_sync::Entity::new(spawn.entity.key, sector);
             let representation = map.representation(entity);
             spawn.options.is_occluder
                 && matches!(representation, Some(enfilade_sync::Representation::Mesh(_)))
         };
-        self.held.get(&entity).is_some_and(|held| {
-            let proxy = held.proxy.as_ref().map(|proxy| (&self.proxies, proxy));
-            let own = (&self.entities, &held.spawn);
-            let sectors = &held.sectors;
+        self.tracked.get(&entity).is_some_and(|tracked| {
+            let proxy = tracked.proxy.as_ref().map(|proxy| (&self.proxies, proxy));
+            let own = (&self.entities, &tracked.spawn);
+            let sectors = &tracked.sectors;
             std::iter::once(own)
                 .chain(proxy)
                 .any(|(map, spawn)| sectors.iter().any(|&sector| has_mesh(map, spawn, sector)))
         })
     }
 
-    fn set_held(&mut self, entity: Entity, is_held: bool) {
+    fn set_tracked(&mut self, entity: Entity, is_tracked: bool) {
         let (word, bit) = (entity.index_u32() as usize / 64, entity.index_u32() % 64);
-        if word >= self.held_bits.len() {
-            self.held_bits.resize(word + 1, 0);
+        if word >= self.tracked_bits.len() {
+            self.tracked_bits.resize(word + 1, 0);
         }
-        self.held_bits[word] = self.held_bits[word] & !(1 << bit) | u64::from(is_held) << bit;
+        self.tracked_bits[word] = self.tracked_bits[word] & !(1 << bit) | u64::from(is_tracked) << bit;
     }
 
-    /// Returns whether the scene is in step with the world, so that cameras can be culled for.
+    /// Returns whether the scene is synchronized with the world, so that cameras can be culled for.
     pub(crate) fn is_ready(&self) -> bool {
         !self.is_stale && self.portals.are_complete && !self.portals.are_awaited
     }
@@ -214,8 +214,8 @@ impl EnfiladeScene {
 
     /// Returns the box of an entity in the space of the world, and the number of its changes.
     pub(crate) fn bounds(&self, entity: Entity) -> Option<(enfilade::Aabb, u64)> {
-        let held = self.held.get(&entity)?;
-        Some((world_box(&held.spawn), held.version))
+        let tracked = self.tracked.get(&entity)?;
+        Some((world_box(&tracked.spawn), tracked.version))
     }
 }
 
@@ -229,7 +229,7 @@ fn empty_scene(method: Method) -> Scene {
 
 /// What the scene knows of an entity.
 #[derive(QueryData)]
-pub(crate) struct Described {
+pub(crate) struct EntityData {
     mesh: &'static Mesh3d,
     transform: &'static GlobalTransform,
     bounds: Option<&'static Aabb>,
@@ -251,7 +251,7 @@ pub(crate) struct Described {
 }
 
 /// The components that decide how an entity is represented.
-type Redescribed = (
+type DataChanged = (
     With<Mesh3d>,
     Or<(
         Or<(
@@ -278,7 +278,7 @@ type Redescribed = (
 
 /// Entities that lost one of these components, or are gone.
 #[derive(SystemParam)]
-pub(crate) struct Removed<'w, 's> {
+pub(crate) struct ComponentsRemoved<'w, 's> {
     mesh: RemovedComponents<'w, 's, Mesh3d>,
     bounds: RemovedComponents<'w, 's, Aabb>,
     layers: RemovedComponents<'w, 's, RenderLayers>,
@@ -295,7 +295,7 @@ pub(crate) struct Removed<'w, 's> {
     morphs: RemovedComponents<'w, 's, MeshMorphWeights>,
 }
 
-impl Removed<'_, '_> {
+impl ComponentsRemoved<'_, '_> {
     fn read(&mut self) -> impl Iterator<Item = Entity> {
         self.mesh
             .read()
@@ -320,11 +320,11 @@ impl Removed<'_, '_> {
 pub(crate) struct World<'w, 's> {
     assets: Res<'w, Assets<Mesh>>,
     mesh_events: MessageReader<'w, 's, AssetEvent<Mesh>>,
-    described: Query<'w, 's, Described>,
+    data: Query<'w, 's, EntityData>,
     all: Query<'w, 's, Entity, With<Mesh3d>>,
-    redescribed: Query<'w, 's, Entity, Redescribed>,
+    data_changed: Query<'w, 's, Entity, DataChanged>,
     moved: Query<'w, 's, (Entity, &'static GlobalTransform), (With<Mesh3d>, Changed<GlobalTransform>)>,
-    removed: Removed<'w, 's>,
+    removed: ComponentsRemoved<'w, 's>,
     rooms: Query<'w, 's, (Entity, Option<&'static MethodOf>, Option<&'static Name>), With<Sector>>,
     rooms_changed: RoomsChanged<'w, 's>,
     methods_changed: Query<'w, 's, Entity, Changed<MethodOf>>,
@@ -333,84 +333,84 @@ pub(crate) struct World<'w, 's> {
     openings: OpeningQuery<'w, 's>,
 }
 
-/// Brings the scene in step with Bevy's world.
+/// Synchronizes the scene with Bevy's world.
 pub(crate) fn sync(settings: Res<EnfiladeSettings>, mut scene: ResMut<EnfiladeScene>, mut world: World) {
     let scene = &mut *scene;
     if !settings.enabled {
         if !scene.is_stale {
-            scene.start_anew(settings.method);
+            scene.reset(settings.method);
         }
         return;
     }
     if scene.method != settings.method {
-        scene.start_anew(settings.method);
+        scene.reset(settings.method);
     }
     let is_stale = std::mem::take(&mut scene.is_stale);
     scene.pending.clear();
-    scene.take_mesh_events(&mut world, is_stale);
-    let rooms_changed = scene.take_rooms(&mut world, is_stale);
+    scene.read_mesh_events(&mut world, is_stale);
+    let rooms_changed = scene.update_rooms(&mut world, is_stale);
 
     let mut touched: HashSet<Entity> = HashSet::default();
     touched.extend(world.removed.read());
-    touched.extend(world.redescribed.iter());
+    touched.extend(world.data_changed.iter());
     if is_stale || rooms_changed {
         touched.extend(&world.all);
-        touched.extend(scene.held.keys().copied());
+        touched.extend(scene.tracked.keys().copied());
     }
     let mut owned_changed = rooms_changed;
     let mut free: Vec<Entity> = Vec::new();
     for (entity, transform) in &world.moved {
-        let Some(held) = scene.held.get_mut(&entity) else {
+        let Some(tracked) = scene.tracked.get_mut(&entity) else {
             continue;
         };
         let affine = transform.affine();
-        if held.mirrors != mirrors(&affine) {
+        if tracked.mirrors != mirrors(&affine) {
             touched.insert(entity);
         }
         if touched.contains(&entity) {
             continue;
         }
-        held.spawn.transform = transform_of(&affine);
-        held.version += 1;
-        owned_changed |= held.owner.is_some();
-        if held.owner.is_none() && !scene.rooms.is_empty() {
+        tracked.spawn.transform = transform_of(&affine);
+        tracked.version += 1;
+        owned_changed |= tracked.owner.is_some();
+        if tracked.owner.is_none() && !scene.rooms.is_empty() {
             free.push(entity);
         }
-        scene.pending.shift(held);
+        scene.pending.shift(tracked);
     }
     // In a fixed order: visible sets depend on the order of additions where faces coincide.
     let mut touched: Vec<Entity> = touched.into_iter().collect();
     touched.sort_unstable();
     for entity in touched {
-        let was = scene.held.remove(&entity);
+        let was = scene.tracked.remove(&entity);
         if was.is_some() {
-            scene.set_held(entity, false);
+            scene.set_tracked(entity, false);
         }
         if let Some(was) = &was {
             scene.pending.despawn(was);
             owned_changed |= was.owner.is_some();
         }
-        let Ok(described) = world.described.get(entity) else {
+        let Ok(described) = world.data.get(entity) else {
             continue;
         };
         let owner = scene.rooms.owner(entity, &world.parents);
         let version = was.map_or(0, |was| was.version + 1);
-        let Some(mut held) = scene.describe(entity, &described, owner, version, &world.assets) else {
+        let Some(mut tracked) = scene.describe(entity, &described, owner, version, &world.assets) else {
             continue;
         };
         owned_changed |= owner.is_some();
         match owner {
-            Some(room) => held.sectors = vec![room],
-            None if scene.rooms.is_empty() => held.sectors = vec![OUTDOORS],
+            Some(room) => tracked.sectors = vec![room],
+            None if scene.rooms.is_empty() => tracked.sectors = vec![OUTDOORS],
             None => free.push(entity),
         }
-        scene.pending.spawn(&held);
-        scene.held.insert(entity, held);
-        scene.set_held(entity, true);
+        scene.pending.spawn(&tracked);
+        scene.tracked.insert(entity, tracked);
+        scene.set_tracked(entity, true);
     }
     if owned_changed && scene.update_boxes() {
-        let is_free = |(_, held): &(&Entity, &Held)| held.owner.is_none();
-        free.extend(scene.held.iter().filter(is_free).map(|(entity, _)| *entity));
+        let is_free = |(_, tracked): &(&Entity, &TrackedEntity)| tracked.owner.is_none();
+        free.extend(scene.tracked.iter().filter(is_free).map(|(entity, _)| *entity));
         free.sort_unstable();
         free.dedup();
         scene.portals.is_dirty = true;
@@ -420,8 +420,8 @@ pub(crate) fn sync(settings: Res<EnfiladeSettings>, mut scene: ResMut<EnfiladeSc
     }
     if let Err(why) = scene.apply() {
         // Entities would stay where they were, and hide what they do not.
-        warn!("the scene of Enfilade cannot be kept in step, and starts anew: {why}");
-        scene.start_anew(settings.method);
+        warn!("Enfilade cannot update its scene, and reads the whole world again: {why}");
+        scene.reset(settings.method);
         return;
     }
     scene.portals.is_dirty |= rooms_changed || is_stale;
@@ -431,11 +431,11 @@ pub(crate) fn sync(settings: Res<EnfiladeSettings>, mut scene: ResMut<EnfiladeSc
         portals,
         ..
     } = scene;
-    portals.take(scene, rooms, &mut world.openings, &world.parents);
+    portals.update(scene, rooms, &mut world.openings, &world.parents);
 }
 
 impl EnfiladeScene {
-    fn take_mesh_events(&mut self, world: &mut World, is_stale: bool) {
+    fn read_mesh_events(&mut self, world: &mut World, is_stale: bool) {
         let built = &mut self.pending.built;
         self.meshes.poll(built);
         for event in world.mesh_events.read() {
@@ -454,7 +454,7 @@ impl EnfiladeScene {
     }
 
     /// Adds and removes rooms. Returns whether entities may be in other rooms than before.
-    fn take_rooms(&mut self, world: &mut World, is_stale: bool) -> bool {
+    fn update_rooms(&mut self, world: &mut World, is_stale: bool) -> bool {
         let (added, removed, children, orphans) = &mut world.rooms_changed;
         let was_empty = self.rooms.is_empty();
         let has_changed =
@@ -509,10 +509,10 @@ impl EnfiladeScene {
 
     /// Removes a room. Its entities are read again.
     fn clear_room(&mut self, sector: SectorId) {
-        for held in self.held.values_mut() {
-            if held.sectors.contains(&sector) {
-                self.pending.despawn(held);
-                held.sectors.clear();
+        for tracked in self.tracked.values_mut() {
+            if tracked.sectors.contains(&sector) {
+                self.pending.despawn(tracked);
+                tracked.sectors.clear();
             }
         }
         // Only its own items are left, which go with it.
@@ -525,24 +525,24 @@ impl EnfiladeScene {
 
     /// Updates the boxes of rooms; returns whether they differ.
     fn update_boxes(&mut self) -> bool {
-        let owned = self.held.values();
-        let owned = owned.filter_map(|held| Some((held.owner?, world_box(&held.spawn))));
+        let owned = self.tracked.values();
+        let owned = owned.filter_map(|tracked| Some((tracked.owner?, world_box(&tracked.spawn))));
         self.rooms.set_boxes(owned)
     }
 
     /// Moves what is in no room to the sectors that it reaches into.
     fn place_free(&mut self, entity: Entity) {
-        let Some(held) = self.held.get_mut(&entity) else {
+        let Some(tracked) = self.tracked.get_mut(&entity) else {
             return;
         };
         let sectors = match self.rooms.is_empty() {
             true => vec![OUTDOORS],
-            false => self.rooms.reached(&world_box(&held.spawn)),
+            false => self.rooms.reached(&world_box(&tracked.spawn)),
         };
-        if sectors != held.sectors {
-            self.pending.despawn(held);
-            held.sectors = sectors;
-            self.pending.spawn(held);
+        if sectors != tracked.sectors {
+            self.pending.despawn(tracked);
+            tracked.sectors = sectors;
+            self.pending.spawn(tracked);
         }
     }
 
@@ -581,11 +581,11 @@ impl EnfiladeScene {
     fn describe(
         &mut self,
         entity: Entity,
-        of: &DescribedItem,
+        of: &EntityDataItem,
         owner: Option<SectorId>,
         version: u64,
         assets: &Assets<Mesh>,
-    ) -> Option<Held> {
+    ) -> Option<TrackedEntity> {
         let is_left_alone = of.is_always_visible
             || of.is_portal
             || of.is_mirror
@@ -623,7 +623,7 @@ impl EnfiladeScene {
                 ..ItemOptions::default()
             },
         };
-        Some(Held {
+        Some(TrackedEntity {
             spawn: spawn(sides.map(|sides| (of.mesh, sides)), true),
             proxy: proxy.map(|proxy| {
                 let mesh = Mesh3d(proxy.0.clone());

@@ -22,13 +22,13 @@ fn an_empty_world_is_looked_at_and_nothing_is_seen() {
 }
 
 #[test]
-fn a_world_without_cameras_is_kept_in_step() {
+fn a_world_without_cameras_is_synchronized() {
     let mut app = an_app();
     let mesh = add_mesh(&mut app, a_box(Vec3::ONE));
     let entity = app.world_mut().spawn((Mesh3d(mesh), Occluder::OneSided)).id();
     app.update();
     let scene = app.world().resource::<EnfiladeScene>();
-    assert!(scene.holds(entity) && scene.hides(entity));
+    assert!(scene.contains(entity) && scene.is_occluder(entity));
     assert_eq!(scene.scene().item_count(), 1);
 }
 
@@ -136,6 +136,40 @@ fn a_window_that_is_resized_or_closed_is_looked_into_at_its_size() {
         2,
         "what is drawn of no window is not known"
     );
+}
+
+#[test]
+fn a_camera_that_draws_back_faces_sees_through_one_sided_walls() {
+    let mut app = an_app();
+    let corners = [
+        [-9.0, -9.0, 0.0],
+        [9.0, -9.0, 0.0],
+        [9.0, 9.0, 0.0],
+        [-9.0, 9.0, 0.0],
+    ];
+    let toward_camera = add_mesh(&mut app, a_mesh(corners.to_vec(), vec![0, 1, 2, 0, 2, 3]));
+    let small = add_mesh(&mut app, a_box(Vec3::splat(0.5)));
+    app.world_mut()
+        .spawn((Mesh3d(toward_camera), Occluder::OneSided, at(0.0, 0.0, -5.0)));
+    app.world_mut().spawn((Mesh3d(small), at(0.0, 0.0, -9.0)));
+    let mirrored = Transform::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+    for (transform, invert_culling, expected) in [
+        (Transform::IDENTITY, false, 1),
+        (Transform::IDENTITY, true, 2),
+        (mirrored, false, 2),
+        (mirrored, true, 1),
+    ] {
+        let camera = add_camera(&mut app, transform);
+        let mut view = app.world_mut().get_mut::<Camera>(camera).expect("a camera");
+        view.invert_culling = invert_culling;
+        app.update();
+        assert_eq!(
+            visible(&app, camera).len(),
+            expected,
+            "{transform:?}, {invert_culling}"
+        );
+        app.world_mut().despawn(camera);
+    }
 }
 
 #[test]

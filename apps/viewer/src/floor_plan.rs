@@ -1,6 +1,6 @@
 //! A floor plan: sectors from above, the eye, and what it sees.
 
-use crate::places::{Place, places};
+use crate::places::{SectorPlacement, places};
 use crate::session::Session;
 use eframe::egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, vec2};
 use enfilade::{Aabb, Transform};
@@ -19,7 +19,7 @@ fn axes(up: DVec3) -> [usize; 2] {
 /// Shows the plan, as wide as the interface allows.
 pub(crate) fn show(ui: &mut Ui, session: &Session) {
     let scene = &session.world.scene;
-    let own: Vec<Place>;
+    let own: Vec<SectorPlacement>;
     let places = match &session.frozen {
         Some(frozen) => &frozen.places,
         None => {

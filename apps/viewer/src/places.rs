@@ -13,7 +13,7 @@ pub const MAX_GHOSTS: usize = 20_000;
 
 /// A sector at a place of its own.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct SectorPlacement {
     /// The sector.
     pub sector: SectorId,
     /// Maps the space of the sector to that of the camera's sector.
@@ -28,12 +28,12 @@ pub fn root_from_sector(view: &View, passage: &Passage) -> Transform {
 }
 
 /// Returns the places of all sectors: of each passage, and of each sector that no passage shows where portals lead to it.
-pub fn places(scene: &Scene, viewer: &Viewer, view: &View) -> Vec<Place> {
+pub fn places(scene: &Scene, viewer: &Viewer, view: &View) -> Vec<SectorPlacement> {
     let set = viewer.visible();
-    let mut places: Vec<Place> = (0..)
+    let mut places: Vec<SectorPlacement> = (0..)
         .map(PassageId)
         .zip(set.passages())
-        .map(|(id, passage)| Place {
+        .map(|(id, passage)| SectorPlacement {
             sector: passage.sector,
             root_from_sector: root_from_sector(view, passage),
             passage: Some(id),
@@ -63,10 +63,11 @@ pub fn places(scene: &Scene, viewer: &Viewer, view: &View) -> Vec<Place> {
     }
     for sector in scene.sectors() {
         let root_from_sector = found[sector.0 as usize].unwrap_or(Transform::IDENTITY);
-        let is_same =
-            |place: &Place| place.sector == sector && same(&place.root_from_sector, &root_from_sector);
+        let is_same = |place: &SectorPlacement| {
+            place.sector == sector && same(&place.root_from_sector, &root_from_sector)
+        };
         if !places.iter().any(is_same) {
-            places.push(Place {
+            places.push(SectorPlacement {
                 sector,
                 root_from_sector,
                 passage: None,
@@ -90,7 +91,7 @@ fn same(a: &Transform, b: &Transform) -> bool {
 pub fn placed_items(
     scene: &Scene,
     viewer: &Viewer,
-    places: &[Place],
+    places: &[SectorPlacement],
     ghosts: bool,
 ) -> (Vec<PlacedItem>, usize) {
     let set = viewer.visible();

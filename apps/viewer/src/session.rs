@@ -1,7 +1,7 @@
 //! A walk through a scene: the camera, the visible set of each frame, and the frozen one.
 
 use crate::explain::{Explanation, explain};
-use crate::places::{Place, placed_items, places};
+use crate::places::{SectorPlacement, placed_items, places};
 use crate::walker::Walker;
 use crate::world::World;
 use enfilade::{
@@ -44,7 +44,7 @@ pub struct Frozen {
     /// The camera to go back to.
     pub walker: Walker,
     /// Where sectors are.
-    pub places: Vec<Place>,
+    pub places: Vec<SectorPlacement>,
     /// What is drawn.
     pub items: Vec<PlacedItem>,
     /// Number of ghosts that are not drawn, because there are too many.

@@ -12,7 +12,7 @@
 
 mod common;
 
-use common::{Lens, Place, folder, in_turn, median_of, open};
+use common::{BenchScene, Lens, folder, in_turn, median_of, open};
 use enfilade::geom::BspOptions;
 use enfilade::order::{Bsp, NearToFar, Order, Visit};
 use enfilade::{
@@ -194,7 +194,7 @@ fn part(geometry: &Geometry, items: &[ItemIndex]) -> Geometry {
 }
 
 /// The way into the one sector, at each view.
-fn passages(place: &Place) -> Vec<Passage> {
+fn passages(place: &BenchScene) -> Vec<Passage> {
     let mut viewer = Viewer::new();
     let passage = |view| viewer.look(&place.scene, view).passages()[0].clone();
     place.views.iter().map(passage).collect()

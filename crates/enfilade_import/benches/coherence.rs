@@ -9,7 +9,7 @@
 
 mod common;
 
-use common::{Place, folder, median_of, open};
+use common::{BenchScene, folder, median_of, open};
 use enfilade::{Method, Scene, Transform, View, Viewer, VisibleItem};
 use std::time::Instant;
 
@@ -80,7 +80,7 @@ fn main() {
     }
 }
 
-fn print_row(file: &str, place: &Place, costs: [Cost; 2], mut saved: Vec<f64>) {
+fn print_row(file: &str, place: &BenchScene, costs: [Cost; 2], mut saved: Vec<f64>) {
     let frames = (place.views.len() * FRAMES) as f64;
     let pair = |widths: [usize; 2], digits: usize, of: &dyn Fn(&Cost) -> f64| {
         let [without, with] = [of(&costs[0]) / frames, of(&costs[1]) / frames];

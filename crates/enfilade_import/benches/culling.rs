@@ -11,7 +11,7 @@
 
 mod common;
 
-use common::{Paint, Place, folder, in_turn, median_of, open};
+use common::{BenchScene, Paint, folder, in_turn, median_of, open};
 use enfilade::{Method, Scene, Viewer};
 
 const ROUNDS: usize = 5;
@@ -69,7 +69,7 @@ fn main() {
     }
 }
 
-fn methods(file: &str, place: &Place, expected: usize) {
+fn methods(file: &str, place: &BenchScene, expected: usize) {
     let frustum = Contender {
         occluders: Some(0),
         ..Contender::of(Method::Svbsp)
@@ -116,7 +116,7 @@ fn methods(file: &str, place: &Place, expected: usize) {
     );
 }
 
-fn budgets(file: &str, place: &Place, expected: usize) {
+fn budgets(file: &str, place: &BenchScene, expected: usize) {
     const BUDGETS: [u32; 6] = [8, 16, 32, 64, 128, 256];
     let contenders: Vec<Contender> = BUDGETS
         .into_iter()
@@ -147,7 +147,7 @@ fn budgets(file: &str, place: &Place, expected: usize) {
     }
 }
 
-fn resolutions(file: &str, place: &Place, expected: usize) {
+fn resolutions(file: &str, place: &BenchScene, expected: usize) {
     const COVERS: [[u32; 2]; 4] = [[1280, 720], [640, 360], [320, 180], [160, 90]];
     const METHODS: [Method; 3] = [Method::HierarchicalZ, Method::HierarchicalS, Method::Masked];
     let contenders: Vec<Contender> = COVERS
@@ -195,7 +195,7 @@ fn check(name: &str, exact: bool, result: &Outcome, expected: usize) {
     );
 }
 
-fn run(place: &Place, contenders: &[Contender]) -> Vec<Outcome> {
+fn run(place: &BenchScene, contenders: &[Contender]) -> Vec<Outcome> {
     let views = &place.views;
     let scenes: Vec<Scene> = contenders
         .iter()

@@ -8,7 +8,7 @@
 
 mod common;
 
-use common::{Known, Paint, Place, ROOMS, drawn_once, folder, in_turn, median_of, open};
+use common::{BenchScene, ExpectedVisibility, Paint, ROOMS, drawn_once, folder, in_turn, median_of, open};
 use enfilade::{Contract, Method, Scene, SpanStats, Viewer};
 
 const ROUNDS: usize = 5;
@@ -71,7 +71,7 @@ fn main() {
 }
 
 /// Draws all views once, counting. Gives the samples painted, and what s-buffers compared.
-fn check(place: &Place, scene: &Scene, method: Method, known: &Known) -> (u64, SpanStats) {
+fn check(place: &BenchScene, scene: &Scene, method: Method, known: &ExpectedVisibility) -> (u64, SpanStats) {
     let what = format!("{method} on {}", known.file);
     let mut viewer = Viewer::new();
     let (mut samples, mut items, mut spans) = (0, 0, SpanStats::default());

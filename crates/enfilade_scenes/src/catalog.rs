@@ -14,7 +14,7 @@ pub struct BuiltIn {
 
 /// An entry of [`SCENES`]: builds a scene by name.
 #[derive(Clone, Copy, Debug)]
-pub struct Named {
+pub struct CatalogEntry {
     /// Name of the scene, as typed after `@` on the command line.
     pub name: &'static str,
     /// One-line description.
@@ -58,7 +58,7 @@ pub enum Group {
     Baked,
 }
 
-impl Named {
+impl CatalogEntry {
     /// Builds the scene.
     pub fn build(&self) -> BuiltIn {
         (self.build)()
@@ -71,8 +71,8 @@ impl Named {
 }
 
 /// All scenes: the palace (the default), the scenes of the conformance suite, and the figures of the thesis.
-pub const SCENES: [Named; 42] = [
-    Named {
+pub const SCENES: [CatalogEntry; 42] = [
+    CatalogEntry {
         name: "enfilade",
         about: "a palace: twelve rooms in line, a gallery, a court, cabinets, a garden, a doll's house, a fountain",
         groups: &[
@@ -356,8 +356,8 @@ const fn law(
     about: &'static str,
     groups: &'static [Group],
     build: fn() -> BuiltIn,
-) -> Named {
-    Named {
+) -> CatalogEntry {
+    CatalogEntry {
         name,
         about,
         groups,
@@ -367,16 +367,19 @@ const fn law(
 
 /// Builds the scene with a name; returns `None` if there is none.
 pub fn built_in(name: &str) -> Option<BuiltIn> {
-    SCENES.iter().find(|named| named.name == name).map(Named::build)
+    SCENES
+        .iter()
+        .find(|named| named.name == name)
+        .map(CatalogEntry::build)
 }
 
 /// Returns the small scenes of the conformance suite: all but the palace.
-pub fn law_scenes() -> impl Iterator<Item = &'static Named> {
-    const LAWS: &[Named] = SCENES.split_at(1).1;
+pub fn law_scenes() -> impl Iterator<Item = &'static CatalogEntry> {
+    const LAWS: &[CatalogEntry] = SCENES.split_at(1).1;
     LAWS.iter()
 }
 
 /// Returns the figures of the thesis, which compare painter's algorithms.
-pub fn figures() -> impl Iterator<Item = &'static Named> {
+pub fn figures() -> impl Iterator<Item = &'static CatalogEntry> {
     SCENES.iter().skip_while(|named| named.name != "tetrahedron")
 }

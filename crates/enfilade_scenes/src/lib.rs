@@ -27,7 +27,7 @@ mod random_scene;
 mod shape;
 mod thesis;
 
-pub use catalog::{BuiltIn, Group, NAMES, Named, SCENES, built_in, figures, law_scenes};
+pub use catalog::{BuiltIn, CatalogEntry, Group, NAMES, SCENES, built_in, figures, law_scenes};
 pub use engine_view::{engine_view, oblique_view, parallel_view};
 pub use fuzz_scene::{FuzzScene, fuzz_scene};
 pub use laws::random_house;

@@ -46,7 +46,7 @@ pub use hints::{HintCheck, HintError, HintOptions, HintSampler};
 use enfilade::{ItemId, ItemIndex, Mesh, Scene, SceneError, SectorId, VisibleSet};
 use enfilade_import::Import;
 use loader::{Loader, Request};
-use page::{Changed, HintedPages, Page, PagedItem, State, mesh_in};
+use page::{HintedPages, Page, PageChange, PagedItem, State, mesh_in};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -219,7 +219,7 @@ impl Pager {
                         Request::Levels(_) => page.level_bytes = bytes,
                         Request::Page(_) => {
                             page.bytes = bytes;
-                            changed.push(Changed::loaded(number));
+                            changed.push(PageChange::loaded(number));
                             stats.loaded += 1;
                         }
                     }
@@ -278,12 +278,12 @@ impl Pager {
     }
 
     /// Gives the items of pages their meshes or boxes. On an error, the pages are as before.
-    fn exchange(&mut self, scene: &mut Scene, changed: Vec<Changed>) -> Result<(), SceneError> {
+    fn exchange(&mut self, scene: &mut Scene, changed: Vec<PageChange>) -> Result<(), SceneError> {
         if changed.is_empty() {
             return Ok(());
         }
         let mut edit = scene.edit();
-        for Changed { number, before } in &changed {
+        for PageChange { number, before } in &changed {
             let page = &mut self.pages[*number as usize];
             let after = match &page.meshes {
                 State::Present(meshes) => &meshes[..],
@@ -304,7 +304,7 @@ impl Pager {
         }
         let finished = edit.finish();
         if finished.is_err() {
-            for Changed { number, before } in changed {
+            for PageChange { number, before } in changed {
                 self.pages[number as usize].meshes = if before.is_empty() {
                     State::Absent
                 } else {

@@ -134,15 +134,15 @@ impl Page {
 }
 
 /// A page that was loaded into the scene or evicted from it.
-pub(crate) struct Changed {
+pub(crate) struct PageChange {
     pub(crate) number: u32,
     /// Its meshes in the scene; none if it was absent.
     pub(crate) before: Meshes,
 }
 
-impl Changed {
-    pub(crate) fn loaded(number: u32) -> Changed {
-        Changed {
+impl PageChange {
+    pub(crate) fn loaded(number: u32) -> PageChange {
+        PageChange {
             number,
             before: Vec::new(),
         }

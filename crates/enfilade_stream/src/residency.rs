@@ -1,7 +1,7 @@
 //! Chooses which pages to load next, and which to evict for them: least recently seen first.
 
 use crate::loader::Request;
-use crate::page::{Changed, Page, State};
+use crate::page::{Page, PageChange, State};
 use crate::{Pager, PagerStats};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -15,7 +15,7 @@ const RECENT: u64 = 300;
 
 impl Pager {
     /// Requests pages that are absent and visible, or to be prefetched, and returns those that are evicted for them.
-    pub(crate) fn request(&mut self, stats: &mut PagerStats) -> Vec<Changed> {
+    pub(crate) fn request(&mut self, stats: &mut PagerStats) -> Vec<PageChange> {
         let being_read = self.loader.being_read();
         for (number, page) in (0..).zip(&mut self.pages) {
             for (state, request) in [
@@ -93,7 +93,7 @@ struct Budget {
     evictable: u64,
     idle: u64,
     step: u64,
-    evicted: Vec<Changed>,
+    evicted: Vec<PageChange>,
 }
 
 impl Budget {
@@ -154,7 +154,7 @@ impl Budget {
             self.count(page, |sum, bytes| sum - bytes);
             page.levels.take();
             if let Some(before) = page.meshes.take() {
-                self.evicted.push(Changed { number, before });
+                self.evicted.push(PageChange { number, before });
             }
         }
     }

@@ -86,7 +86,7 @@ pub enum Representation {
 
 /// An entity that exists.
 #[derive(Clone, Copy, Debug)]
-struct Placed {
+struct PlacedEntity {
     spawn: Spawn,
     representation: Representation,
 }
@@ -97,13 +97,13 @@ struct Placed {
 pub struct EntityMap {
     meshes: BTreeMap<u64, Arc<Mesh>>,
     /// In a fixed order, as all maps here: visible sets depend on the order of additions where faces coincide.
-    entities: BTreeMap<Entity, Placed>,
+    entities: BTreeMap<Entity, PlacedEntity>,
     /// The entities without an item.
     always_visible: BTreeSet<Entity>,
     /// The meshes that changed since the last sync.
     changed_meshes: BTreeSet<u64>,
     /// The entities as they were before this sync, in the order of changes.
-    before: Vec<(Entity, Option<Placed>)>,
+    before: Vec<(Entity, Option<PlacedEntity>)>,
 }
 
 impl EntityMap {
@@ -194,7 +194,7 @@ impl EntityMap {
         if self.changed_meshes.is_empty() {
             return;
         }
-        let uses = |placed_entity: &&Placed| self.changed_meshes.contains(&placed_entity.spawn.mesh);
+        let uses = |placed_entity: &&PlacedEntity| self.changed_meshes.contains(&placed_entity.spawn.mesh);
         let spawns: Vec<Spawn> = (self.entities.values().filter(uses))
             .map(|placed_entity| placed_entity.spawn)
             .collect();
@@ -207,7 +207,7 @@ impl EntityMap {
     /// Removes an entity; returns `false` if there is none.
     fn remove(&mut self, edit: &mut Edit, entity: Entity) -> bool {
         let was = self.put(entity, None);
-        if let Some(Placed {
+        if let Some(PlacedEntity {
             representation: Representation::Mesh(item) | Representation::Box(item),
             ..
         }) = was
@@ -232,7 +232,7 @@ impl EntityMap {
         };
         self.put(
             entity,
-            Some(Placed {
+            Some(PlacedEntity {
                 spawn,
                 representation,
             }),
@@ -240,7 +240,7 @@ impl EntityMap {
     }
 
     /// Replaces the state of an entity, and notes and returns the previous one.
-    fn put(&mut self, entity: Entity, placed_entity: Option<Placed>) -> Option<Placed> {
+    fn put(&mut self, entity: Entity, placed_entity: Option<PlacedEntity>) -> Option<PlacedEntity> {
         match placed_entity.map(|placed_entity| placed_entity.representation) {
             Some(Representation::AlwaysVisible) => self.always_visible.insert(entity),
             _ => self.always_visible.remove(&entity),

@@ -20,7 +20,7 @@ mod vector;
 use anyhow::{Context, Result};
 use arguments::{Arguments, USE};
 use std::fs;
-use tile::{Wanted, tile};
+use tile::{TileOptions, tile};
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -36,7 +36,7 @@ fn main() -> Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
     let mut total = [0, 0, 0, 0];
     for [x, y] in arguments.positions() {
-        let tile = tile(Wanted {
+        let tile = tile(TileOptions {
             seed: arguments.seed,
             tile: [x, y],
             triangles: arguments.triangles,

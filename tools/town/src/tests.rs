@@ -1,7 +1,7 @@
 //! What readers of the tiles rely on, tested on the written bytes.
 
 use crate::plan::TILE;
-use crate::tile::{LIMITS, TOLERANCE, Tile, Wanted, tile};
+use crate::tile::{LIMITS, TOLERANCE, Tile, TileOptions, tile};
 use serde_json::Value;
 use std::collections::HashSet;
 
@@ -12,7 +12,7 @@ const MARGIN: f64 = 0.1;
 const TILES: [[u32; 2]; 5] = [[0, 0], [1, 0], [2, 3], [3, 4], [7, 7]];
 
 fn generate(seed: u64, at: [u32; 2], triangles: u64) -> Tile {
-    tile(Wanted {
+    tile(TileOptions {
         seed,
         tile: at,
         triangles,

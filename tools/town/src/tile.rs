@@ -19,7 +19,7 @@ const LEVELS: [f64; 2] = [0.02, 30.0];
 
 /// What a tile depends on.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wanted {
+pub(crate) struct TileOptions {
     pub(crate) seed: u64,
     pub(crate) tile: [u32; 2],
     pub(crate) triangles: u64,
@@ -34,7 +34,7 @@ pub(crate) struct Tile {
 
 /// Receives the items of a tile, each a node with a mesh of its own.
 pub(crate) struct Items {
-    wanted: Wanted,
+    wanted: TileOptions,
     level: f64,
     /// `None` if triangles are only counted.
     document: Option<Document>,
@@ -43,7 +43,7 @@ pub(crate) struct Items {
 }
 
 impl Items {
-    fn new(wanted: Wanted, level: f64, document: Option<Document>) -> Items {
+    fn new(wanted: TileOptions, level: f64, document: Option<Document>) -> Items {
         Items {
             wanted,
             level,
@@ -94,7 +94,7 @@ impl Items {
 }
 
 /// Generates a tile.
-pub(crate) fn tile(wanted: Wanted) -> Result<Tile> {
+pub(crate) fn tile(wanted: TileOptions) -> Result<Tile> {
     let plan = Plan::new(wanted.seed, wanted.tile);
     let level = level(wanted, &plan)?;
     let mut items = Items::new(wanted, level, Some(Document::default()));
@@ -112,7 +112,7 @@ pub(crate) fn tile(wanted: Wanted) -> Result<Tile> {
 }
 
 /// Searches the level at which a tile has the wanted number of triangles.
-fn level(wanted: Wanted, plan: &Plan) -> Result<f64> {
+fn level(wanted: TileOptions, plan: &Plan) -> Result<f64> {
     let count = |level: f64| {
         let mut items = Items::new(wanted, level, None);
         items.fill(plan);

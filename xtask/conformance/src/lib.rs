@@ -10,7 +10,7 @@ mod fingerprint;
 pub use fingerprint::fingerprint;
 
 use enfilade::{Limits, View, laws};
-use enfilade_scenes::{Group, Named, SCENES};
+use enfilade_scenes::{CatalogEntry, Group, SCENES};
 
 /// Viewport width and height, in pixels.
 const SIZE: [u32; 2] = [96, 54];
@@ -19,13 +19,13 @@ const SIZE: [u32; 2] = [96, 54];
 pub const BROKEN: &str = "broken: ";
 
 /// Returns the built-in scenes that are tested: all but those with thousands of items.
-pub fn scenes() -> impl Iterator<Item = &'static Named> {
+pub fn scenes() -> impl Iterator<Item = &'static CatalogEntry> {
     SCENES.iter().filter(|named| !named.is(Group::Large))
 }
 
 /// Tests the laws on a scene from all its cameras. Returns the fingerprint of these views, a line for each method and
 /// view, and a line that begins with [`BROKEN`] for each violation.
-pub fn report(named: &Named) -> Vec<String> {
+pub fn report(named: &CatalogEntry) -> Vec<String> {
     let built = named.build();
     let views: Vec<View> = built
         .cameras

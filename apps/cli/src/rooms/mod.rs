@@ -307,12 +307,12 @@ impl Rooms<'_> {
     /// Returns the graph as JSON, with the names of items.
     fn graph_json(&self) -> Result<String> {
         #[derive(Serialize)]
-        struct Added<'a> {
+        struct GraphAdditions<'a> {
             file: &'a str,
             item_names: &'a [&'a str],
             suggestions: &'a [Suggestion],
         }
-        let added = Added {
+        let added = GraphAdditions {
             file: &self.report.file,
             item_names: &self.names,
             suggestions: &self.report.suggestions,

@@ -2,7 +2,7 @@
 
 use enfilade::laws::OwnerPicture;
 use enfilade::{Limits, Method, Scene, View, Viewer, VisibleSet};
-use enfilade_scenes::{BuiltIn, Named, SCENES};
+use enfilade_scenes::{BuiltIn, CatalogEntry, SCENES};
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
@@ -65,7 +65,7 @@ impl Subject {
 /// All built-in scenes. Built once, as some take a second.
 pub(crate) fn subjects() -> &'static [Subject] {
     static SUBJECTS: LazyLock<Vec<Subject>> = LazyLock::new(|| {
-        let build = |named: &Named| Subject::new(named.name, named.build());
+        let build = |named: &CatalogEntry| Subject::new(named.name, named.build());
         SCENES.iter().map(build).collect()
     });
     &SUBJECTS

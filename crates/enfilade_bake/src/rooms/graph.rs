@@ -318,7 +318,7 @@ impl RoomGraph {
         let reached = self.reach(from, start, cost);
         let direct = (start == end).then(|| (self.distance(from, to), None));
         let through = self.doors_of[end.0 as usize].iter().filter_map(|&door| {
-            let Reached { length, .. } = reached.get(&(door, end))?;
+            let DoorReach { length, .. } = reached.get(&(door, end))?;
             Some((
                 length + self.distance(self.doors[door.0 as usize].middle(), to),
                 Some(door),
@@ -406,8 +406,8 @@ impl RoomGraph {
         from: [f64; 3],
         start: RoomId,
         cost: impl Fn(DoorId) -> Option<f64>,
-    ) -> BTreeMap<(DoorId, RoomId), Reached> {
-        let mut reached: BTreeMap<(DoorId, RoomId), Reached> = BTreeMap::new();
+    ) -> BTreeMap<(DoorId, RoomId), DoorReach> {
+        let mut reached: BTreeMap<(DoorId, RoomId), DoorReach> = BTreeMap::new();
         // Lengths are not negative, so their bits sort as they do.
         let mut queue = BinaryHeap::new();
         let leave = |room: RoomId, at: [f64; 3], length: f64, before, queue: &mut BinaryHeap<_>| {
@@ -425,7 +425,7 @@ impl RoomGraph {
                 continue;
             }
             let length = f64::from_bits(bits);
-            reached.insert(place, Reached { length, before });
+            reached.insert(place, DoorReach { length, before });
             let (door, room) = place;
             leave(
                 room,
@@ -456,7 +456,7 @@ impl RoomGraph {
 }
 
 /// The shortest way through a door.
-struct Reached {
+struct DoorReach {
     length: f64,
     /// The door before, and the room between the two.
     before: Option<(DoorId, RoomId)>,

@@ -22,18 +22,18 @@ pub(crate) const VIEWS: usize = 16;
 pub(crate) const SIZE: [u32; 2] = [1280, 720];
 
 /// Three kinds of rooms: many small ones, one tall hall, one full of furniture.
-pub(crate) const ROOMS: [Known; 3] = [
-    Known {
+pub(crate) const ROOMS: [ExpectedVisibility; 3] = [
+    ExpectedVisibility {
         file: "ifc_office_a.glb",
         items: 373,
         samples: 14_452_869,
     },
-    Known {
+    ExpectedVisibility {
         file: "sponza_crytek.glb",
         items: 912,
         samples: 14_485_154,
     },
-    Known {
+    ExpectedVisibility {
         file: "classroom.glb",
         items: 404,
         samples: 13_610_470,
@@ -41,7 +41,7 @@ pub(crate) const ROOMS: [Known; 3] = [
 ];
 
 /// Expected visibility of a scene over the views of its survey.
-pub(crate) struct Known {
+pub(crate) struct ExpectedVisibility {
     pub(crate) file: &'static str,
     /// Number of items visible by every exact method.
     pub(crate) items: usize,
@@ -50,7 +50,7 @@ pub(crate) struct Known {
 }
 
 /// A scene and where it is looked at from.
-pub(crate) struct Place {
+pub(crate) struct BenchScene {
     pub(crate) scene: Scene,
     pub(crate) views: Vec<View>,
 }
@@ -65,7 +65,7 @@ pub(crate) fn folder() -> Option<PathBuf> {
 }
 
 /// Reads a scene of one sector, and surveys it as `enfilade look --survey 16` does.
-pub(crate) fn open(folder: &Path, file: &str) -> Place {
+pub(crate) fn open(folder: &Path, file: &str) -> BenchScene {
     let options = ReadOptions {
         flat: true,
         ..ReadOptions::default()
@@ -79,10 +79,10 @@ pub(crate) fn open(folder: &Path, file: &str) -> Place {
         .iter()
         .map(|at| View::new(at.eye, at.toward, SIZE).expect("a valid view"))
         .collect();
-    Place { scene, views }
+    BenchScene { scene, views }
 }
 
-impl Place {
+impl BenchScene {
     /// Geometry of its only sector.
     pub(crate) fn geometry(&self) -> &Arc<Geometry> {
         let only = self.scene.sectors().next().expect("one sector");

@@ -15,7 +15,7 @@ mod classic;
 mod common;
 
 use classic::Classic;
-use common::{Lens, Place, ROOMS, SIZE, drawn_once, dye, folder, in_turn, median_of, open};
+use common::{BenchScene, Lens, ROOMS, SIZE, drawn_once, dye, folder, in_turn, median_of, open};
 use enfilade::{Canvas, ItemIndex, Method, Owner, Passage, PassageId, Span, Viewer};
 use std::hint::black_box;
 
@@ -144,7 +144,7 @@ fn main() {
 }
 
 /// Counts samples at each view, and holds the classic z-buffer against ours.
-fn count(place: &Place, expected: u64) -> Vec<Counts> {
+fn count(place: &BenchScene, expected: u64) -> Vec<Counts> {
     let [span, depth] =
         [Method::SBuffer, Method::ZBuffer].map(|method| place.seen_by(method).expect("small"));
     let (mut viewers, mut classic) = ([Viewer::new(), Viewer::new()], Classic::new());
@@ -184,7 +184,7 @@ fn count(place: &Place, expected: u64) -> Vec<Counts> {
 }
 
 /// Milliseconds at each view of a, b, c and c'.
-fn time(place: &Place) -> [Vec<f64>; 4] {
+fn time(place: &BenchScene) -> [Vec<f64>; 4] {
     let [span, depth] =
         [Method::SBuffer, Method::ZBuffer].map(|method| place.seen_by(method).expect("small"));
     let lenses: Vec<Lens> = place.views.iter().map(Lens::of).collect();

@@ -103,7 +103,7 @@ fn build(mesh: &Mesh, triangles: &Triangles) -> Option<Mesh> {
     let mut used: Vec<u32> = triangles.iter().flat_map(|(_, corners)| *corners).collect();
     used.sort_unstable();
     used.dedup();
-    let list = Kept::new(mesh, &used);
+    let list = VertexData::new(mesh, &used);
     let new_of = |old: u32| used.partition_point(|&vertex| vertex < old) as u32;
     let corners: Vec<(MaterialId, Vec<u32>)> = triangles
         .chunk_by(|a, b| a.0 == b.0)
@@ -142,21 +142,21 @@ fn nearest_to_means(positions: &[[f32; 3]], cell_of: impl Fn(&[f32; 3]) -> u32) 
 }
 
 /// The vertices that are kept, with what they have.
-struct Kept {
+struct VertexData {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     texture: Vec<[f32; 2]>,
     colors: Vec<[f32; 4]>,
 }
 
-impl Kept {
-    fn new(mesh: &Mesh, vertices: &[u32]) -> Kept {
+impl VertexData {
+    fn new(mesh: &Mesh, vertices: &[u32]) -> VertexData {
         /// An empty list stays empty.
         fn of<T: Copy>(list: &[T], vertices: &[u32]) -> Vec<T> {
             let of_vertex = |&vertex: &u32| list.get(vertex as usize).copied();
             vertices.iter().filter_map(of_vertex).collect()
         }
-        Kept {
+        VertexData {
             positions: of(mesh.positions(), vertices),
             normals: of(mesh.normals(), vertices),
             texture: of(mesh.texture(), vertices),

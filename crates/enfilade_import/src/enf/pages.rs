@@ -26,7 +26,7 @@ pub(super) struct PagedMesh<'a> {
 
 /// A mesh that has no page yet.
 #[derive(Clone, Copy)]
-struct Placed {
+struct UnpagedMesh {
     mesh: u32,
     bytes: u64,
     centre: [f32; 3],
@@ -52,7 +52,7 @@ impl Meshes<'_> {
                     let index = meshes.list.len() as u32;
                     let materials = geometry.materials();
                     meshes.list.push(PagedMesh { mesh, materials });
-                    new.push(Placed {
+                    new.push(UnpagedMesh {
                         mesh: index,
                         bytes: estimated_bytes(mesh),
                         centre: mesh.bounds().center(),
@@ -80,7 +80,7 @@ fn estimated_bytes(mesh: &Mesh) -> u64 {
 }
 
 /// Splits meshes into pages by octants.
-fn split(meshes: &mut [Placed], pages: &mut Vec<Vec<u32>>) {
+fn split(meshes: &mut [UnpagedMesh], pages: &mut Vec<Vec<u32>>) {
     let bytes: u64 = meshes.iter().map(|mesh| mesh.bytes).sum();
     if meshes.len() <= 1 || bytes <= PAGE_BYTES {
         if !meshes.is_empty() {
@@ -90,7 +90,7 @@ fn split(meshes: &mut [Placed], pages: &mut Vec<Vec<u32>>) {
     }
     let bounds = Aabb::of(meshes.iter().map(|mesh| mesh.centre));
     let middle = bounds.center();
-    let octant = |mesh: &Placed| {
+    let octant = |mesh: &UnpagedMesh| {
         (0..3).fold(0, |octant, axis| {
             octant << 1 | u8::from(mesh.centre[axis] > middle[axis])
         })
@@ -119,8 +119,8 @@ mod tests {
     #[test]
     fn near_meshes_share_pages_of_limited_size_and_none_is_lost() {
         let mut random = fastrand::Rng::with_seed(4);
-        let mut meshes: Vec<Placed> = (0..3000)
-            .map(|mesh| Placed {
+        let mut meshes: Vec<UnpagedMesh> = (0..3000)
+            .map(|mesh| UnpagedMesh {
                 mesh,
                 bytes: random.u64(..PAGE_BYTES / 3),
                 // A third of them are at one place.

@@ -14,7 +14,7 @@ use robust::{Coord, orient2d};
 use std::collections::VecDeque;
 
 /// Index of a corner in the original polygon.
-type Place = u32;
+type CornerIndex = u32;
 
 /// Maximum number of tests per corner. Combs, spirals and stars with ten thousand corners need fewer.
 const TESTS_PER_CORNER: u64 = 4096;
@@ -23,8 +23,8 @@ const TESTS_PER_CORNER: u64 = 4096;
 #[derive(Debug, Default)]
 pub(super) struct Ring {
     at: Vec<[f64; 2]>,
-    next: Vec<Place>,
-    before: Vec<Place>,
+    next: Vec<CornerIndex>,
+    before: Vec<CornerIndex>,
     /// `None` once the corner is clipped.
     turn: Vec<Option<Turn>>,
     /// Number of times that the neighbours of each corner have changed.
@@ -32,7 +32,7 @@ pub(super) struct Ring {
     left: usize,
     /// Corners to be tested, each with its number of changes when it was queued; stale entries are skipped, because the
     /// corner was queued again.
-    waiting: VecDeque<(Place, u32)>,
+    waiting: VecDeque<(CornerIndex, u32)>,
     /// For each corner, the head of the list in `held_up` of the corners that it blocks.
     holds_up: Vec<Option<u32>>,
     held_up: Vec<BlockedCorner>,
@@ -55,7 +55,7 @@ enum Turn {
 /// A corner that is not an ear as long as another one blocks it.
 #[derive(Clone, Copy, Debug)]
 struct BlockedCorner {
-    corner: Place,
+    corner: CornerIndex,
     changes: u32,
     next: Option<u32>,
 }
@@ -67,7 +67,7 @@ struct Grid {
     cells_per_unit: [f64; 2],
     side: usize,
     starts: Vec<u32>,
-    corners: Vec<Place>,
+    corners: Vec<CornerIndex>,
 }
 
 /// Exact orientation test: positive for a left turn.
@@ -79,7 +79,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 impl Ring {
     /// Triangulates the counter-clockwise polygon with corners at `at`, no two consecutive ones equal. Passes triangles
     /// as corner indices to `triangle`; returns the number of clipped triangles that were not ears.
-    pub(super) fn cut(&mut self, at: &[[f64; 2]], mut triangle: impl FnMut([Place; 3])) -> usize {
+    pub(super) fn cut(&mut self, at: &[[f64; 2]], mut triangle: impl FnMut([CornerIndex; 3])) -> usize {
         self.begin(at);
         let most_tests = TESTS_PER_CORNER * at.len() as u64;
         let mut rough = 0;
@@ -100,7 +100,8 @@ impl Ring {
             triangle([self.before(ear), ear, self.next(ear)]);
             self.remove(ear);
         }
-        if let Some(last) = (0..at.len() as Place).find(|&corner| self.turn[corner as usize].is_some()) {
+        if let Some(last) = (0..at.len() as CornerIndex).find(|&corner| self.turn[corner as usize].is_some())
+        {
             match self.turn_at(last) {
                 Turn::Straight => {}
                 turn => {
@@ -113,7 +114,7 @@ impl Ring {
     }
 
     fn begin(&mut self, at: &[[f64; 2]]) {
-        let count = at.len() as Place;
+        let count = at.len() as CornerIndex;
         self.at.clear();
         self.at.extend(at);
         self.next.clear();
@@ -141,19 +142,19 @@ impl Ring {
         }
     }
 
-    fn next(&self, corner: Place) -> Place {
+    fn next(&self, corner: CornerIndex) -> CornerIndex {
         self.next[corner as usize]
     }
 
-    fn before(&self, corner: Place) -> Place {
+    fn before(&self, corner: CornerIndex) -> CornerIndex {
         self.before[corner as usize]
     }
 
-    fn place(&self, corner: Place) -> [f64; 2] {
+    fn place(&self, corner: CornerIndex) -> [f64; 2] {
         self.at[corner as usize]
     }
 
-    fn turn_at(&self, corner: Place) -> Turn {
+    fn turn_at(&self, corner: CornerIndex) -> Turn {
         let (a, c) = (self.place(self.before(corner)), self.place(self.next(corner)));
         let turn = turn(a, self.place(corner), c);
         match turn {
@@ -164,14 +165,14 @@ impl Ring {
     }
 
     /// Queues a convex corner to be tested.
-    fn ask_again(&mut self, corner: Place) {
+    fn ask_again(&mut self, corner: CornerIndex) {
         if self.turn[corner as usize] == Some(Turn::Out) {
             self.waiting.push_back((corner, self.changes[corner as usize]));
         }
     }
 
     /// Returns the next ear; `None` if there is none, or if the test limit is reached.
-    fn next_ear(&mut self, most_tests: u64) -> Option<Place> {
+    fn next_ear(&mut self, most_tests: u64) -> Option<CornerIndex> {
         while let Some((corner, changes)) = self.waiting.pop_front() {
             if self.turn[corner as usize].is_none() || self.changes[corner as usize] != changes {
                 continue;
@@ -189,7 +190,7 @@ impl Ring {
 
     /// Returns a corner inside the triangle of a corner and its neighbours, or on its edges. Corners that coincide with
     /// one of the three do not count: there, the polygon touches itself.
-    fn in_the_way(&mut self, corner: Place) -> Option<Place> {
+    fn in_the_way(&mut self, corner: CornerIndex) -> Option<CornerIndex> {
         let [a, b, c] = [self.before(corner), corner, self.next(corner)].map(|corner| self.place(corner));
         let min = [0, 1].map(|axis| a[axis].min(b[axis]).min(c[axis]));
         let max = [0, 1].map(|axis| a[axis].max(b[axis]).max(c[axis]));
@@ -218,8 +219,8 @@ impl Ring {
 
     /// Returns the corner to clip if there is no ear, and whether its triangle has area. Prefers folded corners, then
     /// straight ones, then convex ones.
-    fn least_bad(&mut self) -> (Place, bool) {
-        let start = (0..self.at.len() as Place)
+    fn least_bad(&mut self) -> (CornerIndex, bool) {
+        let start = (0..self.at.len() as CornerIndex)
             .find(|&corner| self.turn[corner as usize].is_some())
             .expect("more than three corners are left");
         self.tests += 2 * self.at.len() as u64;
@@ -239,7 +240,7 @@ impl Ring {
     }
 
     /// Returns `true` if the outline reverses its direction at a corner.
-    fn folds(&self, corner: Place) -> bool {
+    fn folds(&self, corner: CornerIndex) -> bool {
         let [a, b, c] = [self.before(corner), corner, self.next(corner)].map(|corner| self.place(corner));
         (0..2)
             .map(|axis| (a[axis] - b[axis]) * (c[axis] - b[axis]))
@@ -250,7 +251,7 @@ impl Ring {
     }
 
     /// Removes a corner from the ring and updates its neighbours.
-    fn remove(&mut self, corner: Place) {
+    fn remove(&mut self, corner: CornerIndex) {
         let (before, next) = (self.before(corner), self.next(corner));
         self.next[before as usize] = next;
         self.before[next as usize] = before;
@@ -269,7 +270,7 @@ impl Ring {
     }
 
     /// Makes a corner wait until the corner that blocks it is clipped or becomes convex.
-    fn wait(&mut self, corner: Place, other: Place) {
+    fn wait(&mut self, corner: CornerIndex, other: CornerIndex) {
         let place = self.free.pop().unwrap_or(self.held_up.len() as u32);
         let held = BlockedCorner {
             corner,
@@ -283,7 +284,7 @@ impl Ring {
     }
 
     /// Queues the corners that a corner blocked.
-    fn let_go(&mut self, corner: Place) {
+    fn let_go(&mut self, corner: CornerIndex) {
         let mut waits = self.holds_up[corner as usize].take();
         while let Some(number) = waits {
             let held = self.held_up[number as usize];
@@ -294,7 +295,7 @@ impl Ring {
     }
 
     /// Triangulates the remaining polygon as a fan; returns the number of triangles.
-    fn fan(&mut self, first: Place, triangle: &mut impl FnMut([Place; 3])) -> usize {
+    fn fan(&mut self, first: CornerIndex, triangle: &mut impl FnMut([CornerIndex; 3])) -> usize {
         let mut corner = self.next(first);
         for _ in 2..self.left {
             triangle([first, corner, self.next(corner)]);
@@ -355,7 +356,7 @@ impl Grid {
         })
     }
 
-    fn held(&self, x: usize, y: usize) -> &[Place] {
+    fn held(&self, x: usize, y: usize) -> &[CornerIndex] {
         let cell = y * self.side + x;
         &self.corners[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }

@@ -5,7 +5,7 @@ use super::floor::{Floor, paving};
 use super::lamps::Lamp;
 use super::palette::*;
 use super::plan::Name;
-use super::room::{Closed, Design, Room, Style, arched, scaled, shift, spot};
+use super::room::{Design, FinishedRoom, Room, Style, arched, scaled, shift, spot};
 use super::statue::{self, Pose};
 use super::trim::cornice;
 use super::workshop::Workshop;
@@ -49,12 +49,12 @@ pub(super) fn lamps() -> Vec<Lamp> {
 }
 
 /// Everything except the water, built once, because only the water changes.
-fn still() -> &'static Closed {
-    static STILL: LazyLock<Closed> = LazyLock::new(grotto);
+fn still() -> &'static FinishedRoom {
+    static STILL: LazyLock<FinishedRoom> = LazyLock::new(grotto);
     &STILL
 }
 
-fn grotto() -> Closed {
+fn grotto() -> FinishedRoom {
     let mut shop = Workshop::default();
     let mut room = Room::new(GROTTO, &mut shop, Random::new(7));
     for door in DOORS.iter().filter(|door| door.to == Name::Fountain) {

@@ -80,7 +80,7 @@ pub(crate) struct Wall {
 }
 
 /// A finished room.
-pub(crate) struct Closed {
+pub(crate) struct FinishedRoom {
     pub(crate) geometry: Geometry,
     mirrors: Vec<OpeningId>,
     pub(crate) lamps: Vec<Lamp>,
@@ -261,7 +261,7 @@ impl<'a> Room<'a> {
     }
 
     /// Closes the room around its items.
-    pub(crate) fn close(mut self) -> Closed {
+    pub(crate) fn close(mut self) -> FinishedRoom {
         let shell = self.shell();
         self.make("shell floor", &shell.floor);
         for wall in &shell.walls {
@@ -274,7 +274,7 @@ impl<'a> Room<'a> {
     }
 
     /// Closes a room with walls on some sides only. Terrain closes it below and rises beyond the other sides.
-    pub(crate) fn close_beside(mut self, sides: &[Side]) -> Closed {
+    pub(crate) fn close_beside(mut self, sides: &[Side]) -> FinishedRoom {
         let shell = self.shell();
         for &side in sides {
             self.make("shell wall", &shell.walls[self.design.plan.wall(side)]);
@@ -298,8 +298,8 @@ impl<'a> Room<'a> {
         envelope(plan, height, ceiling, &self.holes, finish)
     }
 
-    fn finished(self) -> Closed {
-        Closed {
+    fn finished(self) -> FinishedRoom {
+        FinishedRoom {
             geometry: self.geometry.build().expect("a room is made of sound things"),
             mirrors: self.mirrors,
             lamps: chosen(self.lamps, self.candles),
@@ -307,10 +307,10 @@ impl<'a> Room<'a> {
     }
 }
 
-impl Closed {
+impl FinishedRoom {
     /// Wraps geometry that was not built as a room.
-    pub(crate) fn of(geometry: Geometry, lamps: Vec<Lamp>) -> Closed {
-        Closed {
+    pub(crate) fn of(geometry: Geometry, lamps: Vec<Lamp>) -> FinishedRoom {
+        FinishedRoom {
             geometry,
             mirrors: Vec::new(),
             lamps,
@@ -322,7 +322,7 @@ impl Closed {
         self.seen_by(Method::HierarchicalZ, scene, name)
     }
 
-    /// As [`Closed::add_to`], with an explicit method.
+    /// As [`FinishedRoom::add_to`], with an explicit method.
     pub(crate) fn seen_by(self, method: Method, scene: &mut SceneBuilder, name: &str) -> SectorId {
         let id = scene.add(name, self.geometry, method);
         for mirror in self.mirrors {

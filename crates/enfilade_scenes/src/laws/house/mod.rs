@@ -11,7 +11,7 @@ use crate::random::Random;
 use crate::shape::{ball, block, cuboid};
 use enfilade::{Method, SceneBuilder, Transform};
 use glam::{Vec3, vec3};
-use plan::{Open, Plan};
+use plan::{OpenRect, Plan};
 
 const HOUSE: [&str; 11] = [
     "##################",
@@ -147,7 +147,7 @@ pub fn random_house(seed: u64) -> BuiltIn {
     let mut open = Vec::new();
     for row in rows.windows(2) {
         for column in columns.windows(2) {
-            open.push(Open {
+            open.push(OpenRect {
                 name: format!("room {}", open.len()),
                 is_doorway: false,
                 x: column[0] + 1..column[1],
@@ -159,7 +159,7 @@ pub fn random_house(seed: u64) -> BuiltIn {
     let across = columns.len() - 1;
     for (number, room) in rooms.iter().enumerate() {
         let mut add = |x: usize, z: usize| {
-            open.push(Open {
+            open.push(OpenRect {
                 name: format!("door {}", open.len()),
                 is_doorway: true,
                 x: x..x + 1,

@@ -13,7 +13,7 @@ const HIGH: [f32; 2] = [3.0, 2.0];
 
 /// An open rectangle of the plan: a room, or a doorway through a wall.
 #[derive(Clone, Debug)]
-pub(crate) struct Open {
+pub(crate) struct OpenRect {
     pub(crate) name: String,
     pub(crate) is_doorway: bool,
     /// Columns and rows, half-open.
@@ -26,7 +26,7 @@ pub(crate) struct Plan {
     size: [usize; 2],
     /// Position of the first column and row.
     from: [f32; 2],
-    pub(crate) open: Vec<Open>,
+    pub(crate) open: Vec<OpenRect>,
     /// By row and column: index of the open rectangle there.
     squares: Vec<Option<usize>>,
 }
@@ -67,10 +67,10 @@ const EDGES: [Edge; 4] = [
 impl Plan {
     /// Parses a plan: a letter is a room, a digit or a capital a doorway; each fills a rectangle. `#` is rock.
     pub(crate) fn drawn(from: [f32; 2], rows: &[&str]) -> Plan {
-        let mut open: BTreeMap<char, Open> = BTreeMap::new();
+        let mut open: BTreeMap<char, OpenRect> = BTreeMap::new();
         for (z, row) in rows.iter().enumerate() {
             for (x, letter) in row.chars().enumerate().filter(|(_, letter)| *letter != '#') {
-                let found = open.entry(letter).or_insert(Open {
+                let found = open.entry(letter).or_insert(OpenRect {
                     name: letter.to_string(),
                     is_doorway: !letter.is_ascii_lowercase(),
                     x: x..x + 1,
@@ -83,9 +83,9 @@ impl Plan {
         Plan::new(from, [rows[0].len(), rows.len()], open.into_values().collect())
     }
 
-    pub(crate) fn new(from: [f32; 2], size: [usize; 2], open: Vec<Open>) -> Plan {
+    pub(crate) fn new(from: [f32; 2], size: [usize; 2], open: Vec<OpenRect>) -> Plan {
         let mut squares = vec![None; size[0] * size[1]];
-        for (number, Open { x, z, .. }) in open.iter().enumerate() {
+        for (number, OpenRect { x, z, .. }) in open.iter().enumerate() {
             for z in z.clone() {
                 squares[z * size[0]..][x.clone()].fill(Some(number));
             }
@@ -99,7 +99,7 @@ impl Plan {
     }
 
     /// Returns the minimum and maximum x and z of a room.
-    pub(crate) fn bounds(&self, room: &Open) -> [[f32; 2]; 2] {
+    pub(crate) fn bounds(&self, room: &OpenRect) -> [[f32; 2]; 2] {
         let at = |x: usize, z: usize| [self.from[0] + x as f32, self.from[1] + z as f32];
         [at(room.x.start, room.z.start), at(room.x.end, room.z.end)]
     }

@@ -9,7 +9,7 @@ use super::doors::DOORS;
 use super::lamps::Lamp;
 use super::palette::*;
 use super::plan::Name;
-use super::room::{Closed, shift};
+use super::room::{FinishedRoom, shift};
 use super::workshop::Workshop;
 use super::{drapery, palette};
 use crate::envelope::{Plan, Side};
@@ -138,7 +138,7 @@ pub(crate) const CELLS: [Cell; 9] = [
 
 impl Cell {
     /// Builds the cell; also returns its openings, each with the index of its door.
-    pub(crate) fn build(&self, shop: &mut Workshop) -> (Closed, Vec<(usize, OpeningId)>) {
+    pub(crate) fn build(&self, shop: &mut Workshop) -> (FinishedRoom, Vec<(usize, OpeningId)>) {
         let mut geometry = palette::geometry();
         let ends = self.ends();
         let openings = ends
@@ -170,7 +170,7 @@ impl Cell {
             }
         };
         let geometry = geometry.build().expect("a bay is made of sound things");
-        (Closed::of(geometry, lamps), openings)
+        (FinishedRoom::of(geometry, lamps), openings)
     }
 
     /// Returns the doors and windows in its walls.

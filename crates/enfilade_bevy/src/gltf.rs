@@ -305,14 +305,14 @@ mod tests {
         assert_eq!(kinds, [Some("room"), Some("portal"), None, None, None, None]);
         let extras = r#"{"enfilade": {"kind": "portal", "one_way": 1}}"#;
         let value = extras.to_owned();
-        assert!(marked("a node", &GltfExtras { value }).one_way);
+        assert!(mark_of("a node", &GltfExtras { value }).one_way);
     }
 
     #[test]
     fn extras_of_other_programs_are_ignored() {
         let kind = |value: &str| {
             let value = value.to_owned();
-            marked("a node", &GltfExtras { value }).kind
+            mark_of("a node", &GltfExtras { value }).kind
         };
         let portal = r#"{"enfilade": {"kind": "portal", "to": "Yard-room", "one_way": true}, "a": 1}"#;
         assert_eq!(kind(portal).as_deref(), Some("portal"));

@@ -13,7 +13,7 @@ use crate::meshes::{BuiltMesh, OccluderMeshes, materials};
 use crate::portals::{OpeningQuery, Portals};
 use crate::rooms::{OUTDOORS, Rooms, RoomsChanged};
 use crate::settings::EnfiladeSettings;
-use bevy_asset::{AssetEvent, Assets};
+use bevy_asset::{AssetEvent, Assets, RenderAssetUsages};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{
     DynamicSkinnedMeshBounds, InheritedVisibility, NoCpuCulling, NoFrustumCulling, RenderLayers,
@@ -607,7 +607,10 @@ impl EnfiladeScene {
                 .and_then(|automatic| automatic.sides(mirrors(&affine))),
         };
         let proxy = of.proxy.filter(|_| may_hide);
-        let sides = sides.filter(|_| may_hide && proxy.is_none());
+        // A mesh of the main world alone is drawn by no renderer. One that is not loaded is described again when it has a box.
+        let is_drawn = |mesh: &Mesh| mesh.asset_usage.contains(RenderAssetUsages::RENDER_WORLD);
+        let may_be_drawn = assets.get(of.mesh.id()).is_none_or(is_drawn);
+        let sides = sides.filter(|_| may_hide && proxy.is_none() && may_be_drawn);
         let built = &mut self.pending.built;
         let mut spawn = |mesh: Option<(&Mesh3d, Occluder)>, is_drawn| Spawn {
             entity: enfilade_sync::Entity::new(entity.to_bits(), OUTDOORS),

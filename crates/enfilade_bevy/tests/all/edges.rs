@@ -58,6 +58,27 @@ fn meshes_without_positions_or_with_numbers_that_are_none_are_drawn_and_hide_not
 }
 
 #[test]
+fn a_wall_whose_mesh_never_reaches_the_renderer_hides_only_as_a_proxy() {
+    let mut app = an_app();
+    let camera = add_camera(&mut app, Transform::IDENTITY);
+    let mut wall = a_box(Vec3::new(4.0, 3.0, 0.1));
+    wall.asset_usage = RenderAssetUsages::MAIN_WORLD;
+    let [wall, small] = [wall, a_box(Vec3::splat(0.5))].map(|mesh| add_mesh(&mut app, mesh));
+    app.world_mut().spawn((Mesh3d(small.clone()), at(0.0, 0.0, -9.0)));
+    let undrawn = app
+        .world_mut()
+        .spawn((Mesh3d(wall.clone()), Occluder::OneSided, at(0.0, 0.0, -5.0)));
+    let undrawn = undrawn.id();
+    app.update();
+    assert_eq!(visible(&app, camera).len(), 2);
+    app.world_mut().despawn(undrawn);
+    app.world_mut()
+        .spawn((Mesh3d(small), OccluderProxy(wall), at(0.0, 0.0, -5.0)));
+    app.update();
+    assert_eq!(visible(&app, camera).len(), 1);
+}
+
+#[test]
 fn a_transform_that_is_no_number_loses_nothing_else() {
     let mut app = an_app();
     let camera = add_camera(&mut app, Transform::IDENTITY);

@@ -610,6 +610,51 @@ onBoth(
 );
 
 onBoth(
+  'a mirrored instance is drawn inside out, so it hides nothing',
+  async (renderer) => {
+    const plane = new THREE.PlaneGeometry(40, 40);
+    const material = new THREE.MeshBasicMaterial();
+    const walls = {
+      instanced: () => new THREE.InstancedMesh(plane, material, 1),
+      batched: () => {
+        const batch = new THREE.BatchedMesh(1, 100, 100, material);
+        batch.addInstance(batch.addGeometry(plane));
+        return batch;
+      },
+    };
+    const matrix = new THREE.Matrix4();
+    const out = {};
+    for (const [what, make] of Object.entries(walls)) {
+      const scene = new THREE.Scene();
+      const wall = make();
+      const thing = new THREE.Mesh(new THREE.BoxGeometry(), new THREE.MeshBasicMaterial({ color: 0xff0000 }));
+      thing.position.z = -9;
+      scene.add(wall, thing);
+      const culler = await EnfiladeCuller.load({ renderer, tightness: 'faces' });
+      culler.addScene(scene);
+      const camera = new THREE.PerspectiveCamera(60, 16 / 9, 0.1, 100);
+      out[what] = [];
+      for (const [instance, object] of [[1, 1], [-1, 1], [1, -1], [-1, -1]]) {
+        const result = await compare(renderer, scene, camera, culler, 2, () => {
+          wall.setMatrixAt(0, matrix.makeScale(instance, 1, 1).setPosition(0, 0, -5));
+          wall.instanceMatrix && (wall.instanceMatrix.needsUpdate = true);
+          wall.scale.x = object;
+        });
+        out[what].push({ ...result, isSeen: culler.isVisible(thing, camera) });
+      }
+      culler.dispose();
+    }
+    return out;
+  },
+  (out, kind) => {
+    for (const [what, results] of Object.entries(out)) {
+      results.forEach(same);
+      assert.deepEqual(results.map(({ isSeen }) => isSeen), [false, true, false, true], `${what} on ${kind}`);
+    }
+  },
+);
+
+onBoth(
   'ten thousand objects move each frame; reported ones cost less; a disposed culler undoes everything',
   async (renderer) => {
     const { scene, camera, at } = rooms(16, 10_000);

@@ -1,7 +1,7 @@
 import { Matrix4, type BatchedMesh } from 'three';
 import { Draws, groupOptions } from './material.js';
 import { positionsOf, versionOf } from './geometry.js';
-import { Entry, type AddOptions, type World, displacement } from './entry.js';
+import { Entry, type AddOptions, type World, displacement, isInsideOut } from './entry.js';
 import { type BatchInternals, hookBatch } from './hooks.js';
 import type { CameraView } from './view.js';
 
@@ -48,7 +48,7 @@ export class BatchedEntry extends Entry<BatchedMesh> {
       this.retake(() => infos.forEach(({ active, geometryIndex }) => active && this.#meshOf(geometryIndex, kinds, isBox)));
     }
     this.reserve(infos.length);
-    const isOccluder = this.isOccluder && !isBox;
+    const { isOccluder } = this;
     const layers = object.layers.mask >>> 0;
     const matrices = internals._matricesTexture.image.data;
     const grown = displacement(this.material!);
@@ -60,13 +60,14 @@ export class BatchedEntry extends Entry<BatchedMesh> {
         return;
       }
       matrix.fromArray(matrices, 16 * number).premultiply(object.matrixWorld);
-      if (isBox) {
+      const isBoxHere = isBox || isInsideOut(object, matrix);
+      if (isBoxHere) {
         object.getBoundingSphereAt(info.geometryIndex, sphere as never);
         const r = sphere.radius + grown;
         const { x, y, z } = sphere.center;
         matrix.multiply(new Matrix4().makeScale(2 * r, 2 * r, 2 * r).setPosition(x - r, y - r, z - r));
       }
-      world.slots.put(slot, mesh, matrix.elements, isOccluder, layers);
+      world.slots.put(slot, isBoxHere ? world.meshes.unitBox : mesh, matrix.elements, isOccluder && !isBoxHere, layers);
     });
   }
 

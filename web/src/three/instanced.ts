@@ -1,7 +1,7 @@
 import { DynamicDrawUsage, InstancedBufferAttribute, InstancedMesh, Matrix4, type Frustum } from 'three';
 import { Draws } from './material.js';
 import { isMorphed, versionOf } from './geometry.js';
-import { Entry, displacement, sphereMatrix } from './entry.js';
+import { Entry, displacement, isInsideOut, sphereMatrix } from './entry.js';
 import type { CameraView } from './view.js';
 
 const scratch = new Matrix4();
@@ -120,9 +120,9 @@ export class InstancedEntry extends Entry<InstancedMesh> {
     const grown = isBox ? displacement(this.material!) : 0;
     for (let number = 0; number < object.count; number++) {
       instance.fromArray(object.instanceMatrix.array, 16 * number).premultiply(object.matrixWorld);
-      if (isBox) {
+      if (isBox || isInsideOut(object, instance)) {
         sphereMatrix(object, instance, grown, elements);
-        world.slots.put(this.first + number, this.#mesh, elements, false, layers);
+        world.slots.put(this.first + number, world.meshes.unitBox, elements, false, layers);
       } else {
         world.slots.put(this.first + number, this.#mesh, instance.elements, isOccluder, layers);
       }

@@ -1,4 +1,4 @@
-import { Matrix4, type BatchedMesh } from 'three';
+import { Matrix4, Sphere, type BatchedMesh } from 'three';
 import { Draws, groupOptions } from './material.js';
 import { positionsOf, versionOf } from './geometry.js';
 import { Entry, type AddOptions, type World, displacement, isInsideOut } from './entry.js';
@@ -6,7 +6,7 @@ import { type BatchInternals, hookBatch } from './hooks.js';
 import type { CameraView } from './view.js';
 
 const matrix = new Matrix4();
-const sphere = { center: { x: 0, y: 0, z: 0 }, radius: 0 };
+const sphere = new Sphere();
 
 /** The objects of a batch, each culled by itself. */
 export class BatchedEntry extends Entry<BatchedMesh> {
@@ -62,7 +62,7 @@ export class BatchedEntry extends Entry<BatchedMesh> {
       matrix.fromArray(matrices, 16 * number).premultiply(object.matrixWorld);
       const isBoxHere = isBox || isInsideOut(object, matrix);
       if (isBoxHere) {
-        object.getBoundingSphereAt(info.geometryIndex, sphere as never);
+        object.getBoundingSphereAt(info.geometryIndex, sphere);
         const r = sphere.radius + grown;
         const { x, y, z } = sphere.center;
         matrix.multiply(new Matrix4().makeScale(2 * r, 2 * r, 2 * r).setPosition(x - r, y - r, z - r));

@@ -1,6 +1,7 @@
 //! Tests that take too long for every change: run before a release.
 #![allow(clippy::print_stdout, reason = "a command prints what it runs")]
 
+use crate::public_api::Workspace;
 use crate::targets::cargo;
 use anyhow::{Context, Result, ensure};
 use std::time::Instant;
@@ -21,7 +22,7 @@ pub(crate) struct Args {
 /// Runs other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
-    let steps: [&[&str]; 15] = [
+    let steps: [&[&str]; 17] = [
         // It writes a picture where it runs.
         &["run", "--release"],
         &["xtask", "fuzz-scenes", &scenes],
@@ -36,6 +37,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         &["xtask", "bevy", "--pictures"],
         &["xtask", "cluster"],
         &["test", "--release", "--workspace", "--", "--ignored"],
+        &["test", "--release", "--manifest-path", "tools/palace/Cargo.toml"],
+        &["test", "--release", "--manifest-path", "tools/town/Cargo.toml"],
         // Makes LODs by the C++ meshoptimizer, which also checks our decoder.
         &[
             "test",
@@ -59,6 +62,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         ],
     ];
     let wanted = |line: &String| args.parts.is_empty() || args.parts.iter().any(|part| line.contains(part));
+    let root = Workspace::read()?.root;
     let mut failed = Vec::new();
     let mut count = 0;
     for step in steps {
@@ -70,6 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         let start = Instant::now();
         let passed = cargo()
             .args(step)
+            .current_dir(&root)
             .status()
             .with_context(|| line.clone())?
             .success();

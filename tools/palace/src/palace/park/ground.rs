@@ -159,6 +159,7 @@ fn rise(from: f32, to: f32, value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::Dress;
 
     #[test]
     fn nobody_walks_over_the_edge_and_walls_stand_in_the_ground() {
@@ -184,7 +185,7 @@ mod tests {
         let ground = Ground::new();
         for at in [vec2(-30.3, -110.2), vec2(-80.0, -150.7), vec2(-110.0, -100.0)] {
             let outline = [vec2(-0.2, 0.3), vec2(0.4, 0.2), vec2(0.1, -0.4)].map(|off| at + off);
-            let laid = ground.laid(MEADOW, &outline, 0.0).mesh();
+            let laid = ground.laid(MEADOW, &outline, 0.0).dressed(|_| Dress::Smooth);
             assert!(!laid.positions().is_empty());
             for &[x, y, z] in laid.positions() {
                 assert!((y - ground.height(vec2(x, z))).abs() < 1e-4);

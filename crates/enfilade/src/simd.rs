@@ -1,6 +1,6 @@
 //! Run-time SIMD level: the best of this machine, or a lower one that the caller selects.
 
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use thiserror::Error;
 
@@ -22,7 +22,7 @@ pub(crate) use dispatch;
 /// Returns the level that the compiler targets.
 #[cfg(not(feature = "simd"))]
 #[inline(always)]
-pub(crate) fn baseline() -> impl fearless_simd::Simd {
+pub(crate) fn baseline() -> impl Simd {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     let level = Level::baseline().as_sse2().expect("SSE2, part of the target");
     #[cfg(target_arch = "aarch64")]
@@ -41,11 +41,13 @@ pub(crate) fn baseline() -> impl fearless_simd::Simd {
     level
 }
 
-/// Evaluates a part of a long kernel. Where the compiler knows no SIMD instructions, as for WebAssembly without `simd128`,
-/// the part is a function of its own: LLVM did not finish long kernels as one function of scalar code in twenty minutes.
+/// Evaluates a part of a long kernel, as a function of its own where the kernel as a whole is too much for the compiler: for
+/// WebAssembly without `simd128`, whose scalar code LLVM did not finish in twenty minutes; and in debug builds, where nothing that
+/// is inlined shares its stack slots, so that one frame took 3 MB with AVX2, and the threads of most programs have 2.
 macro_rules! apart {
-    ($part:expr) => {
+    ($simd:expr, $part:expr) => {
         crate::simd::call_apart(
+            $simd,
             #[inline(always)]
             || $part,
         )
@@ -55,20 +57,23 @@ pub(crate) use apart;
 
 /// See [`apart!`].
 #[inline(always)]
-pub(crate) fn call_apart<R>(part: impl FnOnce() -> R) -> R {
+pub(crate) fn call_apart<S: Simd, R>(simd: S, part: impl FnOnce() -> R) -> R {
     #[inline(never)]
     fn outlined<R>(part: impl FnOnce() -> R) -> R {
         part()
     }
-    if cfg!(any(
+    let has_instructions = cfg!(any(
         target_arch = "x86",
         target_arch = "x86_64",
         target_arch = "aarch64",
         all(target_arch = "wasm32", target_feature = "simd128")
-    )) {
-        part()
-    } else {
+    ));
+    if !has_instructions {
         outlined(part)
+    } else if cfg!(debug_assertions) {
+        simd.vectorize(part)
+    } else {
+        part()
     }
 }
 

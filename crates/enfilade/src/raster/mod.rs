@@ -113,7 +113,7 @@ impl Raster {
         let batch = Batch::new(faces, passage);
         let buffers = &mut self.buffers;
         // Of these two, only the second is compiled for each sink.
-        dispatch!(self.level, simd => apart!(buffers.project(simd, faces, &batch, stats)));
+        dispatch!(self.level, simd => apart!(simd, buffers.project(simd, faces, &batch, stats)));
         dispatch!(self.level, simd => batch.draw(simd, buffers, sink, stats));
     }
 
@@ -415,10 +415,10 @@ fn walk_rows<S: Simd>(
     let mut y = rect.y0 - rect.y0 % BAND as u16;
     while y < rect.y1 && !sink.is_done() {
         if sink.wants_band(y)
-            && let Some((band, samples)) = apart!(Band::of(simd, y, rect, planes))
+            && let Some((band, samples)) = apart!(simd, Band::of(simd, y, rect, planes))
         {
             stats.samples += samples;
-            apart!(sink.band(&band, triangle));
+            apart!(simd, sink.band(&band, triangle));
         }
         y += BAND as u16;
     }

@@ -189,7 +189,7 @@ impl Batch {
             self.queues.uncertain.extend(all);
             return;
         }
-        apart!(project::project(simd, frame, positions, &mut self.corners));
+        apart!(simd, project::project(simd, frame, positions, &mut self.corners));
         let mut last_quads = [[first_position; 4]; LANES];
         let mut last_triangles = [[first_position; 3]; LANES];
         let groups_of_quads = quads.len().div_ceil(LANES);
@@ -199,25 +199,25 @@ impl Batch {
         // Also while clipped faces are left: they are classified by the winding of these faces.
         while next < groups || self.queues.clipped.count > 0 {
             if next == groups || self.queues.clipped.count >= LANES {
-                apart!(self.queues.queue_clipped(simd, frame, tiles));
+                apart!(simd, self.queues.queue_clipped(simd, frame, tiles));
             } else if next < groups_of_quads {
                 let group = Group::new(&shapes, quads, next, first as usize, &mut last_quads);
-                let found = apart!(group.project(simd, &self.corners));
-                apart!(self.queues.queue_quads(simd, frame, tiles, &found));
+                let found = apart!(simd, group.project(simd, &self.corners));
+                apart!(simd, self.queues.queue_quads(simd, frame, tiles, &found));
                 self.queues
                     .clip(frame, positions, &group, found.to_clip, &mut self.clipper);
                 next += 1;
             } else {
                 let which = next - groups_of_quads;
                 let group = Group::new(&shapes, triangles, which, first_triangle, &mut last_triangles);
-                let found = apart!(group.project(simd, &self.corners));
-                apart!(self.queues.queue_triangles(simd, frame, tiles, &found));
+                let found = apart!(simd, group.project(simd, &self.corners));
+                apart!(simd, self.queues.queue_triangles(simd, frame, tiles, &found));
                 self.queues
                     .clip(frame, positions, &group, found.to_clip, &mut self.clipper);
                 next += 1;
             }
             if self.queues.are_full() {
-                apart!(self.flush(simd, frame, tiles, LANES));
+                apart!(simd, self.flush(simd, frame, tiles, LANES));
             }
         }
     }
@@ -301,17 +301,19 @@ impl Batch {
         let mut from = 0;
         while wide.count >= from + least {
             let faces = wide.load(simd, from);
-            apart!(wide::draw(simd, frame, &faces, tiles, run_queue, uncertain));
+            apart!(simd, wide::draw(simd, frame, &faces, tiles, run_queue, uncertain));
             from += faces.lanes;
         }
         run_queue.cover(simd, tiles);
         wide.discard_before(from);
-        apart!(small::draw_queued::<S, 4, 2>(
-            simd, frame, quads, least, records, tiles, uncertain
-        ));
-        apart!(small::draw_queued::<S, 3, 1>(
-            simd, frame, small, least, records, tiles, uncertain
-        ));
+        apart!(
+            simd,
+            small::draw_queued::<S, 4, 2>(simd, frame, quads, least, records, tiles, uncertain)
+        );
+        apart!(
+            simd,
+            small::draw_queued::<S, 3, 1>(simd, frame, small, least, records, tiles, uncertain)
+        );
     }
 }
 

@@ -108,25 +108,21 @@ impl<S: Simd, const OTHERS: usize> FaceSetup<S, OTHERS> {
         }
         let size = width + height;
         let unit = size * EXACTNESS + PER_UNIT * 2.0;
-        let first = apart!(Edge::new(simd, [px[0], py[0]], [dx[0], dy[0]], unit));
+        let first = apart!(simd, Edge::new(simd, [px[0], py[0]], [dx[0], dy[0]], unit));
         let mut edges = [first; SIDES];
         for corner in 1..SIDES {
             let at = [px[corner], py[corner]];
-            edges[corner] = apart!(Edge::new(simd, at, [dx[corner], dy[corner]], unit));
+            edges[corner] = apart!(simd, Edge::new(simd, at, [dx[corner], dy[corner]], unit));
         }
         FaceSetup {
             columns: [columns.first - origin[0], columns.end - origin[0]],
             rows: [rows.first - origin[1], rows.end - origin[1]],
             origin,
-            edges: apart!(Edges::sorted(simd, &edges, &dy)),
-            plane: apart!(Plane::new(
+            edges: apart!(simd, Edges::sorted(simd, &edges, &dy)),
+            plane: apart!(
                 simd,
-                [px[0], py[0]],
-                [&dx, &dy],
-                &rev_depth,
-                area.abs(),
-                size
-            )),
+                Plane::new(simd, [px[0], py[0]], [&dx, &dy], &rev_depth, area.abs(), size)
+            ),
             unsure: !rows.sure,
         }
     }

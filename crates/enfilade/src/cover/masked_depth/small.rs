@@ -54,7 +54,7 @@ fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
     uncertain: &mut Vec<u32>,
 ) {
     let align = [SUB_COLUMNS as i32, SUB_ROWS as i32];
-    let lanes = apart!(FaceSetup::<S, OTHERS>::new(simd, frame, faces, align));
+    let lanes = apart!(simd, FaceSetup::<S, OTHERS>::new(simd, frame, faces, align));
     let there: mask32x16<S> = mask32x16::from_bitmask(simd, (1_u64 << faces.lanes) - 1);
     let [first, end] = [
         lanes.columns[0].to_float::<f32x16<S>>() - 0.5,
@@ -78,7 +78,7 @@ fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
         & !(all << lanes.rows[1].max(zero).min(last).bitcast::<u32x16<S>>());
 
     let start = records.count;
-    let writer = apart!(RecordWriter::new(simd, frame, &lanes));
+    let writer = apart!(simd, RecordWriter::new(simd, frame, &lanes));
     let mut sure = there;
     loop {
         let mut unsure = lanes.unsure;
@@ -104,9 +104,12 @@ fn draw<S: Simd, const SIDES: usize, const OTHERS: usize>(
             let open = (rows_there >> (SUB_ROWS * group) as u32) & 0xF;
             // Expands each of four bits to a byte, a row of a sub-tile.
             let open = ((open * 0x0020_4081) & 0x0101_0101) * 0xFF;
-            let masks = apart!(by_sub_tile(simd, &rows));
+            let masks = apart!(simd, by_sub_tile(simd, &rows));
             for (right, mask) in masks[..across].iter().enumerate() {
-                apart!(writer.write(simd, [right, group], *mask & open, sure, records));
+                apart!(
+                    simd,
+                    writer.write(simd, [right, group], *mask & open, sure, records)
+                );
             }
         }
         let mut left = (sure & unsure).to_bitmask();

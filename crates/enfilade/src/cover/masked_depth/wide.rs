@@ -44,7 +44,7 @@ pub(super) fn draw<S: Simd>(
     uncertain: &mut Vec<u32>,
 ) {
     let align = [COLUMNS as i32, ROWS as i32];
-    let lanes = apart!(FaceSetup::<S, 1>::new(simd, frame, triangles, align));
+    let lanes = apart!(simd, FaceSetup::<S, 1>::new(simd, frame, triangles, align));
     let edge = |edge: &Edge<S>| {
         [
             edge.slope.to_array(),
@@ -66,7 +66,7 @@ pub(super) fn draw<S: Simd>(
             edge(&lanes.edges.others[0][0]),
             edge(&lanes.edges.others[0][1]),
         ],
-        plane: apart!(first_depths(simd, &lanes)),
+        plane: apart!(simd, first_depths(simd, &lanes)),
         corners: [0, 1, 2].map(|corner| [triangles.x[corner].to_array(), triangles.y[corner].to_array()]),
         number: triangles.number.to_array(),
     };
@@ -79,7 +79,7 @@ pub(super) fn draw<S: Simd>(
             stored: &stored,
             lane,
         };
-        let is_sure = unsure >> lane & 1 == 0 && apart!(draw_one(simd, &of, tiles, run_queue));
+        let is_sure = unsure >> lane & 1 == 0 && apart!(simd, draw_one(simd, &of, tiles, run_queue));
         if !is_sure {
             uncertain.push(stored.number[lane]);
         }
@@ -147,7 +147,7 @@ fn draw_one<S: Simd>(simd: S, of: &Lane, tiles: &mut Tiles, run_queue: &mut RunQ
     let mut is_sure = true;
     let mut start = 0;
     while start < end_row {
-        let reach = apart!(Reach::new(simd, of, start));
+        let reach = apart!(simd, Reach::new(simd, of, start));
         for row in start..end_row.min(start + LANES as i32) {
             let place = (row - start) as usize % LANES;
             let mut from = reach.any[0][place];
@@ -257,7 +257,7 @@ fn runs_of<S: Simd>(simd: S, of: &Lane, row: i32) -> Option<[i32x16<S>; 2]> {
     let between = columns.map(|column| column as f32 - 0.5);
     let number = u32x16::from_slice(simd, &COUNT).bitcast::<i32x16<S>>() + row;
     let inside = number.simd_ge(stored.rows[0][lane]) & number.simd_lt(stored.rows[1][lane]);
-    let mut ends = apart!(ends(simd, &stored.edges, lane, row, between));
+    let mut ends = apart!(simd, ends(simd, &stored.edges, lane, row, between));
     if !are_sure(&ends, inside) {
         ends = FineEdges::of(of).ends(simd, row, between.map(f64::from));
         if !are_sure(&ends, inside) {

@@ -259,3 +259,27 @@ fn a_large_mesh_is_built_on_the_task_pool_and_hides_once_it_is_there() {
     }
     panic!("the wall hides nothing");
 }
+
+#[test]
+fn a_look_that_nothing_optimizes_fits_into_a_stack_of_one_megabyte() {
+    let levels: Vec<&str> = enfilade::simd_levels().collect();
+    for level in levels {
+        let look = move || {
+            enfilade::use_simd_level(level).expect("a level of this machine");
+            let mut app = an_app();
+            let camera = add_camera(&mut app, Transform::IDENTITY);
+            let [wall, small] =
+                [Vec3::new(4.0, 3.0, 0.1), Vec3::splat(0.5)].map(|half| add_mesh(&mut app, a_box(half)));
+            app.world_mut()
+                .spawn((Mesh3d(wall), Occluder::OneSided, at(0.0, 0.0, -5.0)));
+            app.world_mut().spawn((Mesh3d(small), at(0.0, 0.0, -9.0)));
+            app.update();
+            visible(&app, camera).len()
+        };
+        let thread = std::thread::Builder::new().stack_size(1 << 20).spawn(look);
+        let seen = thread.expect("a thread").join();
+        assert_eq!(seen.expect("a look"), 1, "{level}");
+    }
+    let best = enfilade::simd_levels().next().expect("a level");
+    enfilade::use_simd_level(best).expect("a level of this machine");
+}

@@ -267,6 +267,7 @@ fn a_look_that_nothing_optimizes_fits_into_a_stack_of_one_megabyte() {
         let look = move || {
             enfilade::use_simd_level(level).expect("a level of this machine");
             let mut app = an_app();
+            app.world_mut().resource_mut::<EnfiladeSettings>().samples = Some(Samples::Centers);
             let camera = add_camera(&mut app, Transform::IDENTITY);
             let [wall, small] =
                 [Vec3::new(4.0, 3.0, 0.1), Vec3::splat(0.5)].map(|half| add_mesh(&mut app, a_box(half)));

@@ -1,7 +1,7 @@
 import { Matrix4, Sphere, type BatchedMesh } from 'three';
 import { Draws, groupOptions } from './material.js';
 import { positionsOf, versionOf } from './geometry.js';
-import { Entry, type AddOptions, type World, displacement, isInsideOut } from './entry.js';
+import { Entry, type AddOptions, type World, displacement } from './entry.js';
 import { type BatchInternals, hookBatch } from './hooks.js';
 import type { CameraView } from './view.js';
 
@@ -59,8 +59,10 @@ export class BatchedEntry extends Entry<BatchedMesh> {
         world.slots.drop(slot);
         return;
       }
-      matrix.fromArray(matrices, 16 * number).premultiply(object.matrixWorld);
-      const isBoxHere = isBox || isInsideOut(object, matrix);
+      matrix.fromArray(matrices, 16 * number);
+      // A mirrored one is drawn inside out, as mirrored instances are.
+      const isBoxHere = isBox || matrix.determinant() < 0;
+      matrix.premultiply(object.matrixWorld);
       if (isBoxHere) {
         object.getBoundingSphereAt(info.geometryIndex, sphere);
         const r = sphere.radius + grown;

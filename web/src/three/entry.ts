@@ -239,14 +239,6 @@ export function sphereMatrix(object: { geometry: BufferGeometry }, matrixWorld: 
   scratch.premultiply(matrixWorld).toArray(into);
 }
 
-/**
- * Whether three.js draws an instance inside out: which side of faces is in front follows from the transform of the object alone,
- * not from that of the instance.
- */
-export function isInsideOut(object: Mesh, instanceInWorld: Matrix4): boolean {
-  return instanceInWorld.determinant() < 0 !== object.matrixWorld.determinant() < 0;
-}
-
 /** How far displacement moves a vertex at most. */
 export function displacement(material: Material | Material[]): number {
   const list = Array.isArray(material) ? material : [material];

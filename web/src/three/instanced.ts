@@ -1,7 +1,7 @@
 import { DynamicDrawUsage, InstancedBufferAttribute, InstancedMesh, Matrix4, type Frustum } from 'three';
 import { Draws } from './material.js';
 import { isMorphed, versionOf } from './geometry.js';
-import { Entry, displacement, isInsideOut, sphereMatrix } from './entry.js';
+import { Entry, displacement, sphereMatrix } from './entry.js';
 import type { CameraView } from './view.js';
 
 const scratch = new Matrix4();
@@ -119,8 +119,11 @@ export class InstancedEntry extends Entry<InstancedMesh> {
     this.reserve(object.count + 1);
     const grown = isBox ? displacement(this.material!) : 0;
     for (let number = 0; number < object.count; number++) {
-      instance.fromArray(object.instanceMatrix.array, 16 * number).premultiply(object.matrixWorld);
-      if (isBox || isInsideOut(object, instance)) {
+      instance.fromArray(object.instanceMatrix.array, 16 * number);
+      // three.js turns the winding by the transform of the object alone, so it draws a mirrored instance inside out.
+      const isInsideOut = instance.determinant() < 0;
+      instance.premultiply(object.matrixWorld);
+      if (isBox || isInsideOut) {
         sphereMatrix(object, instance, grown, elements);
         world.slots.put(this.first + number, world.meshes.unitBox, elements, false, layers);
       } else {

@@ -140,8 +140,8 @@ impl ShadowCasters {
     }
 
     /// Finds what casts shadows of a light on the items of a visible set, in views that the renderer has chosen. They are taken
-    /// as views from the light's sector. Those that are complete and without casters are left out; [`LightView::number`] is the place of a view in
-    /// `views`.
+    /// as views from the light's sector. Those that are complete and without casters are left out;
+    /// [`LightView::number`] is the index of a view in `views`.
     ///
     /// A parallel view should begin before everything that casts shadows.
     ///

@@ -120,17 +120,19 @@ impl HalfPlane {
             *x1 = at_row.simd_ge(f64x8::splat(simd, least)).select(*x1, first);
             return;
         }
-        let held = |column: f64x8<S>| {
-            let value = (column + 0.5) * self.a + at_row;
-            value.simd_ge(f64x8::splat(simd, least)).select(one, zero)
-        };
         // Rounding may put the crossing on the wrong side of a sample's centre. So the edge function is evaluated at
         // the column at or before it and at the next one; the opposite half-plane evaluates the same two, so no sample
         // is lost or drawn twice.
         let crossing = at_row * self.root - 0.5;
         let crossing = crossing.simd_gt(first).select(crossing, first);
         let column = crossing.simd_lt(end).select(crossing, end).floor();
-        let count = held(column) + held(column + one);
+        let least = f64x8::splat(simd, least);
+        // No closure: its code is not compiled for the SIMD level.
+        let [here, next] = [
+            (column + 0.5) * self.a + at_row,
+            ((column + one) + 0.5) * self.a + at_row,
+        ];
+        let count = here.simd_ge(least).select(one, zero) + next.simd_ge(least).select(one, zero);
         let column = column + if self.a > 0.0 { one + one - count } else { count };
         if self.a > 0.0 {
             *x0 = column.simd_gt(*x0).select(column, *x0);

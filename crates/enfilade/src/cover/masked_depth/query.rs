@@ -60,28 +60,31 @@ impl Grid {
         if rect.x1 - rect.x0 < FEW || rect.y1 - rect.y0 < FEW {
             return false;
         }
-        let shows = |at: DVec3| {
-            let [left, right] = [rect.x0, rect.x1].map(f64::from);
-            let [top, bottom] = [rect.y0, rect.y1].map(f64::from);
-            let DVec3 { x, y, z: rev_depth } = volume.on_screen(at);
-            // Both signs matter: behind the eye, 1 / W is negative.
-            (rev_depth > 0.0 && rev_depth * near < 1.0)
-                && (left <= x && x < right && top <= y && y < bottom)
-                && f64::from(self.rev_depth_at(x as usize, y as usize)) < rev_depth
-        };
         let [x, y, z] = volume.sides;
         let middle = volume.origin + 0.5 * (x + y + z);
-        if shows(middle) {
+        if self.shows_point(middle, rect, volume, near) {
             return true;
         }
         // Halfway between the middle and four corners, of which no two are adjacent.
         let [x, y, z] = [0.25 * x, 0.25 * y, 0.25 * z];
         for offset in [x + y + z, x - y - z, y - x - z, z - x - y] {
-            if shows(middle + offset) {
+            if self.shows_point(middle + offset, rect, volume, near) {
                 return true;
             }
         }
         false
+    }
+
+    /// Returns `true` if a point, in the space of the volume, is in front of what is stored where it is on the screen.
+    #[inline(always)]
+    fn shows_point(&self, at: DVec3, rect: &Rect, volume: &Volume, near: f64) -> bool {
+        let [left, right] = [rect.x0, rect.x1].map(f64::from);
+        let [top, bottom] = [rect.y0, rect.y1].map(f64::from);
+        let DVec3 { x, y, z: rev_depth } = volume.on_screen(at);
+        // Both signs matter: behind the eye, 1 / W is negative.
+        (rev_depth > 0.0 && rev_depth * near < 1.0)
+            && (left <= x && x < right && top <= y && y < bottom)
+            && f64::from(self.rev_depth_at(x as usize, y as usize)) < rev_depth
     }
 
     /// Returns `true` if the sample at the centre of the box may show it, by outline and front faces. Most visible
@@ -177,6 +180,7 @@ impl TilesView<'_> {
     }
 
     /// Returns `true` if a sample of `rect` in one row of tiles may show geometry with reversed depth `nearest`.
+    #[inline(always)]
     fn shows_in_row(self, row: usize, rect: &Rect, nearest: f32) -> bool {
         let rev_depth = [nearest; SUB_TILES_OF_BAND];
         for column in tiles(rect.x0, rect.x1, COLUMNS) {

@@ -193,6 +193,7 @@ impl Volume {
     }
 
     /// Returns the eight corners as (X, Y, W); bit k of a corner's index is set if side k is added.
+    #[inline(always)]
     pub(crate) fn corners(&self) -> [DVec3; 8] {
         self.corners_in_space()
             .map(|corner| homogeneous(corner, self.is_parallel))

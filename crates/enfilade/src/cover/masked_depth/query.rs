@@ -11,13 +11,14 @@
 
 use super::occluder::Slope;
 use super::tiles::{
-    ACROSS, BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILES_OF_BAND, TilesView,
-    columns_within, masks_of_rect, rows_within, tiles,
+    BandTiles, COLUMNS, Grid, ROWS, RevDepth, SUB_COLUMNS, SUB_ROWS, SUB_TILE_PLACES, SUB_TILES_OF_BAND,
+    TilesView, columns_within, masks_of_rect, rows_within, tiles,
 };
 use crate::raster::{BAND, Band, HalfPlane, Triangle, greater, smaller};
 use crate::view::aperture::Rect;
-use crate::view::region::{ROUND_UP, Region, Volume};
+use crate::view::region::{ROUND_UP, Region, Volume, greatest_of, least_of};
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, f64x8};
 use glam::DVec3;
 
 impl Grid {
@@ -29,69 +30,76 @@ impl Grid {
             && (self.shows_middle_of(&rect, nearest) || self.view().first_seen(&rect, nearest).is_some())
     }
 
-    /// Returns `true` if any sample may show the box, grown by `growth` pixels. Tests its rectangle first, then, if it is entirely behind the
-    /// near plane, its outline.
+    /// Returns `true` if any sample may show the box, grown by `growth` pixels. Tests points inside it, then its
+    /// rectangle, then its outline; only its rectangle if it crosses the near plane.
     #[inline(always)]
     pub(super) fn sees<S: Simd>(&self, simd: S, region: &Region, near: f64, growth: f64) -> bool {
         let rect = region.rect.intersection(&self.rect);
         if rect.is_empty() {
             return false;
         }
-        if self.shows_inside(&rect, &region.volume, near) {
+        let Some(corners) = region.volume.corners_on_screen(simd, near) else {
+            return self.view().first_seen(&rect, region.nearest).is_some();
+        };
+        let [x, y, z] = region.volume.sides;
+        let middle = region.volume.on_screen(region.volume.origin + 0.5 * (x + y + z));
+        if self.shows_inside(simd, &rect, middle, &corners) {
             return true;
         }
         let Some(first) = self.view().first_seen(&rect, region.nearest) else {
             return false;
         };
         // No closures here and below: the code of a closure is not compiled for the SIMD level.
-        match Outline::of(&region.volume, near, growth, &rect) {
-            Some(outline) if self.shows_middle(&rect, &outline, &region.volume) => true,
+        match Outline::of(simd, &region.volume, &corners, growth, &rect) {
+            Some(outline) if self.shows_middle(&rect, middle, &outline) => true,
             Some(outline) => self.sees_outline(simd, &rect, first, region.nearest, &outline),
             None => true,
         }
     }
 
-    /// Returns `true` if any of a few points inside the box is in front of what is stored where it is on the screen. A
-    /// cheap early out: from a third to three quarters of the visible boxes pass it.
+    /// Returns `true` if any of nine points inside the box is in front of what is stored where it is on the screen: the
+    /// middle, and one near each corner. A cheap early out: most visible boxes pass it.
     #[inline(always)]
-    fn shows_inside(&self, rect: &Rect, volume: &Volume, near: f64) -> bool {
+    fn shows_inside<S: Simd>(&self, simd: S, rect: &Rect, middle: DVec3, corners: &[f64x8<S>; 3]) -> bool {
         /// In fewer columns or rows there may be no sample inside the box.
         const FEW: u16 = 4;
-        if rect.x1 - rect.x0 < FEW || rect.y1 - rect.y0 < FEW {
+        let extent = (rect.x1 - rect.x0).min(rect.y1 - rect.y0);
+        if extent < FEW {
             return false;
         }
-        let [x, y, z] = volume.sides;
-        let middle = volume.origin + 0.5 * (x + y + z);
-        if self.shows_point(middle, rect, volume, near) {
+        if self.shows_point(middle, rect) {
             return true;
         }
-        // Halfway between the middle and four corners, of which no two are adjacent.
-        let [x, y, z] = [0.25 * x, 0.25 * y, 0.25 * z];
-        for offset in [x + y + z, x - y - z, y - x - z, z - x - y] {
-            if self.shows_point(middle + offset, rect, volume, near) {
+        // About two samples from each corner towards the middle. What is between them is inside the box, also on the
+        // screen.
+        let inwards = greater(2.0 / f64::from(extent), 1.0 / 16.0);
+        let mut points = [[0.0; 8]; 3];
+        for ((point, corner), middle) in points.iter_mut().zip(corners).zip(middle.to_array()) {
+            (*corner + (f64x8::splat(simd, middle) - *corner) * inwards).store_slice(point);
+        }
+        let [x, y, rev_depth] = &points;
+        for ((&x, &y), &rev_depth) in x.iter().zip(y).zip(rev_depth) {
+            if self.shows_point(DVec3::new(x, y, rev_depth), rect) {
                 return true;
             }
         }
         false
     }
 
-    /// Returns `true` if a point, in the space of the volume, is in front of what is stored where it is on the screen.
+    /// Returns `true` if a point (column, row, reversed depth) in `rect` is in front of what is stored there.
     #[inline(always)]
-    fn shows_point(&self, at: DVec3, rect: &Rect, volume: &Volume, near: f64) -> bool {
-        let [left, right] = [rect.x0, rect.x1].map(f64::from);
-        let [top, bottom] = [rect.y0, rect.y1].map(f64::from);
-        let DVec3 { x, y, z: rev_depth } = volume.on_screen(at);
-        // Both signs matter: behind the eye, 1 / W is negative.
-        (rev_depth > 0.0 && rev_depth * near < 1.0)
-            && (left <= x && x < right && top <= y && y < bottom)
-            && f64::from(self.rev_depth_at(x as usize, y as usize)) < rev_depth
+    fn shows_point(&self, at: DVec3, rect: &Rect) -> bool {
+        match sample_in(rect, at) {
+            Some([x, y]) => f64::from(self.rev_depth_at(x, y)) < at.z,
+            None => false,
+        }
     }
 
-    /// Returns `true` if the sample at the centre of the box may show it, by outline and front faces. Most visible
-    /// boxes that reach this test pass it.
+    /// Returns `true` if the sample at the projected centre of the box may show it, by outline and front faces. Most
+    /// visible boxes that reach this test pass it.
     #[inline(always)]
-    fn shows_middle(&self, rect: &Rect, outline: &Outline, volume: &Volume) -> bool {
-        let Some([x, y]) = sample_at_middle(rect, volume) else {
+    fn shows_middle(&self, rect: &Rect, middle: DVec3, outline: &Outline) -> bool {
+        let Some([x, y]) = sample_in(rect, middle) else {
             return false;
         };
         outline.rev_depth_at([x as f64 + 0.5, y as f64 + 0.5]) >= f64::from(self.rev_depth_at(x, y))
@@ -139,23 +147,30 @@ impl Grid {
         nearest: f32,
         outline: &Outline,
     ) -> bool {
-        let mut y = from * ROWS;
-        while y < usize::from(rect.y1) {
-            if let Some((band, _)) = Band::inside(simd, y as u16, rect, outline.lines()) {
+        for row in from..usize::from(rect.y1).div_ceil(ROWS) {
+            if self.view().hides_row(row, rect, nearest) {
+                continue;
+            }
+            for y in [row * ROWS, row * ROWS + BAND] {
+                if y >= usize::from(rect.y1) {
+                    break;
+                }
+                let Some((band, _)) = Band::inside(simd, y as u16, rect, outline.lines()) else {
+                    continue;
+                };
                 let across = BandTiles::new(&band);
                 for column in across.tiles() {
-                    let index = y / ROWS * self.columns + column;
+                    let index = row * self.columns + column;
                     if nearest < self.farthest[index] {
                         continue;
                     }
-                    let rev_depth = outline.over_tile([column * COLUMNS, y], rect, nearest);
+                    let rev_depth = outline.over_tile(simd, [column * COLUMNS, y], rect, nearest);
                     let samples = across.samples(column);
                     if self.view().sees_in(index, y % ROWS / BAND, &samples, &rev_depth) {
                         return true;
                     }
                 }
             }
-            y += BAND;
         }
         false
     }
@@ -165,18 +180,27 @@ impl TilesView<'_> {
     /// Returns the first row of tiles in which a sample of `rect` may show geometry with reversed depth `nearest`.
     #[inline(always)]
     pub(super) fn first_seen(&self, rect: &Rect, nearest: f32) -> Option<usize> {
-        let columns = tiles(rect.x0, rect.x1, COLUMNS);
         for row in tiles(rect.y0, rect.y1, ROWS) {
-            let first = (row - self.first_row) * self.columns;
-            let mut hidden = true;
-            for &farthest in &self.farthest[first + columns.start..first + columns.end] {
-                hidden &= nearest < farthest;
+            if self.hides_row(row, rect, nearest) {
+                continue;
             }
-            if !hidden && self.shows_in_row(row, rect, nearest) {
+            if self.shows_in_row(row, rect, nearest) {
                 return Some(row);
             }
         }
         None
+    }
+
+    /// Returns `true` if all tiles that `rect` overlaps in a row hide geometry with reversed depth `nearest`.
+    #[inline(always)]
+    fn hides_row(&self, row: usize, rect: &Rect, nearest: f32) -> bool {
+        let columns = tiles(rect.x0, rect.x1, COLUMNS);
+        let first = (row - self.first_row) * self.columns;
+        let mut hidden = true;
+        for &farthest in &self.farthest[first + columns.start..first + columns.end] {
+            hidden &= nearest < farthest;
+        }
+        hidden
     }
 
     /// Returns `true` if a sample of `rect` in one row of tiles may show geometry with reversed depth `nearest`.
@@ -200,14 +224,17 @@ impl TilesView<'_> {
     }
 }
 
-/// Returns the sample of `rect` at the projected centre of the box; `None` if the centre is outside `rect`.
+/// Returns the sample at a point (column, row, reversed depth); `None` if it is outside `rect`.
 #[inline(always)]
-fn sample_at_middle(rect: &Rect, volume: &Volume) -> Option<[usize; 2]> {
-    let [x, y, z] = volume.sides;
-    let middle = volume.origin + 0.5 * (x + y + z);
-    let DVec3 { x, y, .. } = volume.on_screen(middle);
-    let within = |low: u16, value: f64, high: u16| f64::from(low) <= value && value < f64::from(high);
-    (within(rect.x0, x, rect.x1) && within(rect.y0, y, rect.y1)).then_some([x as usize, y as usize])
+fn sample_in(rect: &Rect, at: DVec3) -> Option<[usize; 2]> {
+    let [left, right] = [f64::from(rect.x0), f64::from(rect.x1)];
+    let [top, bottom] = [f64::from(rect.y0), f64::from(rect.y1)];
+    let is_in = left <= at.x && at.x < right && top <= at.y && at.y < bottom;
+    if is_in {
+        Some([at.x as usize, at.y as usize])
+    } else {
+        None
+    }
 }
 
 /// Returns the normal of the faces of a box across an axis, not normalized, and a bound on its terms before their
@@ -241,22 +268,23 @@ const SLACK: f64 = 1.0 / 1024.0;
 const ROUNDING: f64 = 1.0 / (1_u64 << 46) as f64;
 
 impl Outline {
-    /// Returns the outline of a box, up to `growth` pixels away along each axis; `None` if the box crosses the near plane or may contain the eye.
+    /// Returns the outline of a box with `corners` (column, row and reversed depth of each), up to `growth` pixels away
+    /// along each axis; `None` if it may contain the eye.
     #[inline(always)]
-    fn of(volume: &Volume, near: f64, growth: f64, limits: &Rect) -> Option<Outline> {
-        let [mut xs, mut ys] = [[0.0; 8], [0.0; 8]];
-        let mut nearest = f64::INFINITY;
-        let mut reach = 0.0;
-        for (corner, (x, y)) in volume.corners().into_iter().zip(xs.iter_mut().zip(&mut ys)) {
-            let per_w = 1.0 / corner.z;
-            [*x, *y] = [corner.x * per_w, corner.y * per_w];
-            nearest = smaller(corner.z, nearest);
-            reach = greater(x.abs() + y.abs(), reach);
-        }
+    fn of<S: Simd>(
+        simd: S,
+        volume: &Volume,
+        corners: &[f64x8<S>; 3],
+        growth: f64,
+        limits: &Rect,
+    ) -> Option<Outline> {
+        let [x, y, _] = *corners;
+        let away = x.abs() + y.abs();
         // Written so that NaN fails too.
-        if !(nearest > near && reach < f64::INFINITY) {
+        if !away.simd_lt(f64x8::splat(simd, f64::INFINITY)).all_true() {
             return None;
         }
+        let reach = greatest_of(away);
         let mut outline = Outline {
             lines: [HalfPlane::NONE; 6],
             line_count: 0,
@@ -272,7 +300,7 @@ impl Outline {
             for ends in [[0, 0], [0, 1], [1, 0], [1, 1]] {
                 if (facing[i] == Some(ends[0])) != (facing[j] == Some(ends[1])) {
                     let from = ends[0] << i | ends[1] << j;
-                    outline.add_line(&xs, &ys, [from, from | 1 << axis], growth, reach);
+                    outline.add_line([x, y], [from, from | 1 << axis], growth, reach);
                 }
             }
         }
@@ -337,20 +365,16 @@ impl Outline {
         facing
     }
 
-    /// Adds a line in the direction between two corners, with all corners on its inner side.
+    /// Adds a line in the direction between two of the corners `[x, y]`, with all corners on its inner side.
     #[inline(always)]
-    fn add_line(&mut self, xs: &[f64; 8], ys: &[f64; 8], [from, to]: [usize; 2], growth: f64, reach: f64) {
-        let [a, b] = [ys[from] - ys[to], xs[to] - xs[from]];
+    fn add_line<S: Simd>(&mut self, [x, y]: [f64x8<S>; 2], [from, to]: [usize; 2], growth: f64, reach: f64) {
+        let [a, b] = [y[from] - y[to], x[to] - x[from]];
         if self.line_count == self.lines.len() || (a == 0.0 && b == 0.0) {
             return;
         }
-        let [mut least, mut greatest] = [f64::INFINITY, f64::NEG_INFINITY];
-        for (x, y) in xs.iter().zip(ys) {
-            let value = a * x + b * y;
-            least = smaller(value, least);
-            greatest = greater(value, greatest);
-        }
-        let own = a * xs[from] + b * ys[from];
+        let values = x * a + y * b;
+        let [least, greatest] = [least_of(values), greatest_of(values)];
+        let own = x[from] * a + y[from] * b;
         let slack = (a.abs() + b.abs()) * (SLACK + growth + reach * ROUNDING);
         let line = if greatest - own >= own - least {
             HalfPlane::new(DVec3::new(a, b, slack - least))
@@ -387,31 +411,37 @@ impl Outline {
     }
 
     /// Returns an upper bound, clamped to `nearest`, of the box's reversed depth at the samples of `rect` in each
-    /// sub-tile of a band, in the tile at column and row `at`.
+    /// sub-tile of a band, in the tile that begins at column and row `at`.
     #[inline(always)]
-    fn over_tile(&self, at: [usize; 2], rect: &Rect, nearest: f32) -> RevDepth {
+    fn over_tile<S: Simd>(&self, simd: S, at: [usize; 2], rect: &Rect, nearest: f32) -> RevDepth {
+        let [columns, rows] = &SUB_TILE_PLACES;
+        // Those of the upper band; the lower one has the same, counted from its own first row.
+        let (columns, _) = f32x16::from_slice(simd, columns).widen();
+        let (rows, _) = f32x16::from_slice(simd, rows).widen();
+        let [x0, y0] = [columns + at[0] as f64, rows + at[1] as f64];
+        // Linear, so the maximum is at a corner.
+        let [left, right] = [
+            f64x8::splat(simd, f64::from(rect.x0)),
+            f64x8::splat(simd, f64::from(rect.x1)),
+        ];
+        let [top, bottom] = [
+            f64x8::splat(simd, f64::from(rect.y0)),
+            f64x8::splat(simd, f64::from(rect.y1)),
+        ];
+        let columns = [x0.max(left) + 0.5, (x0 + SUB_COLUMNS as f64).min(right) - 0.5];
+        let rows = [y0.max(top) + 0.5, (y0 + SUB_ROWS as f64).min(bottom) - 0.5];
+        let mut rev_depth = f64x8::splat(simd, f64::INFINITY);
+        for front in &self.fronts[..self.front_count] {
+            let column = if front.x > 0.0 { columns[1] } else { columns[0] };
+            let row = if front.y > 0.0 { rows[1] } else { rows[0] };
+            let at_face = column * front.x + (row * front.y + front.z);
+            rev_depth = at_face.simd_lt(rev_depth).select(at_face, rev_depth);
+        }
+        let zero = f64x8::splat(simd, 0.0);
+        let rev_depth = rev_depth.simd_gt(zero).select(rev_depth, zero) * ROUND_UP;
         let mut all = [0.0; SUB_TILES_OF_BAND];
         for (sub, most) in all.iter_mut().enumerate() {
-            let [x0, y0] = [
-                at[0] + sub % ACROSS * SUB_COLUMNS,
-                at[1] + sub / ACROSS * SUB_ROWS,
-            ];
-            // Linear, so the maximum is at a corner.
-            let columns = [
-                greater(x0 as f64, f64::from(rect.x0)) + 0.5,
-                smaller((x0 + SUB_COLUMNS) as f64, f64::from(rect.x1)) - 0.5,
-            ];
-            let rows = [
-                greater(y0 as f64, f64::from(rect.y0)) + 0.5,
-                smaller((y0 + SUB_ROWS) as f64, f64::from(rect.y1)) - 0.5,
-            ];
-            let mut rev_depth = f64::INFINITY;
-            for front in &self.fronts[..self.front_count] {
-                let column = if front.x > 0.0 { columns[1] } else { columns[0] };
-                let row = if front.y > 0.0 { rows[1] } else { rows[0] };
-                rev_depth = smaller(column * front.x + (row * front.y + front.z), rev_depth);
-            }
-            let rev_depth = (greater(rev_depth, 0.0) * ROUND_UP) as f32;
+            let rev_depth = rev_depth[sub] as f32;
             *most = if rev_depth < nearest { rev_depth } else { nearest };
         }
         all

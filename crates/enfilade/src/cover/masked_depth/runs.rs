@@ -9,7 +9,9 @@
 //! Conservative: as [`Tile::cover`], the scalar specification.
 
 use super::occluder::Slope;
-use super::tiles::{ACROSS, BandTiles, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILES, Tile, Tiles};
+use super::tiles::{
+    BandTiles, COLUMNS, ROWS, SUB_COLUMNS, SUB_ROWS, SUB_TILE_PLACES, SUB_TILES, Tile, Tiles,
+};
 use super::{COUNT, LANES};
 use crate::raster::Band;
 use fearless_simd::prelude::*;
@@ -262,18 +264,6 @@ impl RunQueue {
         self.row_count = 0;
     }
 }
-
-/// Columns and rows of samples to the left of and above each sub-tile of a tile.
-const SUB_TILE_PLACES: [[f32; SUB_TILES]; 2] = {
-    let mut places = [[0.0; SUB_TILES]; 2];
-    let mut sub = 0;
-    while sub < SUB_TILES {
-        places[0][sub] = (sub % ACROSS * SUB_COLUMNS) as f32;
-        places[1][sub] = (sub / ACROSS * SUB_ROWS) as f32;
-        sub += 1;
-    }
-    places
-};
 
 impl<S: Simd> RowDepth<S> {
     /// Creates it from the lower bound in the first sub-tile, and the changes per column and row.

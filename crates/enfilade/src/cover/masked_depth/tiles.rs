@@ -34,6 +34,18 @@ pub(super) const SUB_TILES: usize = 16;
 /// Sub-tiles in one band of a tile.
 pub(super) const SUB_TILES_OF_BAND: usize = SUB_TILES / 2;
 
+/// Columns and rows of samples to the left of and above each sub-tile of a tile.
+pub(super) const SUB_TILE_PLACES: [[f32; SUB_TILES]; 2] = {
+    let mut places = [[0.0; SUB_TILES]; 2];
+    let mut sub = 0;
+    while sub < SUB_TILES {
+        places[0][sub] = (sub % ACROSS * SUB_COLUMNS) as f32;
+        places[1][sub] = (sub / ACROSS * SUB_ROWS) as f32;
+        sub += 1;
+    }
+    places
+};
+
 /// Coverage masks of the sub-tiles in one band, and of those of a tile: bit 8·y + x for each sample.
 type Masks = [u32; SUB_TILES_OF_BAND];
 pub(super) type TileMasks = [u32; SUB_TILES];

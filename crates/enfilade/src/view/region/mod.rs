@@ -105,27 +105,7 @@ impl Volume {
     #[inline(always)]
     fn touched<S: Simd>(&self, simd: S, clip: &Clip) -> Option<ScreenBounds> {
         let near = clip.near;
-        let x = along(
-            simd,
-            self.origin.x,
-            self.sides[0].x,
-            self.sides[1].x,
-            self.sides[2].x,
-        );
-        let y = along(
-            simd,
-            self.origin.y,
-            self.sides[0].y,
-            self.sides[1].y,
-            self.sides[2].y,
-        );
-        let w = along(
-            simd,
-            self.origin.z,
-            self.sides[0].z,
-            self.sides[1].z,
-            self.sides[2].z,
-        );
+        let [x, y, w] = self.coordinates(simd);
         if self.is_parallel {
             return touched_in_parallel([x, y, w], clip);
         }
@@ -175,6 +155,34 @@ impl Volume {
         })
     }
 
+    /// Returns the coordinates of the eight corners, in the order of [`Volume::corners`], in the space of the volume.
+    #[inline(always)]
+    fn coordinates<S: Simd>(&self, simd: S) -> [f64x8<S>; 3] {
+        let [a, b, c] = self.sides;
+        [
+            along(simd, self.origin.x, a.x, b.x, c.x),
+            along(simd, self.origin.y, a.y, b.y, c.y),
+            along(simd, self.origin.z, a.z, b.z, c.z),
+        ]
+    }
+
+    /// Returns column, row and reversed depth of the eight corners, in the order of [`Volume::corners`]; `None` if any of
+    /// them is not beyond the near plane.
+    #[inline(always)]
+    pub(crate) fn corners_on_screen<S: Simd>(&self, simd: S, near: f64) -> Option<[f64x8<S>; 3]> {
+        let [x, y, z] = self.coordinates(simd);
+        if self.is_parallel {
+            let rev_near = f64x8::splat(simd, 1.0 / near);
+            let beyond = z.simd_gt(f64x8::splat(simd, 0.0)) & z.simd_lt(rev_near);
+            return beyond.all_true().then_some([x, y, z]);
+        }
+        if !z.simd_gt(f64x8::splat(simd, near)).all_true() {
+            return None;
+        }
+        let rev_depth = f64x8::splat(simd, 1.0) / z;
+        Some([x * rev_depth, y * rev_depth, rev_depth])
+    }
+
     /// Whether all of a parallel view's volume is within its depth range, so that (X, Y, W) are defined. Always in
     /// perspective.
     pub(crate) fn is_in_depth_range(&self) -> bool {
@@ -193,7 +201,6 @@ impl Volume {
     }
 
     /// Returns the eight corners as (X, Y, W); bit k of a corner's index is set if side k is added.
-    #[inline(always)]
     pub(crate) fn corners(&self) -> [DVec3; 8] {
         self.corners_in_space()
             .map(|corner| homogeneous(corner, self.is_parallel))
@@ -316,7 +323,7 @@ fn along<S: Simd>(simd: S, origin: f64, x: f64, y: f64, z: f64) -> f64x8<S> {
 
 /// Returns the minimum of eight numbers, ignoring NaN.
 #[inline(always)]
-fn least_of<S: Simd>(values: f64x8<S>) -> f64 {
+pub(crate) fn least_of<S: Simd>(values: f64x8<S>) -> f64 {
     let mut least: [f64; 8] = values.into();
     for value in &mut least {
         *value = smaller(*value, f64::INFINITY);
@@ -331,7 +338,7 @@ fn least_of<S: Simd>(values: f64x8<S>) -> f64 {
 
 /// Returns the maximum of eight numbers, ignoring NaN.
 #[inline(always)]
-fn greatest_of<S: Simd>(values: f64x8<S>) -> f64 {
+pub(crate) fn greatest_of<S: Simd>(values: f64x8<S>) -> f64 {
     let mut greatest: [f64; 8] = values.into();
     for value in &mut greatest {
         *value = greater(*value, f64::NEG_INFINITY);

@@ -22,7 +22,7 @@ pub(crate) struct Args {
 /// Runs other commands and the ignored tests, each in its own process, so that a crash fails only its step.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let [scenes, views] = [args.scenes.to_string(), args.views.to_string()];
-    let steps: [&[&str]; 17] = [
+    let steps: [&[&str]; 18] = [
         // It writes a picture where it runs.
         &["run", "--release"],
         &["xtask", "fuzz-scenes", &scenes],
@@ -39,6 +39,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         &["test", "--release", "--workspace", "--", "--ignored"],
         &["test", "--release", "--manifest-path", "tools/palace/Cargo.toml"],
         &["test", "--release", "--manifest-path", "tools/town/Cargo.toml"],
+        &["test", "--release", "--manifest-path", "benches/micro/Cargo.toml"],
         // Makes LODs by the C++ meshoptimizer, which also checks our decoder.
         &[
             "test",

@@ -3,10 +3,10 @@
 //! If every face has all others on its inner side, a line of sight that meets a face from inside leaves the space for
 //! good: seen from inside, no face occludes another. A line that meets a face from outside has met nothing before. So
 //! faces whose outer sides are visible (double-sided ones, or those whose fronts point outward) are emitted once more
-//! after all others if the eye is on their outer side; among themselves they do not occlude each other either. Back to
-//! front is therefore any order of the first group, then any order of the second. The first group keeps the faces of
-//! the second, so that clusters can be emitted whole. Coplanar faces come by descending number, so that the lowest is
-//! drawn last. Geometry that occludes nothing is not considered and may be anywhere.
+//! after all others if the eye is on their outer side, or within rounding of it; among themselves they do not occlude
+//! each other either. Back to front is therefore any order of the first group, then any order of the second. The first
+//! group keeps the faces of the second, so that clusters can be emitted whole. Coplanar faces come by descending number,
+//! so that the lowest is drawn last. Geometry that occludes nothing is not considered and may be anywhere.
 //! Source: Boreskov, Using portals to create aggregate scenes (a convex cell: just draw the front faces).
 //! Cost: building takes 0.2 to 0.4 µs for each face in a recently used plane (a box of 12 million triangles: 3 s), and
 //!     2 to 20 µs for each in a new one (more for finely tessellated domes); a non-convex geometry is rejected at the
@@ -35,12 +35,13 @@ use walls::Walls;
 
 /// Faces of a convex space, drawn back to front in any order.
 pub struct ConvexCell {
-    /// Planes of the faces whose outer sides may be visible.
+    /// Planes of the faces whose outer sides may be visible, each within the slack of its faces.
     planes: Vec<Plane>,
+    slack: f64,
     /// Those faces, in order of their numbers.
     outside: Vec<Outside>,
-    /// Openings whose fronts point outward, each with the index of its plane.
-    openings: Vec<(OpeningId, u32)>,
+    /// Openings whose fronts point outward.
+    openings: Vec<OpeningId>,
     /// Clusters that contain coplanar overlapping faces, sorted.
     overlapping: Vec<(ItemIndex, u32)>,
     /// By item: whether any of its faces is an occluder.
@@ -117,8 +118,14 @@ impl Order for ConvexCell {
         for item in (0..geometry.items().len() as u32).rev().map(ItemIndex) {
             self.emit_item(geometry, passage, item, visit);
         }
+        if !passage.flat {
+            // Only those whose fronts face the eye.
+            for &opening in self.openings.iter().rev() {
+                emit_opening(geometry, passage, opening, visit);
+            }
+        }
         let eye = DVec3::from(passage.viewpoint());
-        if self.planes.iter().any(|plane| plane.height(eye) < 0.0) {
+        if self.planes.iter().any(|plane| plane.height(eye) < self.slack) {
             self.emit_outer_sides(geometry, passage, eye, visit);
         }
         // Rounding may have put these openings among the outer sides, or drawn faces that end in their plane over them.
@@ -153,27 +160,25 @@ impl ConvexCell {
         }
     }
 
-    /// Emits the faces whose outer sides face `eye`, after everything that they occlude.
+    /// Emits the faces whose outer sides may face `eye`, after everything that they occlude. If the eye is on the inner
+    /// side by less than the slack, nothing but outer sides can occlude a face, so those come first.
     fn emit_outer_sides(&self, geometry: &Geometry, passage: &Passage, eye: DVec3, visit: &mut impl Visit) {
-        let is_outside = |plane: u32| self.planes[plane as usize].height(eye) < 0.0;
-        if !passage.flat {
-            for &(opening, plane) in self.openings.iter().rev() {
-                if is_outside(plane) {
-                    emit_opening(geometry, passage, opening, visit);
+        for heights in [0.0..self.slack, f64::NEG_INFINITY..0.0] {
+            for &Outside {
+                plane,
+                item,
+                cluster,
+                faces,
+            } in self.outside.iter().rev()
+            {
+                if !heights.contains(&self.planes[plane as usize].height(eye)) {
+                    continue;
                 }
-            }
-        }
-        for &Outside {
-            plane,
-            item,
-            cluster,
-            faces,
-        } in self.outside.iter().rev()
-        {
-            let screen_from_item = || passage.screen_from(&geometry.item(item).transform());
-            let bounds = &geometry.mesh_of(item).clusters()[cluster as usize].bounds;
-            if is_outside(plane) && may_be_visible(passage, &screen_from_item(), bounds, visit) {
-                emit_backwards(geometry, item, faces, &screen_from_item(), visit);
+                let screen_from_item = passage.screen_from(&geometry.item(item).transform());
+                let bounds = &geometry.mesh_of(item).clusters()[cluster as usize].bounds;
+                if may_be_visible(passage, &screen_from_item, bounds, visit) {
+                    emit_backwards(geometry, item, faces, &screen_from_item, visit);
+                }
             }
         }
     }

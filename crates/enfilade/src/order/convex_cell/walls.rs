@@ -47,13 +47,16 @@ const MAX_RECENT: usize = 16;
 
 impl<'a> Walls<'a> {
     pub(super) fn new(geometry: &'a Geometry, limit_bytes: u64) -> Walls<'a> {
+        let support = SupportPlanes::new(geometry);
+        let slack = support.slack();
         Walls {
             geometry,
-            support: SupportPlanes::new(geometry),
+            support,
             limit_bytes,
             recent: Vec::new(),
             cell: ConvexCell {
                 planes: Vec::new(),
+                slack,
                 outside: Vec::new(),
                 openings: Vec::new(),
                 overlapping: Vec::new(),
@@ -75,8 +78,7 @@ impl<'a> Walls<'a> {
                 continue;
             };
             if area.dot(self.recent[recent].plane.normal) < 0.0 {
-                let index = self.plane_index(recent);
-                self.cell.openings.push((opening, index));
+                self.cell.openings.push(opening);
             }
         }
         Ok(())

@@ -6,8 +6,8 @@ mod worlds;
 use crate::subject::{SIZE, drawn, limits, subjects, viewer};
 use enfilade::laws::Reference;
 use enfilade::{
-    Camera, GeometryBuilder, ItemIndex, MaterialId, Method, Owner, Scene, SceneBuilder, SectorId, Transform,
-    View,
+    Camera, ConvexPolygon, GeometryBuilder, ItemIndex, MaterialId, Method, OpeningId, Owner, Scene,
+    SceneBuilder, SectorId, Transform, View,
 };
 use enfilade_scenes::Random;
 use glam::DVec3;
@@ -254,6 +254,58 @@ fn a_block_seen_from_outside_is_as_convex_as_a_room() {
     assert_eq!(keeps_its_contract(&scene, &[outside], "outside"), 3);
     let inside = view(SectorId(0), DVec3::ZERO, DVec3::X, 0.01);
     assert_eq!(keeps_its_contract(&scene, &[inside], "inside"), 0);
+}
+
+/// Distance between f32 coordinates around 100.
+const STEP: f32 = 1.0 / (1 << 17) as f32;
+
+/// A wall, and before it two that face away from it, which `outer` adds. They count as in one plane, that of the first.
+fn between_outer_walls(outer: impl Fn(&mut GeometryBuilder, &ConvexPolygon)) -> GeometryBuilder {
+    let mut builder = GeometryBuilder::new(materials());
+    let wall = [[99.0, 99.0], [99.0, 102.0], [102.0, 102.0], [102.0, 99.0]].map(|[y, z]| [101.0, y, z]);
+    let mesh = builder.mesh(polygons(&[wall.to_vec()], false, MaterialId(0)));
+    builder.item("wall", mesh, Transform::IDENTITY);
+    for [x, z] in [[100.0 - 2.0 * STEP, 99.0], [100.0, 100.0]] {
+        let outline = ConvexPolygon::rectangle([x, 100.0, z], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
+        outer(&mut builder, &outline.expect("flat"));
+    }
+    builder
+}
+
+/// Looks at the second of them, from behind the first.
+fn look_at_outer_wall() -> View {
+    let eye = DVec3::new(f64::from(100.0 - STEP), 100.5, 100.5);
+    view(SectorId(0), eye, eye + DVec3::X, 1e-6)
+}
+
+#[test]
+fn an_eye_closer_to_a_mirror_than_two_steps_of_the_coordinates_sees_nothing_behind_it() {
+    let builder = between_outer_walls(|builder, outline| {
+        builder.opening("opening", outline.clone());
+    });
+    let mut scene = SceneBuilder::new();
+    let cell = scene.add("cell", builder.build().expect("sound"), Method::Cell);
+    scene.mirror(cell, OpeningId(1));
+    let scene = scene.build().expect("it is convex");
+    assert_eq!(
+        keeps_its_contract(&scene, &[look_at_outer_wall()], "before a mirror"),
+        0
+    );
+}
+
+#[test]
+fn an_eye_closer_to_a_wall_than_two_steps_of_the_coordinates_sees_nothing_behind_it() {
+    let builder = between_outer_walls(|builder, outline| {
+        let mesh = builder.mesh(polygons(&[outline.corners().to_vec()], false, MaterialId(0)));
+        builder.item("outer wall", mesh, Transform::IDENTITY);
+    });
+    let mut scene = SceneBuilder::new();
+    scene.add("cell", builder.build().expect("sound"), Method::Cell);
+    let scene = scene.build().expect("it is convex");
+    let mut viewer = viewer();
+    let picture = drawn(&mut viewer, &scene, &look_at_outer_wall());
+    assert_eq!(picture.owner([32, 24]), Some(Owner::Face(ItemIndex(2), 0)));
+    keeps_its_contract(&scene, &[look_at_outer_wall()], "before a wall");
 }
 
 /// A square wall at z = −2 with this half side, facing the eye at the origin.

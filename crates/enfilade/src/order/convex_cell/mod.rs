@@ -5,8 +5,8 @@
 //! faces whose outer sides are visible (double-sided ones, or those whose fronts point outward) are emitted once more
 //! after all others if the eye is on their outer side, or within rounding of it; among themselves they do not occlude
 //! each other either. Back to front is therefore any order of the first group, then any order of the second. The first
-//! group keeps the faces of the second, so that clusters can be emitted whole. Coplanar faces come by descending number,
-//! so that the lowest is drawn last. Geometry that occludes nothing is not considered and may be anywhere.
+//! group keeps the faces of the second, so that clusters can be emitted whole. Coplanar faces come by descending
+//! number, so that the lowest is drawn last. Geometry that occludes nothing is not considered and may be anywhere.
 //! Source: Boreskov, Using portals to create aggregate scenes (a convex cell: just draw the front faces).
 //! Cost: building takes 0.2 to 0.4 µs for each face in a recently used plane (a box of 12 million triangles: 3 s), and
 //!     2 to 20 µs for each in a new one (more for finely tessellated domes); a non-convex geometry is rejected at the
@@ -35,8 +35,9 @@ use walls::Walls;
 
 /// Faces of a convex space, drawn back to front in any order.
 pub struct ConvexCell {
-    /// Planes of the faces whose outer sides may be visible, each within the slack of its faces.
+    /// Planes of the faces whose outer sides may be visible.
     planes: Vec<Plane>,
+    /// Maximum distance of a face from its plane.
     slack: f64,
     /// Those faces, in order of their numbers.
     outside: Vec<Outside>,

@@ -302,10 +302,29 @@ fn an_eye_closer_to_a_wall_than_two_steps_of_the_coordinates_sees_nothing_behind
     let mut scene = SceneBuilder::new();
     scene.add("cell", builder.build().expect("sound"), Method::Cell);
     let scene = scene.build().expect("it is convex");
-    let mut viewer = viewer();
-    let picture = drawn(&mut viewer, &scene, &look_at_outer_wall());
+    let picture = drawn(&mut viewer(), &scene, &look_at_outer_wall());
     assert_eq!(picture.owner([32, 24]), Some(Owner::Face(ItemIndex(2), 0)));
     keeps_its_contract(&scene, &[look_at_outer_wall()], "before a wall");
+}
+
+#[test]
+fn a_wall_hides_the_one_behind_it_although_the_eye_is_within_a_step_of_that_ones_plane() {
+    let mut builder = GeometryBuilder::new(materials());
+    let beside = [[99.0, 100.0], [99.0, 102.0], [102.0, 102.0], [102.0, 100.0]].map(|[y, z]| [100.0, y, z]);
+    let before = [[100.0, 99.0], [102.0, 99.0], [102.0, 102.0], [100.0, 102.0]].map(|[x, y]| [x, y, 100.0]);
+    for wall in [beside, before] {
+        let mesh = builder.mesh(polygons(&[wall.to_vec()], false, MaterialId(1)));
+        builder.item("wall", mesh, Transform::IDENTITY);
+    }
+    let mut scene = SceneBuilder::new();
+    scene.add("corner", builder.build().expect("sound"), Method::Cell);
+    let scene = scene.build().expect("it is convex");
+    let eye = DVec3::new(f64::from(100.0 + STEP), 100.5, f64::from(100.0 - 4.0 * STEP));
+    let view = view(SectorId(0), eye, eye + DVec3::Z, 1e-6);
+    // The wall whose plane is one step away is behind the other at this pixel.
+    let picture = drawn(&mut viewer(), &scene, &view);
+    assert_eq!(picture.owner([35, 24]), Some(Owner::Face(ItemIndex(1), 0)));
+    keeps_its_contract(&scene, &[view], "at a corner");
 }
 
 /// A square wall at z = −2 with this half side, facing the eye at the origin.

@@ -128,6 +128,22 @@ impl Destination {
         }
     }
 
+    /// Copies a file to here, unless a file is here: then that stays, also if another run puts it here meanwhile.
+    pub(crate) fn copy_once(&self, from: &Path) -> Result<()> {
+        let copy = || -> io::Result<()> {
+            let temporary = temporary_in(folder_of(&self.path), false)?;
+            let mut source = File::open(from)?;
+            keep_owner_and_mode(temporary.as_file(), &source.metadata()?)?;
+            io::copy(&mut source, &mut temporary.as_file())?;
+            temporary.as_file().sync_all()?;
+            match temporary.persist_noclobber(&self.path) {
+                Err(why) if why.error.kind() != ErrorKind::AlreadyExists => Err(why.error),
+                _ => Ok(()),
+            }
+        };
+        copy().with_context(|| format!("cannot write {}, a copy of {}", self.name.display(), from.display()))
+    }
+
     /// Writes a temporary file with `fill`, and renames it on success.
     fn replace(&self, fill: impl FnOnce(&File) -> io::Result<()>) -> io::Result<File> {
         let replaced = fs::metadata(&self.path).ok();

@@ -23,7 +23,8 @@ Input: a map in BSP29 or BSP2 (Quake) or IBSP46 (Quake 3), and its portals in PR
 compilers. For a .prt in place of the map, prints a report only; clusters are counted from 0.
 
 Output: a conservative and symmetric PVS, the same for any number of threads, whether or not the run was interrupted. Leafs \
-of Quake maps also get the ambient sound levels of water, sky and lava, by texture names, else by contents.
+of Quake maps also get the ambient sound levels of water, sky and lava, by texture names, else by contents. Nothing else in the \
+map moves, so absolute offsets into it, such as those of BSPX blocks, stay right.
 
 Interrupted runs: the work so far is saved at intervals, at Ctrl-C and when --seconds are over, in MAP.bsp.vis-unfinished \
 and MAP.bsp.vis-passages, beside the map that is written. --resume continues from there; a run that completes removes both.
@@ -50,15 +51,18 @@ Examples:
 #[command(mut_arg("memory", |arg| arg.help(MEMORY_OF_VIS)))]
 #[command(group = ArgGroup::new("share").args(["shard", "merge", "prepare"]))]
 #[command(mut_arg("parts", |arg| arg.requires("share")))]
-#[command(mut_arg("shard", |arg| arg.conflicts_with_all(["output", "fast", "seconds", "check", "compare"])))]
+#[command(mut_arg("shard", |arg| arg.conflicts_with_all(["output", "no_backup", "fast", "seconds", "check", "compare"])))]
 #[command(mut_arg("merge", |arg| arg.conflicts_with("fast")))]
 pub(crate) struct VisArgs {
-    /// Compiled map; the PVS is written into it (atomically)
+    /// Compiled map; the PVS is written into it (atomically), and the old map is kept once as MAP.bsp.bak
     #[arg(value_name = "MAP.bsp")]
     pub(crate) map: PathBuf,
     /// Write a copy of the map, and leave the map unchanged
     #[arg(short, long, value_name = "OTHER.bsp")]
     pub(crate) output: Option<PathBuf>,
+    /// Keep no copy of a map that is overwritten
+    #[arg(long)]
+    pub(crate) no_backup: bool,
     /// Read the portals from this file [default: NAME.prt beside NAME.bsp or NAME.novis.bsp]
     #[arg(long, value_name = "FILE.prt")]
     pub(crate) prt: Option<PathBuf>,
@@ -83,7 +87,7 @@ pub(crate) struct VisArgs {
     pub(crate) shards: ShardArgs,
     /// Only compute what all shards begin with, and keep it in --parts
     #[arg(long, help_heading = SEVERAL_MACHINES, requires = "parts",
-          conflicts_with_all = ["output", "fast", "seconds", "check", "compare"])]
+          conflicts_with_all = ["output", "no_backup", "fast", "seconds", "check", "compare"])]
     pub(crate) prepare: bool,
     /// Test the PVS with random lines of sight through the portals [LINES: 1000000]. A line from cluster to cluster
     /// proves that the pair is visible; if the PVS lacks it, print the line, write nothing and exit with 1

@@ -1,5 +1,6 @@
 //! `vis`: computes the PVS of a Quake or Quake 3 map, and writes it into the map.
 
+mod backup;
 mod differ;
 mod habits;
 mod overall;
@@ -18,6 +19,7 @@ use crate::read::read_file;
 use crate::run_files::{RunFiles, is_same, portals_beside};
 use crate::save::Destination;
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use backup::Backup;
 use differ::OtherPvs;
 use enfilade_bake::{PairsWork, Stage, VisiblePairs, find_missing};
 use enfilade_import::{
@@ -66,6 +68,10 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
     };
     let mut unfinished = UnfinishedWork::beside(target.unwrap_or(&args.map), &mut files)?;
     let sink = Sink::new(&args.json, &mut files)?;
+    let backup = match target {
+        Some(target) => Backup::of(target, !args.no_backup, &mut files)?,
+        None => None,
+    };
     let threads = allow_threads(&args.limits)?;
     let start = Instant::now();
     let mut seconds = StageSeconds::default();
@@ -91,6 +97,9 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
     let merged = parts.len();
     seconds.read = start.elapsed().as_secs_f64();
 
+    if let Some(backup) = &backup {
+        backup.announce();
+    }
     let saved = unfinished.begin(args.resume, args.limits.memory())?;
     let is_resumed = saved.is_some();
     let begun = begin(args, &portals, &prt, &mut unfinished, saved, flow_start.as_mut())?;
@@ -122,6 +131,7 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
                     Err(why) => out::warn(format_args!("{name}: no ambient sounds are written: it {why}")),
                 }
             }
+            backup.as_ref().map_or(Ok(()), Backup::write)?;
             destination.write(&bytes)?;
             seconds.write = start.elapsed().as_secs_f64();
             Some(visibility_bytes(&bytes)? as u64)
@@ -138,6 +148,10 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
     let visibility = VisReport::new(VisResult {
         map: &args.map,
         target: target.filter(|_| written.is_some()),
+        backup: backup
+            .as_ref()
+            .and_then(Backup::path)
+            .filter(|_| written.is_some()),
         lump_bytes: written,
         prt: &prt,
         portals: &portals,

@@ -17,6 +17,8 @@ pub(super) struct VisReport {
     format: &'static str,
     /// Path of the written map.
     written: Option<String>,
+    /// Path where this run kept the map that it replaced.
+    backup: Option<String>,
     leafs: u64,
     clusters: u32,
     portals: usize,
@@ -183,6 +185,7 @@ impl LineCheck {
 pub(super) struct VisResult<'a> {
     pub(super) map: &'a Path,
     pub(super) target: Option<&'a Path>,
+    pub(super) backup: Option<&'a Path>,
     pub(super) prt: &'a Path,
     pub(super) portals: &'a PortalFile,
     pub(super) leafs: &'a [u32],
@@ -225,6 +228,7 @@ impl VisReport {
             prt: found.prt.display().to_string(),
             format: found.portals.kind.name(),
             written: found.target.map(|target| target.display().to_string()),
+            backup: found.backup.map(|backup| backup.display().to_string()),
             leafs,
             clusters,
             portals: found.portals.cells.portals().len(),
@@ -317,7 +321,9 @@ impl VisReport {
             differs.lines().into_iter().for_each(&mut line);
         }
         if let (Some(written), Some(size)) = (&self.written, self.bytes) {
-            line(format!("written to {written}: a PVS of {}", bytes(size)));
+            let backup = self.backup.as_ref();
+            let backup = backup.map_or(String::new(), |backup| format!("; the old map is in {backup}"));
+            line(format!("written to {written}: a PVS of {}{backup}", bytes(size)));
         }
         if let Some(ambient) = &self.ambient {
             line(ambient.line());

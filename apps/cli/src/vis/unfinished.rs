@@ -141,7 +141,7 @@ impl UnfinishedWork {
 }
 
 /// Appends an ending to the name of the map. If that is too long, replaces the end of the name by a hash.
-fn name_for(map: &Path, ending: &str) -> OsString {
+pub(super) fn name_for(map: &Path, ending: &str) -> OsString {
     /// The limit of most file systems, in bytes.
     const MAX_BYTES: usize = 255;
     let mut name = map.file_name().unwrap_or_default().to_owned();

@@ -55,7 +55,83 @@ fn a_map_gets_what_is_visible_and_nothing_is_left_behind() {
             "visibility is symmetric"
         );
     }
+    assert_eq!(folder.names(), ["map.bsp", "map.bsp.bak", "map.prt"]);
+}
+
+#[test]
+fn the_map_that_is_overwritten_is_named_before_and_kept_once() {
+    let folder = folder_of(&Grid::row(3));
+    let first = map(&folder, "map.bsp");
+    let run = folder.run("vis map.bsp --no-backup");
+    assert_eq!(run.stderr, "map.bsp will be overwritten, without a backup\n");
     assert_eq!(folder.names(), ["map.bsp", "map.prt"]);
+    let once = map(&folder, "map.bsp");
+    folder.add("map.bsp", &first);
+    let run = folder.run("vis map.bsp --no-ambient");
+    let note = "map.bsp will be overwritten; the old map is kept as map.bsp.bak\n";
+    assert_eq!(run.stderr, note);
+    assert!(
+        run.stdout.contains("; the old map is in map.bsp.bak"),
+        "{}",
+        run.stdout
+    );
+    assert!(map(&folder, "map.bsp.bak") == first);
+    let report = folder.json("vis map.bsp");
+    assert!(map(&folder, "map.bsp") == once && map(&folder, "map.bsp.bak") == first);
+    assert_eq!(report["backup"], Value::Null, "an earlier run has kept it");
+    folder.add("copy.bsp", "somebody's map");
+    let report = folder.json("vis map.bsp -o copy.bsp");
+    assert_eq!(report["backup"], "copy.bsp.bak");
+    assert!(map(&folder, "copy.bsp") == once && map(&folder, "copy.bsp.bak") == b"somebody's map");
+    assert!(map(&folder, "map.bsp.bak") == first);
+}
+
+/// Appends a BSPX block, as light and qbsp do.
+fn with_bspx(map: &[u8]) -> Vec<u8> {
+    let mut map = map.to_vec();
+    map.resize(map.len().next_multiple_of(4), 0);
+    let start = map.len() as u32 + 8 + 32;
+    map.extend_from_slice(b"BSPX\x01\0\0\0RGBLIGHTING\0\0\0\0\0\0\0\0\0\0\0\0\0");
+    map.extend([start, 9].map(u32::to_le_bytes).concat());
+    map.extend_from_slice(b"red green");
+    map
+}
+
+/// Returns the bytes of the BSPX block, found as engines find it: behind the furthest lump.
+fn lighting(map: &[u8]) -> &[u8] {
+    let ends = (0..if map.starts_with(b"IBSP") { 17 } else { 15 }).map(|number| lump(map, number).end);
+    let at = ends.max().expect("lumps").next_multiple_of(4);
+    assert_eq!(&map[at..at + 4], b"BSPX");
+    let word = |at: usize| u32::from_le_bytes(map[at..at + 4].try_into().expect("four")) as usize;
+    &map[word(at + 32)..][..word(at + 36)]
+}
+
+#[test]
+fn colored_light_of_a_map_is_found_after_each_way_to_write_its_pvs() {
+    use crate::carved::{Format, TWO_ROOMS, carved};
+    let folder = Folder::empty();
+    let grid = Grid::row(3);
+    folder.add("quake.bsp", with_bspx(&grid.bsp()));
+    folder.add("quake.prt", grid.prt());
+    let quake3 = carved(&TWO_ROOMS).bytes(Format::Ibsp46);
+    folder.add("quake3.bsp", with_bspx(&quake3));
+    assert_eq!(folder.run("portals quake3.bsp").code, Some(0));
+    for name in ["quake", "quake3"] {
+        assert_eq!(lighting(&map(&folder, &format!("{name}.bsp"))), b"red green");
+        for (arguments, target) in [
+            ("-o copy.bsp", "copy.bsp"),
+            ("--seconds 0", "NAME.bsp"),
+            ("--resume", "NAME.bsp"),
+            ("", "NAME.bsp"),
+            ("--fast --no-ambient", "NAME.bsp"),
+            ("", "NAME.bsp"),
+        ] {
+            let run = folder.run(&format!("vis {name}.bsp {arguments}"));
+            assert_eq!(run.code, Some(0), "{name} {arguments}: {}", run.stderr);
+            let map = map(&folder, &target.replace("NAME", name));
+            assert_eq!(lighting(&map), b"red green", "{name} {arguments}");
+        }
+    }
 }
 
 #[test]
@@ -104,9 +180,8 @@ fn the_portals_are_found_beside_the_map_or_where_one_says() {
 #[test]
 fn a_fast_run_leaves_nothing_but_the_map() {
     let folder = folder_of(&Grid::row(7));
-    let before = folder.names();
     folder.json("vis map.bsp --fast --save-every 0");
-    assert_eq!(folder.names(), before);
+    assert_eq!(folder.names(), ["map.bsp", "map.bsp.bak", "map.prt"]);
 }
 
 #[test]

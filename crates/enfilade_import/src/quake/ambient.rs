@@ -66,6 +66,7 @@ pub fn with_ambient_sounds(
     if map.format.is_quake3 {
         return Ok(None);
     }
+    map.check_disjoint(map.format.leafs)?;
     let tree = Tree::read(&map)?;
     let images = images(&map)?;
     let classes = classes_of_faces(&map, &tree, &images, sounds)?;

@@ -20,9 +20,13 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    /// Returns standard error without notes on the survey and on approximate methods.
+    /// Returns standard error without notes on the survey, on approximate methods and on maps that are overwritten.
     pub(crate) fn complaints(&self) -> String {
-        let is_note = |line: &str| line.starts_with("survey: ") || line.contains(" is approximate: ");
+        let is_note = |line: &str| {
+            line.starts_with("survey: ")
+                || line.contains(" is approximate: ")
+                || line.contains(" will be overwritten")
+        };
         let lines = self.stderr.lines().filter(|line| !is_note(line));
         lines.collect::<Vec<_>>().join("\n")
     }

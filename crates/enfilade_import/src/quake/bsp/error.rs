@@ -35,6 +35,20 @@ pub enum BspError {
         /// Size of a record, in bytes.
         of: usize,
     },
+    /// A lump that is to be changed shares bytes with another block.
+    #[error("is damaged: its lump {lump} overlaps {other}; compile the map again")]
+    Overlap {
+        /// Index of the lump, from 0.
+        lump: usize,
+        /// The other block, such as "its lump 3" or "its BSPX block BRUSHLIST".
+        other: String,
+    },
+    /// The map would be longer than its signed 32-bit offsets can say.
+    #[error("would have {bytes} bytes with its PVS, but offsets of its format end at 2 GiB; split the map")]
+    TooLong {
+        /// Length of the file, in bytes.
+        bytes: usize,
+    },
     /// An index is out of range.
     #[error(
         "is damaged: {what} {at} names {names} {number}, but there are {count}, counted from 0; compile the map again"

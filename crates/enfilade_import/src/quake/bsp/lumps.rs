@@ -12,7 +12,7 @@ use std::ops::Range;
 pub(crate) struct Format {
     /// Offset of the lump table, in bytes.
     table: usize,
-    lumps: usize,
+    pub(super) lumps: usize,
     pub(crate) entities: usize,
     pub(crate) planes: usize,
     pub(crate) plane_bytes: usize,
@@ -76,6 +76,22 @@ impl Format {
             (_, false) => "BSP2",
         }
     }
+
+    /// Returns the offset of the entry of a lump in the lump table: the offset and the length of the lump.
+    pub(super) fn lump_entry(&self, lump: usize) -> usize {
+        self.table + lump * 8
+    }
+
+    /// Returns the end of the furthest lump of a file that has a valid lump table, as readers of BSPX compute it: an empty
+    /// lump counts by its offset.
+    pub(super) fn furthest_end(&self, bytes: &[u8]) -> usize {
+        let end = |lump| {
+            let entry = self.lump_entry(lump);
+            let [start, length] = [entry, entry + 4].map(|at| word(bytes, at).unwrap_or(0).max(0));
+            start as usize + length as usize
+        };
+        (0..self.lumps).map(end).max().unwrap_or(0)
+    }
 }
 
 /// Offset of the number of world leafs in a Quake model record, in bytes.
@@ -104,7 +120,7 @@ impl Map {
         };
         let mut lumps = Vec::new();
         for lump in 0..format.lumps {
-            let at = format.table + lump * 8;
+            let at = format.lump_entry(lump);
             let [start, length] = [at, at + 4].map(|at| word(bytes, at).map(i64::from));
             let (Some(start), Some(length)) = (start, length) else {
                 return Err(BspError::CutShort {
@@ -129,9 +145,14 @@ impl Map {
         })
     }
 
+    /// Returns the range of a lump in the file.
+    pub(super) fn lump_range(&self, number: usize) -> Range<usize> {
+        self.lumps[number].clone()
+    }
+
     /// Returns the bytes of a lump.
     pub(crate) fn lump(&self, number: usize) -> &[u8] {
-        &self.bytes[self.lumps[number].clone()]
+        &self.bytes[self.lump_range(number)]
     }
 
     /// Returns the file offsets of the records of a lump, each `of` bytes long.
@@ -166,55 +187,6 @@ impl Map {
         let world = self.records(lump, of)?.next();
         let leafs = world.and_then(|world| word(world, WORLD_LEAFS));
         leafs.ok_or(BspError::OddLump { lump, bytes: 0, of })
-    }
-
-    /// Returns the file with one lump replaced; all other lumps keep their order, and the bytes after them are kept.
-    pub(crate) fn with_lump(&self, changed: usize, lump: &[u8]) -> Vec<u8> {
-        let mut order: Vec<usize> = (0..self.lumps.len())
-            .filter(|&at| !self.lumps[at].is_empty() || at == changed)
-            .collect();
-        let last = self.lumps.iter().map(|lump| lump.end).max().unwrap_or(0);
-        // An empty lump may have any offset; a new one is written last.
-        let place = |at: usize| {
-            if self.lumps[at].is_empty() {
-                last
-            } else {
-                self.lumps[at].start
-            }
-        };
-        order.sort_by_key(|&at| place(at));
-        let table_end = self.format.table + self.format.lumps * 8;
-        // Some compilers store extra data between the table and the first lump.
-        let first = order
-            .iter()
-            .map(|&at| place(at))
-            .min()
-            .unwrap_or(table_end)
-            .max(table_end);
-        let mut bytes = self.bytes[..first.min(self.bytes.len())].to_vec();
-        for at in order {
-            bytes.resize(bytes.len().next_multiple_of(4), 0);
-            let entry = self.format.table + at * 8;
-            let content = if at == changed {
-                lump
-            } else {
-                &self.bytes[self.lumps[at].clone()]
-            };
-            let stands = [bytes.len() as u32, content.len() as u32]
-                .map(u32::to_le_bytes)
-                .concat();
-            bytes[entry..entry + 8].copy_from_slice(&stands);
-            bytes.extend_from_slice(content);
-        }
-        if let Some(rest) = self
-            .bytes
-            .get(last.next_multiple_of(4)..)
-            .filter(|rest| !rest.is_empty())
-        {
-            bytes.resize(bytes.len().next_multiple_of(4), 0);
-            bytes.extend_from_slice(rest);
-        }
-        bytes
     }
 }
 

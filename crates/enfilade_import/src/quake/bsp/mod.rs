@@ -1,12 +1,13 @@
 //! Compiled maps: BSP29 and BSP2 of Quake, IBSP46 of Quake 3.
 //!
 //! `lumps` locates the lumps and their records, `tree` reads the BSP tree, `belongs` tests whether portals belong to a
-//! map, and `visibility` writes the visibility lump.
+//! map, `visibility` encodes the visibility lump, and `rewrite` puts it into the file.
 //! Source: the source code of both engines, published by id Software, and the files themselves.
 
 mod belongs;
 mod error;
 mod lumps;
+mod rewrite;
 mod tree;
 mod visibility;
 

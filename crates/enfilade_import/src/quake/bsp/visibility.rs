@@ -2,8 +2,7 @@
 //!
 //! Quake stores one bit row for each leaf except the first, which is solid: bit k is leaf k + 1, and a run of zero
 //! bytes is stored as a zero and its length. Leafs of one cluster share a row, as do all equal rows. Quake 3 stores one
-//! uncompressed row per cluster. The new lump replaces the old one; all other lumps, and the bytes after them, stay
-//! unchanged.
+//! uncompressed row per cluster. `rewrite` puts the new lump into the file; nothing else moves.
 //! Source: the source code of both engines, published by id Software, and the files themselves.
 //! Cost: O(bytes + clusters²).
 
@@ -16,9 +15,13 @@ use std::collections::HashMap;
 
 /// Returns a copy of a map with the visible pairs as its PVS, which replaces the old one.
 ///
+/// Everything else stays where it is, byte for byte, so that absolute offsets stay right: the PVS takes the bytes of the old one
+/// if it fits, else it follows the last byte. Only a BSPX header and its directory move behind the furthest lump, where readers
+/// look for them.
+///
 /// # Errors
-/// Returns a [`BspError`] if the format of the map is unknown, if the map is damaged, or if the portals or pairs belong
-/// to another map.
+/// Returns a [`BspError`] if the format of the map is unknown, if the map is damaged or would exceed 2 GiB, or if the portals or
+/// pairs belong to another map.
 pub fn with_visibility(map: &[u8], portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
     check_pairs(portals, pairs)?;
     let mut map = Map::read(map)?;
@@ -27,7 +30,7 @@ pub fn with_visibility(map: &[u8], portals: &PortalFile, pairs: &VisiblePairs) -
     } else {
         quake_lump(&mut map, portals, pairs)?
     };
-    Ok(map.with_lump(map.format.visibility, &lump))
+    map.with_visibility_lump(&lump)
 }
 
 /// Checks that the pairs have as many cells as the portals have clusters.
@@ -52,6 +55,7 @@ pub fn visibility_bytes(map: &[u8]) -> Result<usize, BspError> {
 /// Returns the compressed rows, and writes the offset of its row into each leaf.
 fn quake_lump(map: &mut Map, portals: &PortalFile, pairs: &VisiblePairs) -> Result<Vec<u8>, BspError> {
     let clusters = clusters_of_leafs(map, portals)?;
+    map.check_disjoint(map.format.leafs)?;
     let record_offsets: Vec<usize> = map
         .record_offsets(map.format.leafs, map.format.leaf_bytes)?
         .collect();

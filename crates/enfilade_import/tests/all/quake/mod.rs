@@ -12,6 +12,7 @@ mod maps;
 mod outline;
 mod rebuilt;
 mod rebuilt_maps;
+mod rewritten;
 mod rooms;
 mod rows;
 mod sight;

@@ -141,7 +141,13 @@ impl Destination {
                 _ => Ok(()),
             }
         };
-        copy().with_context(|| format!("cannot write {}, a copy of {}", self.name.display(), from.display()))
+        copy().with_context(|| {
+            format!(
+                "cannot write {}, a copy of {}",
+                self.name.display(),
+                from.display()
+            )
+        })
     }
 
     /// Writes a temporary file with `fill`, and renames it on success.

@@ -5,6 +5,7 @@ import { spawn } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
+import { connect } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -26,8 +27,9 @@ after(async () => {
 });
 
 /** Serves a scene, and returns the address. */
-async function serve(scene) {
-  const server = spawn(process.env.ENFILADE_VIEWER, ['--web', scene]);
+async function serve(scene, program = [process.env.ENFILADE_VIEWER]) {
+  const [first, ...rest] = program;
+  const server = spawn(first, [...rest, '--web', scene]);
   ends.push(() => server.kill());
   for await (const line of server.stdout) {
     return /http:\S+/.exec(String(line))[0];
@@ -104,13 +106,32 @@ test('the palace appears, keys move the camera, and a freeze shows it from outsi
   await until(page, 'the frozen set', (now) => different(moved, now) > 5000);
 });
 
-test('a file that is no scene is named, with the reason', { timeout }, async () => {
+test('a file that is no scene is refused before it is served, with the reason', { timeout }, async () => {
   const file = join(folder, 'broken.glb');
   await writeFile(file, 'glTF but not really');
-  const page = await open(await serve(file));
+  const server = spawn(process.env.ENFILADE_VIEWER, ['--web', file]);
+  let said = '';
+  server.stderr.on('data', (text) => (said += text));
+  assert.equal(await new Promise((resolve) => server.on('close', resolve)), 2);
+  assert.match(said, /broken\.glb: .*glTF/);
+});
+
+test('a server with few handles outlives more clients than it has', { timeout }, async () => {
+  const address = await serve('@enfilade', ['sh', '-c', 'ulimit -n 40; exec "$0" "$@"', process.env.ENFILADE_VIEWER]);
+  const { hostname, port } = new URL(address);
+  const clients = Array.from({ length: 200 }, () => connect(Number(port), hostname).on('error', () => {}));
+  await new Promise((resolve) => setTimeout(resolve, 1000));
+  clients.forEach((client) => client.destroy());
+  await new Promise((resolve) => setTimeout(resolve, 1000));
+  assert.equal((await fetch(address)).status, 200);
+  assert.equal((await fetch(new URL('/', address))).status, 404);
+});
+
+test('bytes that are no scene are named, with the reason', { timeout }, async () => {
+  const page = await open((await serve('@enfilade')).replace('@enfilade', 'page.js'));
   await page.waitForFunction(() => document.body.dataset.state, null, { timeout });
   await page.waitForFunction(() => document.getElementById('said').textContent, null, { timeout });
-  assert.match(await page.innerText('#said'), /broken\.glb: .*glTF/);
+  assert.match(await page.innerText('#said'), /page\.js: .*glTF/);
   await until(page, 'a message', (now) => colors(now) > 20);
   if (process.env.ENFILADE_SCREENSHOT) await page.screenshot({ path: `${process.env.ENFILADE_SCREENSHOT}.broken.png` });
 });

@@ -6,11 +6,11 @@ use crate::path;
 use crate::session::Session;
 use crate::steps::StepMode;
 use crate::walker::Walker;
+use crate::world::MEMORY;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Parser;
 use enfilade::{Camera, Method};
 use enfilade_draw::Show;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Walks through a scene, freezes what is visible, and says why things are hidden.
@@ -84,7 +84,14 @@ impl Args {
     pub fn check(&self) -> Result<()> {
         let scene = Some(Path::new(&self.scene)).filter(|_| !self.scene.starts_with('@'));
         for file in scene.into_iter().chain(self.path.as_deref()) {
-            File::open(file).with_context(|| file.display().to_string())?;
+            // Not opened: opening a pipe blocks until someone writes.
+            let there = std::fs::metadata(file).with_context(|| file.display().to_string())?;
+            if !there.is_file() {
+                bail!(
+                    "{}: it is not a file, but a folder, a pipe or a device; name a file",
+                    file.display()
+                );
+            }
         }
         if let Some([x, y]) = self.click {
             let [width, height] = self.size;
@@ -109,8 +116,10 @@ impl Args {
             app.cast_shadows();
         }
         if let Some(file) = &self.path {
-            let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
-            app.replay(path::read(&text).with_context(|| file.display().to_string())?);
+            let bytes = enfilade_import::file_bytes(file, MEMORY)?;
+            app.replay(
+                path::read(&String::from_utf8_lossy(&bytes)).with_context(|| file.display().to_string())?,
+            );
         }
         let Some(session) = &mut app.session else {
             return Ok(());

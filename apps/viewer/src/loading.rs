@@ -1,10 +1,11 @@
 //! Files that are being opened: on a thread of their own, where there are threads.
 
 use crate::path;
-use crate::world::World;
+use crate::world::{MEMORY, World};
 use anyhow::{Context, Result, anyhow};
 use eframe::egui::DroppedFileHandle;
 use enfilade::Camera;
+use std::path::Path;
 use web_time::Instant;
 
 /// What a file holds.
@@ -166,7 +167,7 @@ impl Loading {
 
 fn open(name: &str, say: &dyn Fn(&'static str)) -> Result<Opened> {
     if is_path(name) {
-        return read(name, &std::fs::read(name).with_context(|| name.to_owned())?);
+        return read(name, &enfilade_import::file_bytes(Path::new(name), MEMORY)?);
     }
     Ok(Opened::Scene(Box::new(World::open_with(name, say)?)))
 }

@@ -1,14 +1,18 @@
-//! Serves the web page of the viewer, with a scene, to this machine only.
+//! Serves the web page of the viewer, with a scene, to the browser of this machine only.
+//!
+//! Who may read the scene: whoever knows the address, because it holds a random token, and no page of another site, because
+//! `Host`, `Origin` and `Cross-Origin-Resource-Policy` keep those out.
+//! Cost: one thread per request, at most [`CONNECTIONS`]; all send the same buffers, in pieces with a timeout.
 
-use anyhow::{Context, Result};
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use serde_json::Value;
-use std::io::{BufRead, BufReader, Read, Write};
+use crate::world::{MEMORY, options};
+use anyhow::{Context, Result, anyhow};
+use enfilade_import::{bake, file_bytes, read};
+use std::io::{Cursor, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 /// Files of the page.
 const FILES: [(&str, &str); 4] = [
@@ -18,13 +22,29 @@ const FILES: [(&str, &str); 4] = [
     ("viewer_bg.wasm", "application/wasm"),
 ];
 
+/// Requests that are answered at once; a browser makes six. Further ones are refused.
+const CONNECTIONS: usize = 64;
+
+/// Time in which a request must arrive, and in which each piece of an answer must leave.
+const PATIENCE: Duration = Duration::from_secs(10);
+
 /// A page and its scene.
 pub struct Server {
     listener: TcpListener,
-    folder: PathBuf,
-    scene: Option<Arc<Vec<u8>>>,
+    site: Arc<Site>,
     /// The address to open.
     pub address: String,
+}
+
+/// What is served: all that requests share.
+struct Site {
+    port: u16,
+    /// First part of all paths.
+    token: String,
+    /// The bytes of [`FILES`].
+    page: [Vec<u8>; FILES.len()],
+    scene: Option<Vec<u8>>,
+    open: AtomicUsize,
 }
 
 impl Server {
@@ -34,44 +54,60 @@ impl Server {
     /// If the page has not been built, the scene cannot be read, or the port is taken.
     pub fn new(scene: &str, port: u16) -> Result<Server> {
         let folder = folder()?;
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
-            .with_context(|| format!("cannot listen on port {port} of 127.0.0.1"))?;
-        let port = listener.local_addr()?.port();
+        let mut page: [Vec<u8>; FILES.len()] = Default::default();
+        for (bytes, (name, _)) in page.iter_mut().zip(FILES) {
+            *bytes = file_bytes(&folder.join(name), MEMORY)?;
+        }
         let (scene, query) = match scene.starts_with('@') {
             true => (None, format!("?scene={scene}")),
             false => {
                 let path = Path::new(scene);
-                let name = path
-                    .file_name()
-                    .context("the scene has no file name")?
-                    .to_string_lossy();
-                let bytes = in_one_file(path)?;
+                let name = path.file_name().context("the scene has no file name")?;
                 // The reader detects the format from the content; the name is for display.
-                (Some(Arc::new(bytes)), format!("?scene=scene/{}", escaped(&name)))
+                let query = format!("?scene=scene/{}", escaped(&name.to_string_lossy()));
+                (Some(in_one_file(path)?), query)
             }
         };
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
+            .with_context(|| format!("cannot listen on port {port} of 127.0.0.1"))?;
+        let port = listener.local_addr()?.port();
+        let token = token()?;
         Ok(Server {
             listener,
-            folder,
-            scene,
-            address: format!("http://127.0.0.1:{port}/{query}"),
+            address: format!("http://127.0.0.1:{port}/{token}/{query}"),
+            site: Arc::new(Site {
+                port,
+                token,
+                page,
+                scene,
+                open: AtomicUsize::new(0),
+            }),
         })
     }
 
     /// Answers requests until the process ends.
     ///
     /// # Errors
-    /// If the system refuses connections.
+    /// If the socket is lost.
     pub fn run(&self) -> Result<()> {
-        for stream in self.listener.incoming() {
-            let (stream, folder, scene) = (stream?, self.folder.clone(), self.scene.clone());
-            std::thread::spawn(move || {
-                // A browser that hangs up misses its own answer only.
-                let _ = answer(&stream, &folder, scene.as_ref());
-            });
+        loop {
+            match self.listener.accept() {
+                Ok((stream, _)) => self.site.take(stream),
+                // A client that hung up before it was accepted, or none of the handles of this process is free.
+                Err(why) if why.kind() != ErrorKind::InvalidInput => {
+                    std::thread::sleep(Duration::from_millis(50));
+                }
+                Err(why) => return Err(why).context("cannot accept connections"),
+            }
         }
-        Ok(())
     }
+}
+
+/// Returns 128 random bits as text.
+fn token() -> Result<String> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes).map_err(|why| anyhow!("the system gives no random numbers: {why}"))?;
+    Ok(format!("{:032x}", u128::from_le_bytes(bytes)))
 }
 
 /// Returns the folder of the page.
@@ -94,81 +130,137 @@ fn folder() -> Result<PathBuf> {
     })
 }
 
-fn answer(mut stream: &TcpStream, folder: &Path, scene: Option<&Arc<Vec<u8>>>) -> Result<()> {
-    /// Longest request that is read.
-    const LONGEST: u64 = 1 << 14;
-    stream.set_read_timeout(Some(Duration::from_secs(10)))?;
-    let mut lines = BufReader::new(stream.take(LONGEST)).lines();
-    let first = lines.next().context("an empty request")??;
-    // A page of another site must not read the scene through a name that leads here.
-    let mut is_here = false;
-    for line in lines {
-        let line = line?;
-        if line.is_empty() {
-            break;
-        }
-        if let Some((name, host)) = line.split_once(':')
-            && name.eq_ignore_ascii_case("host")
-        {
-            let host = host.trim();
-            is_here = ["127.0.0.1", "localhost"]
-                .iter()
-                .any(|own| host == *own || host.starts_with(&format!("{own}:")));
-        }
+/// Returns a scene as one file, because that is what a page reads: the file itself, or, if it names others, a baked scene.
+fn in_one_file(path: &Path) -> Result<Vec<u8>> {
+    // By the reader alone, whose rules decide which files a scene may name.
+    let import = read(path, &options())?;
+    if import.files.is_empty() {
+        return Ok(file_bytes(path, MEMORY)?);
     }
-    let mut words = first.split(' ');
-    let (method, path) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
-    let path = path.split('?').next().unwrap_or_default().trim_start_matches('/');
-    let name = if path.is_empty() { "index.html" } else { path };
-    let known = FILES.iter().find(|(file, _)| *file == name);
-    let (status, kind, body) = match (method, known, scene) {
-        _ if !is_here => ("403 Forbidden", "text/plain", b"for 127.0.0.1 only".to_vec()),
-        ("GET" | "HEAD", Some((file, kind)), _) => ("200 OK", *kind, std::fs::read(folder.join(file))?),
-        ("GET" | "HEAD", None, Some(bytes)) if name.starts_with("scene/") => {
-            ("200 OK", "application/octet-stream", bytes.to_vec())
-        }
-        _ => ("404 Not Found", "text/plain", b"there is no such file".to_vec()),
-    };
-    write!(
-        stream,
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n\
-         Cross-Origin-Opener-Policy: same-origin\r\nConnection: close\r\n\r\n",
-        body.len()
-    )?;
-    if method != "HEAD" {
-        stream.write_all(&body)?;
-    }
-    Ok(stream.flush()?)
+    let mut baked = Cursor::new(Vec::new());
+    bake(&import, &mut baked).with_context(|| path.display().to_string())?;
+    Ok(baked.into_inner())
 }
 
-/// Reads a file. A glTF file takes its buffers and images along, because a page reads one file.
-fn in_one_file(path: &Path) -> Result<Vec<u8>> {
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let is_json = path
-        .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("gltf"));
-    let parsed = is_json
-        .then(|| serde_json::from_slice::<Value>(&bytes).ok())
-        .flatten();
-    let Some(mut file) = parsed else { return Ok(bytes) };
-    let folder = path.parent().unwrap_or(Path::new("."));
-    for kind in ["buffers", "images"] {
-        let list = file.get_mut(kind).and_then(Value::as_array_mut);
-        for entry in list.into_iter().flatten() {
-            let Some(uri) = entry.get("uri").and_then(Value::as_str) else {
-                continue;
-            };
-            if uri.starts_with("data:") {
-                continue;
-            }
-            let beside = folder.join(unescaped(uri));
-            let bytes =
-                std::fs::read(&beside).with_context(|| format!("cannot read {}", beside.display()))?;
-            let data = format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes));
-            entry["uri"] = Value::String(data);
+/// An answer.
+struct Answer<'a> {
+    status: &'static str,
+    kind: &'static str,
+    body: &'a [u8],
+}
+
+impl Site {
+    /// Answers a request on a thread of its own, or refuses it if too many are open.
+    fn take(self: &Arc<Site>, stream: TcpStream) {
+        if self.open.fetch_add(1, Ordering::AcqRel) >= CONNECTIONS {
+            self.open.fetch_sub(1, Ordering::AcqRel);
+            return;
+        }
+        let site = Arc::clone(self);
+        let answers = std::thread::Builder::new().spawn(move || {
+            // A browser that hangs up misses its own answer only.
+            let _ = site.serve(&stream);
+            site.open.fetch_sub(1, Ordering::AcqRel);
+        });
+        if answers.is_err() {
+            self.open.fetch_sub(1, Ordering::AcqRel);
         }
     }
-    Ok(serde_json::to_vec(&file)?)
+
+    /// Reads a request and sends the answer.
+    fn serve(&self, mut stream: &TcpStream) -> Result<()> {
+        /// Longest request that is read, in bytes.
+        const LONGEST: usize = 1 << 14;
+        /// Bytes that a client must take within [`PATIENCE`].
+        const PIECE: usize = 1 << 20;
+        let deadline = Instant::now() + PATIENCE;
+        let mut request = Vec::new();
+        while !request.windows(4).any(|end| end == b"\r\n\r\n") {
+            let left = deadline.saturating_duration_since(Instant::now());
+            stream.set_read_timeout(Some(left.max(Duration::from_millis(1))))?;
+            let mut piece = [0; 1 << 12];
+            let length = stream.read(&mut piece)?;
+            request.extend_from_slice(&piece[..length]);
+            if length == 0 || request.len() > LONGEST || left.is_zero() {
+                return Ok(());
+            }
+        }
+        let (answer, is_head) = self.answer(&request);
+        let head = format!(
+            "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n\
+             Cross-Origin-Opener-Policy: same-origin\r\nCross-Origin-Resource-Policy: same-origin\r\n\
+             Referrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n",
+            answer.status,
+            answer.kind,
+            answer.body.len()
+        );
+        let body = if is_head { &[] } else { answer.body };
+        for mut piece in std::iter::once(head.as_bytes()).chain(body.chunks(PIECE)) {
+            let deadline = Instant::now() + PATIENCE;
+            while !piece.is_empty() {
+                let left = deadline.saturating_duration_since(Instant::now());
+                stream.set_write_timeout(Some(left.max(Duration::from_millis(1))))?;
+                match stream.write(piece)? {
+                    _ if left.is_zero() => return Ok(()),
+                    0 => return Ok(()),
+                    length => piece = &piece[length..],
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the answer to a request, and whether it is wanted without its body.
+    fn answer(&self, request: &[u8]) -> (Answer<'_>, bool) {
+        let refusal = |status, why: &'static str| Answer {
+            status,
+            kind: "text/plain",
+            body: why.as_bytes(),
+        };
+        let mut headers = [httparse::EMPTY_HEADER; 64];
+        let mut parsed = httparse::Request::new(&mut headers);
+        let is_whole = parsed.parse(request).is_ok_and(|status| status.is_complete());
+        let (Some(method), Some(path), true) = (parsed.method, parsed.path, is_whole) else {
+            return (refusal("400 Bad Request", "not a request of HTTP/1.1"), false);
+        };
+        let values = |name: &'static str| {
+            let named = parsed
+                .headers
+                .iter()
+                .filter(move |header| header.name.eq_ignore_ascii_case(name));
+            named.map(|header| String::from_utf8_lossy(header.value))
+        };
+        // A page of another site must not read the scene, neither through a name that leads here nor across origins.
+        let own = ["127.0.0.1", "localhost"].map(|name| [name.to_owned(), format!("{name}:{}", self.port)]);
+        let is_own = |host: &str| own.as_flattened().iter().any(|own| own == host);
+        let is_here = values("host").count() == 1
+            && values("host").all(|host| is_own(&host))
+            && values("origin").all(|origin| origin.strip_prefix("http://").is_some_and(is_own));
+        if !is_here {
+            return (refusal("403 Forbidden", "for pages of this server only"), false);
+        }
+        let path = path.split('?').next().unwrap_or_default();
+        let inside = path
+            .strip_prefix('/')
+            .and_then(|path| path.strip_prefix(&*self.token));
+        let name = match inside.and_then(|path| path.strip_prefix('/')) {
+            Some("") => Some("index.html"),
+            name => name,
+        };
+        let file = |(status, kind, body)| Answer { status, kind, body };
+        let known = FILES
+            .iter()
+            .zip(&self.page)
+            .find(|((file, _), _)| Some(*file) == name);
+        let answer = match (method, known, &self.scene) {
+            ("GET" | "HEAD", Some(((_, kind), bytes)), _) => file(("200 OK", kind, bytes)),
+            ("GET" | "HEAD", None, Some(bytes)) if name.is_some_and(|name| name.starts_with("scene/")) => {
+                file(("200 OK", "application/octet-stream", bytes))
+            }
+            _ => refusal("404 Not Found", "there is no such file"),
+        };
+        (answer, method == "HEAD")
+    }
 }
 
 /// Returns a file name for an address.
@@ -181,74 +273,210 @@ fn escaped(name: &str) -> String {
     name.bytes().map(byte).collect()
 }
 
-/// Returns a name from an address.
-fn unescaped(uri: &str) -> String {
-    let bytes = uri.as_bytes();
-    let (mut name, mut at) = (Vec::new(), 0);
-    while let Some(&byte) = bytes.get(at) {
-        let code = (byte == b'%').then(|| uri.get(at + 1..at + 3)).flatten();
-        match code.and_then(|code| u8::from_str_radix(code, 16).ok()) {
-            Some(byte) => {
-                name.push(byte);
-                at += 3;
-            }
-            None => {
-                name.push(byte);
-                at += 1;
-            }
-        }
-    }
-    String::from_utf8_lossy(&name).into_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use enfilade_import::{ReadOptions, read_bytes};
+    use serde_json::json;
 
-    #[test]
-    fn names_go_through_addresses_unchanged() {
-        for name in ["a b.glb", "Größe%20.gltf", "50%.obj", "plain.bsp"] {
-            assert_eq!(unescaped(&escaped(name)), name);
-        }
-        assert_eq!(unescaped("50%"), "50%");
-    }
+    const TOKEN: &str = "0123456789abcdef";
 
-    #[test]
-    fn a_gltf_file_takes_its_buffers_along() {
-        let folder = std::env::temp_dir().join("enfilade-in-one-file");
-        std::fs::create_dir_all(&folder).expect("a folder");
-        std::fs::write(folder.join("some data.bin"), [1, 2, 3]).expect("written");
-        let path = folder.join("a.gltf");
-        std::fs::write(&path, r#"{"buffers":[{"uri":"some%20data.bin","byteLength":3}]}"#).expect("written");
-        let file: Value = serde_json::from_slice(&in_one_file(&path).expect("it is there")).expect("JSON");
-        let uri = file["buffers"][0]["uri"].as_str();
-        assert_eq!(uri, Some("data:application/octet-stream;base64,AQID"));
-        std::fs::remove_dir_all(&folder).expect("removed");
-    }
-
-    #[test]
-    fn other_files_and_other_hosts_are_refused() {
+    fn server(scene: Vec<u8>) -> Server {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
         let port = listener.local_addr().expect("bound").port();
-        let ask = |request: &str| {
-            let mut client = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).expect("it listens");
-            client.write_all(request.as_bytes()).expect("sent");
-            let (server, _) = listener.accept().expect("a request");
-            let scene = Arc::new(b"a scene".to_vec());
-            answer(&server, Path::new("."), Some(&scene)).expect("answered");
-            drop(server);
-            let mut text = String::new();
-            client.read_to_string(&mut text).expect("an answer");
-            text
+        Server {
+            listener,
+            address: format!("127.0.0.1:{port}"),
+            site: Arc::new(Site {
+                port,
+                token: TOKEN.to_owned(),
+                page: FILES.map(|(name, _)| name.as_bytes().to_vec()),
+                scene: Some(scene),
+                open: AtomicUsize::new(0),
+            }),
+        }
+    }
+
+    #[test]
+    fn only_the_page_itself_and_who_knows_the_address_get_the_scene() {
+        let server = server(b"a scene".to_vec());
+        let port = server.site.port;
+        let status = |path: &str, headers: &str| {
+            let request =
+                format!("GET {path} HTTP/1.1\r\n{headers}\r\n\r\n").replace("PORT", &port.to_string());
+            server.site.answer(request.as_bytes()).0.status[..3].to_owned()
         };
-        let own = ask("GET /scene/a.glb HTTP/1.1\r\nHost: 127.0.0.1:80\r\n\r\n");
+        let scene = format!("/{TOKEN}/scene/a.glb");
+        for (headers, expected) in [
+            ("Host: 127.0.0.1:PORT", "200"),
+            ("host: localhost:PORT\r\norigin: http://localhost:PORT", "200"),
+            ("Host: localhost", "200"),
+            ("Host: 127.0.0.1:1", "403"),
+            ("Host: example.org", "403"),
+            ("Host: localhost.example.org", "403"),
+            ("Host: localhost\r\nHost: example.org", "403"),
+            ("Accept: */*", "403"),
+            ("Host: localhost:PORT\r\nOrigin: http://example.org", "403"),
+            ("Host: localhost:PORT\r\nOrigin: null", "403"),
+            ("Host: localhost:PORT\r\nOrigin: https://localhost:PORT", "403"),
+        ] {
+            assert_eq!(status(&scene, headers), expected, "{headers}");
+        }
+        for (path, expected) in [
+            (format!("/{TOKEN}/"), "200"),
+            (format!("/{TOKEN}/?scene=scene/a.glb"), "200"),
+            (format!("/{TOKEN}/viewer.js"), "200"),
+            (format!("/{TOKEN}/../Cargo.toml"), "404"),
+            (format!("/{TOKEN}/scene.glb"), "404"),
+            (format!("/{TOKEN}"), "404"),
+            (format!("/{TOKEN}x/"), "404"),
+            ("/".to_owned(), "404"),
+            ("/scene/a.glb".to_owned(), "404"),
+            ("/viewer.js".to_owned(), "404"),
+        ] {
+            assert_eq!(status(&path, "Host: localhost"), expected, "{path}");
+        }
+        let [one, other] = [token(), token()].map(|token| token.expect("random"));
+        assert!(one != other && one.len() == 32);
+    }
+
+    /// Sends a request for the scene.
+    fn ask(server: &str) -> TcpStream {
+        let mut client = TcpStream::connect(server).expect("it listens");
+        let request = format!("GET /{TOKEN}/scene/a HTTP/1.1\r\nHost: localhost\r\n\r\n");
+        client.write_all(request.as_bytes()).expect("sent");
+        client
+    }
+
+    fn resident_bytes() -> u64 {
+        let status = std::fs::read_to_string("/proc/self/status").expect("Linux");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+        let kib = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());
+        1024 * kib.expect("a number")
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn clients_that_do_not_read_share_one_scene_and_stop_no_other() {
+        const SCENE: usize = 1 << 26;
+        let server = server(vec![7; SCENE]);
+        let address = server.address.clone();
+        std::thread::spawn(move || server.run());
+        let before = resident_bytes();
+        let mut idle: Vec<TcpStream> = (0..40).map(|_| ask(&address)).collect();
+        std::thread::sleep(Duration::from_secs(1));
+        let grown = resident_bytes().saturating_sub(before);
         assert!(
-            own.starts_with("HTTP/1.1 200") && own.ends_with("a scene"),
-            "{own}"
+            grown < SCENE as u64 / 2,
+            "{grown} bytes for clients that read nothing"
         );
-        let other = ask("GET /../Cargo.toml HTTP/1.1\r\nHost: localhost\r\n\r\n");
-        assert!(other.starts_with("HTTP/1.1 404"), "{other}");
-        let foreign = ask("GET /scene/a.glb HTTP/1.1\r\nHost: example.org\r\n\r\n");
-        assert!(foreign.starts_with("HTTP/1.1 403"), "{foreign}");
+        let mut answer = Vec::new();
+        ask(&address).read_to_end(&mut answer).expect("an answer");
+        assert!(answer.starts_with(b"HTTP/1.1 200") && answer.len() > SCENE);
+        // More than are answered at once, and some that ask for nothing.
+        idle.extend((0..60).map(|_| ask(&address)));
+        idle.extend((0..200).map(|_| TcpStream::connect(&address).expect("it listens")));
+        std::thread::sleep(Duration::from_millis(200));
+        drop(idle);
+        std::thread::sleep(Duration::from_secs(1));
+        let mut answer = Vec::new();
+        ask(&address).read_to_end(&mut answer).expect("an answer");
+        assert!(answer.len() > SCENE, "the server goes on");
+    }
+
+    /// A triangle in a buffer, with an image.
+    fn triangle(buffer: &str, image: &str) -> String {
+        let triangle = json!({
+            "asset": { "version": "2.0" },
+            "scenes": [{ "nodes": [0] }],
+            "nodes": [{ "mesh": 0, "name": "leaf" }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 }] }],
+            "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+            "textures": [{ "source": 0 }],
+            "images": [{ "uri": image }],
+            "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                "min": [0, 0, 0], "max": [1, 1, 0] },
+                { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2" }],
+            "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+            "buffers": [{ "uri": buffer, "byteLength": 36 }],
+        });
+        triangle.to_string()
+    }
+
+    fn corners() -> Vec<u8> {
+        let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        corners.iter().flat_map(|number| number.to_le_bytes()).collect()
+    }
+
+    /// One red texel.
+    fn picture() -> Vec<u8> {
+        let mut png = Cursor::new(Vec::new());
+        let red = image::RgbaImage::from_pixel(1, 1, image::Rgba([255, 0, 0, 255]));
+        red.write_to(&mut png, image::ImageFormat::Png).expect("written");
+        png.into_inner()
+    }
+
+    #[test]
+    fn a_scene_takes_its_files_along_and_none_that_it_must_not_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scene = folder.path().join("scene");
+        std::fs::create_dir(&scene).expect("made");
+        for (path, bytes) in [
+            ("scene/some data.bin", corners()),
+            ("scene/red.png", picture()),
+            ("secret.bin", corners()),
+            ("secret.png", picture()),
+        ] {
+            std::fs::write(folder.path().join(path), bytes).expect("written");
+        }
+        let path = scene.join("a.gltf");
+        let in_one_file = |text: String| {
+            std::fs::write(&path, text).expect("written");
+            super::in_one_file(&path)
+        };
+        let whole = in_one_file(triangle("some%20data.bin", "red.png")).expect("beside it");
+        let read = |bytes: &[u8]| read_bytes(bytes, None, &ReadOptions::default()).expect("a scene");
+        let import = read(&whole);
+        assert!(
+            import.files.is_empty() && import.warnings.is_empty(),
+            "{:?} {:?}",
+            import.files,
+            import.warnings
+        );
+        assert_eq!(import.rooms[0].geometry.items().len(), 1);
+        assert_eq!(import.rooms[0].geometry.textures().len(), 1);
+        let secret = folder.path().join("secret.bin");
+        for uri in [
+            "../secret.bin",
+            "%2e%2e/secret.bin",
+            "/dev/zero",
+            &secret.to_string_lossy(),
+        ] {
+            let why = in_one_file(triangle(uri, "red.png")).expect_err("a refusal");
+            assert!(
+                format!("{why:#}").contains("leads out of the file's folder"),
+                "{why:#}"
+            );
+            let without =
+                in_one_file(triangle("some%20data.bin", &uri.replace(".bin", ".png"))).expect("grey");
+            assert!(!without.windows(4).any(|bytes| bytes == [255, 0, 0, 255]));
+            assert_eq!(read(&without).warnings.len(), 1, "the image is missing");
+        }
+        #[cfg(unix)]
+        {
+            let pipe = scene.join("pipe.bin");
+            let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+            assert!(made.expect("mkfifo").success());
+            let why = in_one_file(triangle("pipe.bin", "red.png")).expect_err("a refusal");
+            assert!(format!("{why:#}").contains("a pipe or a device"), "{why:#}");
+            let why = super::in_one_file(&pipe).expect_err("a refusal");
+            assert!(format!("{why:#}").contains("a pipe or a device"), "{why:#}");
+        }
+    }
+
+    #[test]
+    fn names_become_parts_of_addresses() {
+        assert_eq!(escaped("a b%.glb"), "a%20b%25.glb");
+        assert_eq!(escaped("../ü"), "..%2F%C3%BC");
     }
 }

@@ -135,7 +135,7 @@ fn outside(scene: &Scene) -> Camera {
     }
 }
 
-fn options() -> ReadOptions {
+pub(crate) fn options() -> ReadOptions {
     ReadOptions {
         limit_bytes: MEMORY,
         skip_bad_portals: true,

@@ -1,6 +1,23 @@
-//! The memory budget of a reader.
+//! The memory budget of a reader: peak memory stays below twice the limit, whatever a file holds.
+//!
+//! Readers charge what they *build*, before they build it; the bytes that they read say little about it. `tests/memory.rs` has a
+//! bomb for each format: small files that become large.
+//!
+//! | reader | charged beside the bytes of the file |
+//! |---|---|
+//! | glTF | by brackets, commas and texts of the JSON; each node, room, mesh, triangle and vertex attribute; corners of openings; compressed views; instances; the paths of other files |
+//! | images | texels, and what decodes them at the same time |
+//! | OBJ | tables by the counts of a first pass; each group, material file and its materials; triangles, corners of long polygons |
+//! | Quake maps | planes, nodes and leafs by the length of the map; textures; faces, corners, items and entities; lightmaps; rows of the PVS |
+//! | portal files | eight times their length |
+//! | heightmaps | samples, and the blocks that they become |
+//! | baked scenes | each value of the scene's tables; rooms, items, meshes with their clusters and nodes; hints; texels |
+//! | pages of baked scenes | when opened: the tables as above, and a box for each mesh; when loaded: [`Pages::bytes`](crate::Pages::bytes), which the streamer reserves |
 
 use crate::BrokenRule;
+
+/// Memory of a mesh beside its vertices, faces and clusters, in bytes: its lists, trees, and its share of a sector.
+pub(crate) const BYTES_PER_MESH: u64 = 1600;
 
 /// Bytes of memory that a reader may still use. Estimates are subtracted before anything is allocated.
 #[derive(Debug)]

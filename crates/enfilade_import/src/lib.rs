@@ -372,6 +372,20 @@ pub fn read_bytes(bytes: &[u8], folder: Option<&Path>, options: &ReadOptions) ->
     import(bytes, folder, OsStr::new("scene"), false, options, budget).map_err(failed)
 }
 
+/// Returns the bytes of a file, as the readers open files: folders, pipes and devices are refused without waiting for them, and a
+/// file above `limit_bytes` before anything is allocated.
+///
+/// # Errors
+/// [`BrokenRule::NotAFile`], [`BrokenRule::TooLarge`] and [`BrokenRule::Unreadable`].
+pub fn file_bytes(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, ImportError> {
+    let mut budget = Budget::new(limit_bytes);
+    let bytes = read_regular_file(path, None, &|| "the file".to_owned(), &mut budget);
+    bytes.map_err(|rule| ImportError {
+        file: path.display().to_string(),
+        rule,
+    })
+}
+
 /// Detects the format of the bytes and reads them. OBJ has no magic number, so bytes of no other format are read as OBJ
 /// if `is_called_obj`, or if they begin like OBJ.
 fn import(
@@ -386,6 +400,9 @@ fn import(
         return terrain::import(bytes, folder, name, options, budget);
     }
     if enf::begins_like_enf(bytes) {
+        // Meshes keep the bytes that they are read from.
+        let mut budget = budget;
+        budget.take(bytes.len() as u64, || "a copy of the file".to_owned())?;
         return enf::import(bytes.to_vec().into(), options, budget);
     }
     let name = &*name.to_string_lossy();

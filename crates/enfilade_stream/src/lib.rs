@@ -213,7 +213,8 @@ impl Pager {
                     stats.failed.push((number, why.to_string()));
                 }
                 Ok(meshes) => {
-                    let bytes = meshes.iter().map(|(_, mesh)| mesh.bytes()).sum();
+                    let of_mesh = |mesh: &Mesh| mesh.bytes() + size_of::<Mesh>() as u64;
+                    let bytes = meshes.iter().map(|(_, mesh)| of_mesh(mesh)).sum();
                     *state = State::Present(meshes);
                     match request {
                         Request::Levels(_) => page.level_bytes = bytes,

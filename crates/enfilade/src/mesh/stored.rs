@@ -10,6 +10,7 @@
 use super::attributes::MeshAttributes;
 use super::below::Below;
 use super::build::CLUSTER_FACES;
+use super::face_boxes::FaceBoxes;
 use super::list::List;
 use super::{Cluster, Mesh, NONE};
 use crate::geom::{Aabb, ConvexPolygon, Octree, StoredNode, is_in_range};
@@ -120,6 +121,24 @@ impl Mesh {
         bytes.extend_from_slice(&self.occluders);
         bytes.resize(bytes.len().next_multiple_of(4), 0);
         bytes
+    }
+
+    /// Number of bytes that [`Mesh::bytes_beside`] reads.
+    pub const HEADER_BYTES: usize = size_of::<Header>();
+
+    /// Estimates the memory that [`Mesh::from_bytes`] takes beside the bytes that it is given, from their beginning, in bytes:
+    /// for readers that limit it. Returns 0 if they are too few to be a mesh.
+    pub fn bytes_beside(beginning: &[u8]) -> u64 {
+        /// A cluster with its box, the boxes of its faces, and its entry in the lists below nodes.
+        const CLUSTER: u64 = (size_of::<Cluster>() + size_of::<OnceLock<FaceBoxes>>() + 16) as u64;
+        /// A node with the range below it.
+        const NODE: u64 = 64;
+        let Some(header) = beginning.get(..Mesh::HEADER_BYTES) else {
+            return 0;
+        };
+        let header: Header = bytemuck::pod_read_unaligned(header);
+        // Lists grow by doubling.
+        2 * (u64::from(header.clusters) * CLUSTER + u64::from(header.nodes) * NODE)
     }
 
     /// Reads a mesh from bytes that [`Mesh::to_bytes`] returned; equal to the mesh then, bit by bit. Where the bytes are aligned

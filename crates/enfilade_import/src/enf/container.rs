@@ -305,6 +305,17 @@ impl Container {
         Ok(bytes)
     }
 
+    /// Returns at most `length` bytes of a section, from `start`, without checking the checksum: for estimates only.
+    pub(super) fn beginning(&self, section: Section, start: u64, length: usize) -> Result<Bytes, BrokenRule> {
+        let entry = self
+            .entry(section)
+            .ok_or_else(|| EnfError::Damaged(section.to_string()))?;
+        let start = start.min(entry.length);
+        let length = (entry.length - start).min(length as u64);
+        let bytes = self.source.read(entry.offset + start, length);
+        bytes.map_err(BrokenRule::Unreadable)
+    }
+
     /// Returns the length of a section, in bytes; 0 if it does not exist.
     pub(super) fn length(&self, section: Section) -> u64 {
         self.entry(section).map_or(0, |entry| entry.length)

@@ -4,6 +4,7 @@ use super::BakeError;
 use super::container::{Container, Kind, Section, Source, Writer};
 use super::read::{invalid, stored_scene};
 use super::stored::StoredScene;
+use crate::budget::Budget;
 use crate::{BrokenRule, ImportError, ReadOptions};
 use bytemuck::{Pod, Zeroable};
 use enfilade::{Aabb, ItemIndex, SectorId};
@@ -32,7 +33,14 @@ struct HintRecord {
 }
 
 /// Reads the hints of a container.
-pub(super) fn read_hints(container: &Container, scene: &StoredScene) -> Result<Vec<Hint>, BrokenRule> {
+pub(super) fn read_hints(
+    container: &Container,
+    scene: &StoredScene,
+    budget: &mut Budget,
+) -> Result<Vec<Hint>, BrokenRule> {
+    let sections = (0..container.count(Kind::Hint)).map(|number| Section(Kind::Hint, number));
+    let bytes = sections.map(|section| size_of::<Hint>() as u64 + 2 * container.length(section));
+    budget.take(bytes.sum(), || "the hints".to_owned())?;
     let counts: Vec<u32> = scene.rooms.iter().map(|room| room.items).collect();
     let read = |number| {
         let section = Section(Kind::Hint, number);
@@ -91,7 +99,7 @@ pub fn bake_hints(path: &Path, hints: &[Hint], to: impl Write + Seek) -> Result<
     let open = || {
         let file = File::open(path).map_err(BrokenRule::Unreadable)?;
         let container = Container::open(Source::File(Mutex::new(file)))?;
-        let scene = stored_scene(&container, &ReadOptions::default())?;
+        let scene = stored_scene(&container, &ReadOptions::default(), &mut Budget::new(u64::MAX))?;
         Ok((container, scene))
     };
     let (container, scene) = open().map_err(failed)?;

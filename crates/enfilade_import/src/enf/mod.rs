@@ -5,8 +5,10 @@
 //! the lists of meshes are used where they lie.
 //! Source: Boreskov, Hierarchical s-buffer for scenes of high complexity, for pages of octree subtrees.
 //! Cost: reading is bound by memory: each byte of a mesh is read twice, once for its checksum and once to check its values.
-//! Hostile input: sizes are checked against the file before anything is allocated; no value is trusted.
+//! Hostile input: sizes are checked against the file before anything is allocated; no value is trusted. What is built is charged
+//! to the memory budget before: see the table in [`crate::budget`].
 
+mod built;
 mod coarse;
 mod container;
 mod hints;

@@ -2,9 +2,11 @@
 
 use super::container::{Container, Kind, Section, Source};
 use super::hints::{Hint, read_hints};
-use super::read::{MESHES, build, invalid, mapped, mesh_records, read_levels, read_page, stored_scene};
+use super::read::{
+    MESHES, afford_page, build, invalid, mapped, mesh_records, read_levels, read_page, stored_scene,
+};
 use super::stored::{MeshRecord, StoredRoom, StoredScene};
-use crate::budget::Budget;
+use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::{BrokenRule, EnfError, Import, ImportError, ReadOptions};
 use enfilade::{Aabb, MAX_COORDINATE, Mesh, MeshId, Method};
 use std::fs::File;
@@ -63,8 +65,8 @@ impl Pages {
         budget.take(container.length_without([Kind::Page, Kind::Level]), || {
             "the scene without its meshes".to_owned()
         })?;
-        let scene = stored_scene(&container, options)?;
-        let (records, of_pages) = mesh_records(&container)?;
+        let scene = stored_scene(&container, options, &mut budget)?;
+        let (records, of_pages) = mesh_records(&container, &mut budget)?;
         let mut resident = vec![false; of_pages.len()];
         let is_whole = |room: &&StoredRoom| {
             let method = room.method.as_deref().and_then(Method::by_name);
@@ -82,11 +84,12 @@ impl Pages {
         for page in (0..of_pages.len() as u32).filter(|&page| resident[page as usize]) {
             let bytes = container.length(Section(Kind::Page, page));
             budget.take(bytes, || "rooms that are read whole".to_owned())?;
+            afford_page(&container, page, &of_pages[page as usize], &records, &mut budget)?;
             for (index, mesh) in read_page(&container, page, &of_pages[page as usize], &records)? {
                 meshes[index as usize] = mesh;
             }
         }
-        let hints = read_hints(&container, &scene)?;
+        let hints = read_hints(&container, &scene, &mut budget)?;
         let materials = material_counts(&scene, records.len());
         let of_rooms = scene.rooms.iter().map(|room| room.meshes.clone()).collect();
         let import = build(scene, meshes, &container, options, budget)?;
@@ -116,9 +119,10 @@ impl Pages {
         self.resident[page as usize]
     }
 
-    /// Returns the size of a page, in bytes: about the memory that its meshes take.
+    /// Estimates the memory that the meshes of a page take once they are loaded, in bytes; 0 if there is no such page.
     pub fn bytes(&self, page: u32) -> u64 {
-        self.container.length(Section(Kind::Page, page))
+        let meshes = self.of_pages.get(page as usize).map_or(0, Vec::len) as u64;
+        self.container.length(Section(Kind::Page, page)) + meshes * BYTES_PER_MESH
     }
 
     /// Returns the index in the file of a mesh of a room.

@@ -1,10 +1,11 @@
 //! Reads baked scenes.
 
 use super::EnfError;
+use super::built::BuiltBytes;
 use super::container::{Container, Kind, MAGIC, Section, Source};
 use super::hints::read_hints;
 use super::stored::{ItemRecord, MeshRecord, StoredRoom, StoredScene, StoredTerrain, StoredTexture};
-use crate::budget::Budget;
+use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::{BrokenRule, Import, ReadOptions, Room, map};
 use bytemuck::Pod;
 use bytes::Bytes;
@@ -12,7 +13,8 @@ use enfilade::{
     Aabb, Geometry, GeometryBuilder, GeometryError, HeightField, ItemIndex, Material, MaterialId, Mesh,
     MeshId, Method, Texture, Transform,
 };
-use image::{ImageFormat, ImageReader};
+use image::codecs::png::PngDecoder;
+use image::{ColorType, ImageDecoder};
 use rayon::prelude::*;
 use std::fmt::Display;
 use std::fs::File;
@@ -63,29 +65,48 @@ const ITEMS: Section = Section(Kind::Items, 0);
 const NAMES: Section = Section(Kind::Names, 0);
 
 /// Reads a baked scene.
-pub(crate) fn import(bytes: Bytes, options: &ReadOptions, budget: Budget) -> Result<Import, BrokenRule> {
+pub(crate) fn import(bytes: Bytes, options: &ReadOptions, mut budget: Budget) -> Result<Import, BrokenRule> {
     let container = Container::open(Source::Memory(bytes))?;
-    let scene = stored_scene(&container, options)?;
-    check_the_rest(&container, &scene)?;
-    let meshes = read_meshes(&container)?;
+    let scene = stored_scene(&container, options, &mut budget)?;
+    check_the_rest(&container, &scene, &mut budget)?;
+    let meshes = read_meshes(&container, &mut budget)?;
     build(scene, meshes, &container, options, budget)
 }
 
 /// Checks what only [`Pages`](super::Pages) need: a damaged file is an error, whoever reads it.
-fn check_the_rest(container: &Container, scene: &StoredScene) -> Result<(), BrokenRule> {
-    read_hints(container, scene)?;
+fn check_the_rest(container: &Container, scene: &StoredScene, budget: &mut Budget) -> Result<(), BrokenRule> {
+    read_hints(container, scene, budget)?;
     let levels = (0..container.count(Kind::Page)).into_par_iter();
     levels.try_for_each(|page| container.section(Section(Kind::Level, page)).map(drop))
 }
 
 /// Reads the section of the scene.
-pub(super) fn stored_scene(container: &Container, options: &ReadOptions) -> Result<StoredScene, BrokenRule> {
+pub(super) fn stored_scene(
+    container: &Container,
+    options: &ReadOptions,
+    budget: &mut Budget,
+) -> Result<StoredScene, BrokenRule> {
     if options.flat {
         return Err(EnfError::Flat.into());
     }
-    let scene = container.section(SCENE)?;
-    Ok(rmp_serde::from_slice(&scene).map_err(|why| invalid(SCENE, why))?)
+    let bytes = container.section(SCENE)?;
+    let BuiltBytes(built) = rmp_serde::from_slice(&bytes).map_err(|why| invalid(SCENE, why))?;
+    budget.take(built, || "the tables of the scene".to_owned())?;
+    let scene: StoredScene = rmp_serde::from_slice(&bytes).map_err(|why| invalid(SCENE, why))?;
+    let rooms = scene.rooms.len() as u64;
+    budget.take(rooms * BYTES_PER_ROOM, || "the rooms".to_owned())?;
+    // A room lists each of its meshes once; what it lists more often it also prepares more often.
+    let listed: u64 = scene.rooms.iter().map(|room| room.meshes.len() as u64).sum();
+    let meshes = container.length(MESHES) / size_of::<MeshRecord>() as u64;
+    let repeated = listed.saturating_sub(meshes);
+    budget.take(repeated * BYTES_PER_MESH, || "meshes that rooms share".to_owned())?;
+    Ok(scene)
 }
+
+/// Memory of a room beside what it lists, in bytes.
+const BYTES_PER_ROOM: u64 = 1500;
+/// Memory of an item, in bytes.
+const BYTES_PER_ITEM: u64 = 300;
 
 /// Builds the rooms over these meshes.
 pub(super) fn build(
@@ -100,6 +121,9 @@ pub(super) fn build(
     } else {
         Vec::new()
     };
+    let count = container.length(ITEMS) / size_of::<ItemRecord>() as u64;
+    let bytes = count * BYTES_PER_ITEM + 2 * container.length(NAMES);
+    budget.take(bytes, || "the items".to_owned())?;
     let items = records::<ItemRecord>(container, ITEMS)?;
     let names = container.section(NAMES)?;
     let names = std::str::from_utf8(&names).map_err(|why| invalid(NAMES, why))?;
@@ -145,8 +169,14 @@ fn records<T: Pod>(container: &Container, section: Section) -> Result<Vec<T>, Br
     Ok(bytemuck::pod_collect_to_vec(&bytes))
 }
 
-/// Reads the section of meshes. Returns it with the meshes of each page, by their index.
-pub(super) fn mesh_records(container: &Container) -> Result<(Vec<MeshRecord>, Vec<Vec<u32>>), BrokenRule> {
+/// Reads the section of meshes. Returns it with the meshes of each page, by their index. No two share bytes, so that a page
+/// bounds what is built from it.
+pub(super) fn mesh_records(
+    container: &Container,
+    budget: &mut Budget,
+) -> Result<(Vec<MeshRecord>, Vec<Vec<u32>>), BrokenRule> {
+    let count = container.length(MESHES) / size_of::<MeshRecord>() as u64;
+    budget.take(count * BYTES_PER_MESH, || "the meshes".to_owned())?;
     let records = records::<MeshRecord>(container, MESHES)?;
     let mut of_pages = vec![Vec::new(); container.count(Kind::Page) as usize];
     for (index, record) in (0..).zip(&records) {
@@ -154,12 +184,32 @@ pub(super) fn mesh_records(container: &Container) -> Result<(Vec<MeshRecord>, Ve
         page.ok_or_else(|| invalid(MESHES, "a mesh is in a page that does not exist"))?
             .push(index);
     }
+    for meshes in &of_pages {
+        let ranges = |range: fn(&MeshRecord) -> [u32; 2]| {
+            let mut ranges: Vec<_> = meshes
+                .iter()
+                .map(|&mesh| range(&records[mesh as usize]))
+                .collect();
+            ranges.retain(|&[_, length]| length > 0);
+            ranges.sort_unstable();
+            ranges
+        };
+        let in_page = ranges(|record| [record.start, record.length]);
+        let levels = ranges(|record| [record.level_start, record.level_length]);
+        let overlap = |pair: &[[u32; 2]]| pair[0][0].saturating_add(pair[0][1]) > pair[1][0];
+        if in_page.windows(2).chain(levels.windows(2)).any(overlap) {
+            return Err(invalid(MESHES, "two meshes share bytes of a page").into());
+        }
+    }
     Ok((records, of_pages))
 }
 
 /// Reads all pages, in parallel, and returns the meshes in the order of their records.
-fn read_meshes(container: &Container) -> Result<Vec<Arc<Mesh>>, BrokenRule> {
-    let (records, of_pages) = mesh_records(container)?;
+fn read_meshes(container: &Container, budget: &mut Budget) -> Result<Vec<Arc<Mesh>>, BrokenRule> {
+    let (records, of_pages) = mesh_records(container, budget)?;
+    for page in 0..of_pages.len() as u32 {
+        afford_page(container, page, &of_pages[page as usize], &records, budget)?;
+    }
     let pages = of_pages.par_iter().enumerate();
     let read = pages.map(|(page, meshes)| read_page(container, page as u32, meshes, &records));
     let mut read = read.collect::<Result<Vec<_>, _>>()?.concat();
@@ -183,6 +233,23 @@ pub(super) fn read_page(
         ))
     };
     meshes.iter().map(read).collect()
+}
+
+/// Reserves memory for what is built of the meshes of a page beside its bytes.
+pub(super) fn afford_page(
+    container: &Container,
+    page: u32,
+    meshes: &[u32],
+    records: &[MeshRecord],
+    budget: &mut Budget,
+) -> Result<(), BrokenRule> {
+    let section = Section(Kind::Page, page);
+    for &mesh in meshes {
+        let MeshRecord { start, length, .. } = records[mesh as usize];
+        let header = container.beginning(section, start.into(), Mesh::HEADER_BYTES.min(length as usize))?;
+        budget.take(Mesh::bytes_beside(&header), || format!("mesh {mesh}"))?;
+    }
+    Ok(())
 }
 
 fn read_mesh(page: &Bytes, record: &MeshRecord, section: Section) -> Result<Mesh, EnfError> {
@@ -238,20 +305,25 @@ fn read_textures(
 ) -> Result<Vec<Arc<Texture>>, BrokenRule> {
     for texture in stored {
         let [width, height] = texture.size.map(u64::from);
-        budget.take(4 * width * height, || format!("texture `{}`", texture.name))?;
+        let bytes = width.saturating_mul(height).saturating_mul(4);
+        budget.take(bytes, || format!("texture `{}`", texture.name))?;
     }
     let read = |(number, texture): (usize, &StoredTexture)| -> Result<_, BrokenRule> {
         let section = Section(Kind::Image, number as u32);
         let bytes = container.section(section)?;
-        let image = ImageReader::with_format(Cursor::new(&bytes[..]), ImageFormat::Png);
+        let image = PngDecoder::new(Cursor::new(&bytes[..])).map_err(|why| invalid(section, why))?;
         // Checked before anything is allocated, because a small image may say that it is large.
-        let size = image.into_dimensions().map_err(|why| invalid(section, why))?;
-        if <[u32; 2]>::from(size) != texture.size {
+        if <[u32; 2]>::from(image.dimensions()) != texture.size {
             return Err(invalid(section, "its size is not as the section of the scene says").into());
         }
-        let image = ImageReader::with_format(Cursor::new(&bytes[..]), ImageFormat::Png);
-        let image = image.decode().map_err(|why| invalid(section, why))?.into_rgba8();
-        let texels = bytemuck::allocation::pod_collect_to_vec(&image.into_raw());
+        if image.color_type() != ColorType::Rgba8 {
+            return Err(invalid(section, "it is not RGBA of 8 bits").into());
+        }
+        let [width, height] = texture.size.map(|side| side as usize);
+        let mut texels = vec![[0; 4]; width * height];
+        image
+            .read_image(texels.as_flattened_mut())
+            .map_err(|why| invalid(section, why))?;
         let mut read =
             Texture::new(&texture.name, texture.size, texels).map_err(|why| invalid(section, why))?;
         (read.wrap, read.magnify, read.minify) = (texture.wrap, texture.magnify, texture.minify);

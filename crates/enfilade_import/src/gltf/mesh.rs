@@ -11,7 +11,7 @@ use super::document::{Document, Primitive, find};
 use super::materials::{Surface, default_material};
 use super::topology::Topology;
 use crate::BrokenRule;
-use crate::budget::Budget;
+use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::warning::{WarningKind, Warnings};
 use enfilade::{Indices, MaterialId, Mesh, Part, Vertices};
 
@@ -95,7 +95,8 @@ impl MeshPlan {
         }
         let place = || format!("meshes[{mesh}]");
         let carried_bytes = AttributePlan::bytes_of_each(parts.iter().map(|part| &part.attributes));
-        budget.take(triangles.saturating_mul(BYTES_KEPT + 3 * carried_bytes), place)?;
+        let bytes = triangles.saturating_mul(BYTES_KEPT + 3 * carried_bytes);
+        budget.take(bytes.saturating_add(BYTES_PER_MESH), place)?;
         if triangles >= u64::from(u32::MAX / 3) {
             return Err(BrokenRule::TooManyCorners { place: place() });
         }

@@ -89,6 +89,9 @@ fn import_with(
     let plan = Plan::new(&document, options.flat, faults, &mut warnings)?;
     let shown = plan.shown();
     budget.take(shown.len() as u64 * BYTES_PER_NODE, || "the nodes".to_owned())?;
+    budget.take(plan.room_count() as u64 * BYTES_PER_ROOM, || {
+        "the rooms".to_owned()
+    })?;
     let mut surfaces = materials::read(&document, options.textures)?;
 
     let used = used_meshes(&document, shown)?;
@@ -137,9 +140,13 @@ fn import_with(
         instances,
         ids,
     };
+    let files = match folder {
+        Some(folder) => files(&document, folder, &mut budget)?,
+        None => Vec::new(),
+    };
     let names = Names::of(&document, |node| node.mesh.is_some());
     let (rooms, portals) = plan
-        .rooms(name, &assets, &names, faults, &mut warnings)
+        .rooms(name, &assets, &names, faults, &mut budget, &mut warnings)
         .map_err(|why| name_the_node(why, &document, plan.shown(), &names))?;
     let cameras = camera::read(&document, &plan, &rooms, &mut warnings)?;
     let (cameras, orthographic_heights) = cameras.into_iter().unzip();
@@ -157,17 +164,24 @@ fn import_with(
         lights,
         map: None,
         warnings: warnings.into_list(),
-        files: folder.map_or_else(Vec::new, |folder| files(&document, folder)),
+        files,
     })
 }
 
 /// Returns the separate files that buffers and images reference.
-fn files(document: &Document, folder: &Path) -> Vec<PathBuf> {
+fn files(document: &Document, folder: &Path, budget: &mut Budget) -> Result<Vec<PathBuf>, BrokenRule> {
     // If the image list is invalid, no image is read.
     let images: Vec<document::Image> = document::list(document.images, "images").unwrap_or_default();
     let buffers = document.buffers.iter().map(|buffer| &buffer.uri);
     let named = buffers.chain(images.iter().map(|image| &image.uri));
-    named.filter_map(|uri| address::file(uri, folder)).collect()
+    let files = named.filter_map(|uri| address::file(uri, folder));
+    // Whoever saves something compares it with each of these paths.
+    let affordable = files.map(|file| {
+        let bytes = 2 * (file.as_os_str().len() + 2 * size_of::<PathBuf>()) as u64;
+        budget.take(bytes, || "the names of its files".to_owned())?;
+        Ok(file)
+    });
+    affordable.collect()
 }
 
 /// Builds meshes in parallel.
@@ -218,6 +232,8 @@ impl Meshes {
 
 /// Approximate memory of a node while it becomes an item, in bytes.
 const BYTES_PER_NODE: u64 = 400;
+/// Approximate memory of a room, which is built twice, in bytes.
+const BYTES_PER_ROOM: u64 = 800;
 
 /// Returns the indices of the meshes that the nodes use, increasing and unique.
 fn used_meshes(document: &Document, placed: &[SceneNode]) -> Result<Vec<u32>, BrokenRule> {

@@ -32,13 +32,17 @@ pub(super) fn place(
     }
     let mut placed = Vec::new();
     let mut entered = vec![false; document.nodes.len()];
+    let roots = roots(document, &parents)?;
+    let mut roots = roots.iter();
     // A stack: the node to be visited first is pushed last.
-    let mut waiting: Vec<(u32, DAffine3, Option<u32>)> = roots(document, &parents)?
-        .iter()
-        .rev()
-        .map(|&root| (root, DAffine3::IDENTITY, None))
-        .collect();
-    while let Some((number, world_from_parent, outer_room)) = waiting.pop() {
+    let mut waiting: Vec<(u32, DAffine3, Option<u32>)> = Vec::new();
+    loop {
+        let next = waiting.pop();
+        let Some((number, world_from_parent, outer_room)) =
+            next.or_else(|| Some((*roots.next()?, DAffine3::IDENTITY, None)))
+        else {
+            break;
+        };
         // A scene may list a node twice; it is visited once.
         if std::mem::replace(&mut entered[number as usize], true) {
             continue;

@@ -5,6 +5,7 @@ use super::document::{Document, short};
 use super::hints::{self, Hint, OpeningTarget};
 use super::names::Names;
 use super::nodes::{self, SceneNode};
+use crate::budget::Budget;
 use crate::faults::{Faults, Subject};
 use crate::rooms::{self, Frame, MarkedMesh, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
@@ -155,6 +156,7 @@ impl<'d> Plan<'d> {
         assets: &Assets,
         names: &Names<'d>,
         faults: &mut Faults,
+        budget: &mut Budget,
         warnings: &mut Warnings,
     ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
         let (items, stray): (Vec<&SceneNode>, Vec<&SceneNode>) = self
@@ -195,7 +197,7 @@ impl<'d> Plan<'d> {
         } else {
             self.marked(assets, names, faults, warnings)
         };
-        let (rooms, portals) = rooms::join(shells, marked, faults, warnings)?;
+        let (rooms, portals) = rooms::join(shells, marked, faults, budget, warnings)?;
         let is_seen = portals.iter().any(|portal| portal.to.0 as usize == marked_rooms);
         if marked_rooms > 0 && !is_seen {
             for placed in stray {
@@ -203,6 +205,11 @@ impl<'d> Plan<'d> {
             }
         }
         Ok((rooms, portals))
+    }
+
+    /// Returns the number of marked rooms.
+    pub(super) fn room_count(&self) -> usize {
+        self.rooms.len()
     }
 
     /// Returns the index of a node's room.

@@ -93,6 +93,9 @@ impl Materials {
     }
 }
 
+/// Memory of the name of a file, beside its path, in bytes.
+const BYTES_PER_FILE: u64 = 160;
+
 /// All materials of all files, by name, each with its file.
 struct Library(HashMap<String, (Entry, InnerPath)>);
 
@@ -112,7 +115,18 @@ impl Library {
             if !read.insert(here.clone()) {
                 continue;
             }
-            named.extend(here.path(folder));
+            let path = here.path(folder);
+            let length = path.as_ref().map_or(0, |path| path.as_os_str().len() as u64);
+            if budget
+                .take(2 * length + BYTES_PER_FILE, || here.spoken())
+                .is_err()
+            {
+                warnings.name(WarningKind::MaterialFiles, || {
+                    format!("{file}: it would exceed the memory limit")
+                });
+                break;
+            }
+            named.extend(path);
             let bytes = here.read(folder, budget).and_then(|bytes| {
                 budget
                     .take(TIMES_ITS_LENGTH * bytes.len() as u64, || here.spoken())

@@ -28,12 +28,15 @@ pub(super) struct Source<'a> {
 pub(super) struct Size {
     pub(super) triangles: u64,
     pub(super) corners: u64,
+    /// Those of polygons of more than 16.
+    pub(super) polygon_corners: u64,
 }
 
 impl AddAssign for Size {
     fn add_assign(&mut self, more: Size) {
         self.triangles += more.triangles;
         self.corners += more.corners;
+        self.polygon_corners += more.polygon_corners;
     }
 }
 
@@ -69,11 +72,16 @@ impl Source<'_> {
 
     fn size_of(&self, run: &Run) -> Size {
         let faces = &self.faces[run.piece];
-        let corners = run.faces.clone().map(|face| faces.face(face).len() as u64).sum();
-        Size {
-            triangles: corners - 2 * run.faces.len() as u64,
-            corners,
+        let mut size = Size::default();
+        for face in run.faces.clone() {
+            let corners = faces.face(face).len() as u64;
+            size += Size {
+                triangles: corners - 2,
+                corners,
+                polygon_corners: if corners > 16 { corners } else { 0 },
+            };
         }
+        size
     }
 
     /// Builds the mesh of a group.

@@ -28,7 +28,7 @@ mod text;
 
 pub use error::ObjError;
 
-use crate::budget::Budget;
+use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::warning::{WarningKind, Warnings};
 use crate::{BrokenRule, Import, ReadOptions, Room, gltf};
 use enfilade::{GeometryBuilder, Transform};
@@ -116,8 +116,10 @@ fn read(
     let mut at_work = 0;
     for (_, size) in &batches {
         kept += size.triangles * BYTES_KEPT + size.corners * (12 + carried);
-        at_work = at_work.max(size.triangles * BYTES_AT_WORK + size.corners * (40 + carried));
+        let polygons = size.polygon_corners * BYTES_PER_POLYGON_CORNER;
+        at_work = at_work.max(size.triangles * BYTES_AT_WORK + size.corners * (40 + carried) + polygons);
     }
+    kept += found.groups.len() as u64 * BYTES_PER_MESH;
     budget.take(kept + at_work, || "the triangles".to_owned())?;
     for (batch, _) in batches {
         let built: Vec<_> = batch.par_iter().map(|group| source.build(group)).collect();
@@ -155,6 +157,9 @@ fn bytes_of_tables(all: &Counts) -> u64 {
 const BYTES_KEPT: u64 = 16;
 /// Additional bytes per triangle while a mesh is built.
 const BYTES_AT_WORK: u64 = 120;
+
+/// Additional bytes per corner of a large polygon while it is cut into triangles.
+const BYTES_PER_POLYGON_CORNER: u64 = 400;
 
 /// Returns the maximum size of the attributes of a vertex, in bytes.
 fn bytes_carried(tables: &Tables, any_smooth: bool) -> u64 {

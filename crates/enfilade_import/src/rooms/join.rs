@@ -5,6 +5,7 @@ use super::overlap::overlaps;
 use super::sides::{self, LEAST, Rooms, Side, sides};
 use super::sky::open_above;
 use super::{MarkedMesh, OpeningTarget, Shell, Teleport};
+use crate::budget::Budget;
 use crate::faults::{Faults, Subject};
 use crate::warning::Warnings;
 use crate::{AuthoringError, BrokenRule, Room};
@@ -13,6 +14,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+/// Memory of a corner of an opening, in its outlines on both sides and while they are compared, in bytes.
+const BYTES_PER_CORNER: u64 = 64;
 
 /// An opening of a room and its target.
 struct PlannedPortal {
@@ -29,8 +33,14 @@ pub(crate) fn join(
     shells: Vec<Shell>,
     mut marked: Vec<MarkedMesh>,
     faults: &mut Faults,
+    budget: &mut Budget,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
+    // Many may share a mesh, but each has an outline of its own.
+    for marked in &marked {
+        let corners = marked.mesh.positions().len() as u64;
+        budget.take(corners * BYTES_PER_CORNER, || marked.spoken.clone())?;
+    }
     // Most files are one room without openings, which needs no analysis.
     if shells.len() == 1 && marked.is_empty() {
         return finish(shells, &marked, Analysis::default());

@@ -290,7 +290,8 @@ pub(in crate::gltf) fn list<'a, T: Deserialize<'a>>(
 pub(in crate::gltf) fn estimated_bytes(json: &[u8]) -> u64 {
     // The largest type that a bracket can hold, and slack for lists that grow by doubling.
     const EACH_BRACKET: u64 = 256;
-    const EACH_COMMA: u64 = 12;
+    // A name in a list of names.
+    const EACH_COMMA: u64 = 24;
     let count = |is: fn(&u8) -> bool| json.iter().filter(|byte| is(byte)).count() as u64;
     EACH_BRACKET * count(|&byte| byte == b'{' || byte == b'[') + EACH_COMMA * count(|&byte| byte == b',')
 }

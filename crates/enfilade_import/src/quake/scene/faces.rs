@@ -145,6 +145,10 @@ pub(super) fn read(
     budget: &mut Budget,
     warnings: &mut Warnings,
 ) -> Result<Surfaces, BrokenRule> {
+    let lump = map.lump(TEXTURES);
+    let textures = lump.first_chunk().map_or(0, |four| u32::from_le_bytes(*four));
+    let textures = u64::from(textures).min(lump.len() as u64 / 4);
+    budget.take(textures * BYTES_PER_IMAGE, || "its textures".to_owned())?;
     let images = images(map)?;
     let outlines = Outlines::of(map)?;
     let faces = faces(map)?;
@@ -273,6 +277,9 @@ pub(in crate::quake) fn placings(map: &Map, images: usize) -> Result<Vec<Placing
         .map(read)
         .collect()
 }
+
+/// Memory of the name of a texture, and of the material that it becomes, in bytes.
+const BYTES_PER_IMAGE: u64 = 100;
 
 /// Reads the names and sizes of the textures.
 pub(in crate::quake) fn images(map: &Map) -> Result<Vec<Image>, BspError> {

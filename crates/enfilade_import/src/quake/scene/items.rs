@@ -8,7 +8,7 @@ use super::axes::placed;
 use super::entities::Entity;
 use super::surfaces::Surfaces;
 use crate::BrokenRule;
-use crate::budget::Budget;
+use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::quake::bsp::{BspError, Map, Tree, in_range, int, word};
 use crate::warning::{WarningKind, Warnings};
 use enfilade::{GeometryBuilder, MeshId, Transform};
@@ -183,7 +183,7 @@ pub(super) fn add_entity_items(
                 budget.take(8 * range.len() as u64, || entity.name())?;
                 let faces: Vec<u32> = range.collect();
                 let triangles = surfaces.triangle_count(&faces);
-                budget.take(300 * triangles as u64, || entity.name())?;
+                budget.take(300 * triangles as u64 + BYTES_PER_MESH, || entity.name())?;
                 let mesh = (triangles > 0)
                     .then(|| surfaces.mesh(&faces))
                     .transpose()

@@ -34,7 +34,7 @@ const BYTES_OF_A_CORNER: u64 = 48 + 48 + 40;
 /// The same for a triangle.
 const BYTES_OF_A_TRIANGLE: u64 = 12 + 16 + 120;
 /// Additional memory of a face, in case it is a separate item.
-const BYTES_OF_A_FACE: u64 = 400;
+const BYTES_OF_A_FACE: u64 = 600;
 
 impl Surfaces {
     /// Reserves memory for faces, vertices and triangles.

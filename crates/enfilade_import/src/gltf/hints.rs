@@ -93,6 +93,41 @@ pub(super) fn read(document: &Document, faults: &mut Faults, warnings: &mut Warn
     hints
 }
 
+/// Returns `extras.enfilade.occluder` of all nodes that have it, or have it above them.
+pub(super) fn occluders(
+    document: &Document,
+    faults: &mut Faults,
+    warnings: &mut Warnings,
+) -> BTreeMap<u32, bool> {
+    let mut occluders = BTreeMap::new();
+    let mut waiting = Vec::new();
+    for (number, node) in (0_u32..).zip(&document.nodes) {
+        // Invalid extras are reported by `read`.
+        let Ok(mut notes) = Notes::of(document, number, node) else {
+            continue;
+        };
+        match notes.choice("occluder") {
+            Ok(None) => {}
+            Ok(Some(hides)) => {
+                occluders.insert(number, hides);
+                waiting.push(number);
+            }
+            Err(why) => faults.report(Subject::Room, why, warnings),
+        }
+    }
+    while let Some(number) = waiting.pop() {
+        let hides = occluders[&number];
+        for &child in &document.nodes[number as usize].children {
+            // A mark of its own is nearer.
+            if (child as usize) < document.nodes.len() && !occluders.contains_key(&child) {
+                occluders.insert(child, hides);
+                waiting.push(child);
+            }
+        }
+    }
+    occluders
+}
+
 /// Returns `extras.enfilade.method` of the scene: the method of the room for nodes outside every room.
 pub(super) fn method_of_scene(document: &Document) -> Result<Option<Method>, AuthoringError> {
     let number = document.scene.unwrap_or(0);
@@ -111,6 +146,8 @@ fn hint(
 ) -> Result<Option<Hint>, (Option<Kind>, AuthoringError)> {
     let by_name = kind_by_name(&node.name);
     let mut notes = Notes::of(document, number, node).map_err(|why| (by_name, why))?;
+    // Of any node: see `occluders`.
+    notes.values.remove("occluder");
     let has_notes = !notes.values.is_empty();
     let written = notes.kind().map_err(|why| (by_name, why))?;
     let Some(kind) = written.or(by_name) else {
@@ -245,11 +282,15 @@ impl Notes {
 
     /// Reads a boolean; exporters also write 1 or 0.
     fn truth(&mut self, key: &'static str) -> Result<bool, AuthoringError> {
+        Ok(self.choice(key)?.unwrap_or(false))
+    }
+
+    fn choice(&mut self, key: &'static str) -> Result<Option<bool>, AuthoringError> {
         match self.values.remove(key) {
-            None | Some(Value::Null) => Ok(false),
-            Some(Value::Bool(truth)) => Ok(truth),
-            Some(Value::Number(number)) if number.as_f64() == Some(1.0) => Ok(true),
-            Some(Value::Number(number)) if number.as_f64() == Some(0.0) => Ok(false),
+            None | Some(Value::Null) => Ok(None),
+            Some(Value::Bool(truth)) => Ok(Some(truth)),
+            Some(Value::Number(number)) if number.as_f64() == Some(1.0) => Ok(Some(true)),
+            Some(Value::Number(number)) if number.as_f64() == Some(0.0) => Ok(Some(false)),
             Some(other) => Err(self.wrong(key, &other, "true or false (or 1 or 0)")),
         }
     }

@@ -6,6 +6,7 @@ use crate::BrokenRule;
 use enfilade::{Alpha, Material, MaterialId};
 use serde::Deserialize;
 use serde_json::value::RawValue;
+use std::collections::BTreeSet;
 
 /// A material and the document's textures that it uses.
 #[derive(Debug)]
@@ -26,8 +27,9 @@ pub(super) struct Surface {
 /// referenced.
 pub(super) fn read(document: &Document, textures: bool) -> Result<Vec<Surface>, BrokenRule> {
     let mut surfaces = Vec::with_capacity(document.materials.len() + 1);
+    let animated: BTreeSet<u32> = document.animated().materials.into_iter().collect();
     for (number, source) in document.materials.iter().enumerate() {
-        let plain = material(number, source)?;
+        let plain = material(number, source, animated.contains(&(number as u32)))?;
         surfaces.push(if textures {
             textured(plain, source)
         } else {
@@ -73,7 +75,8 @@ fn textured(mut material: Material, source: &Source) -> Surface {
         pbr.metallic_roughness_texture.is_some(),
         source.normal_texture.is_some(),
         source.occlusion_texture.is_some(),
-        source.extensions.transmission.transmission_texture.is_some(),
+        (source.extensions.transmission.as_ref())
+            .is_some_and(|transmission| transmission.transmission_texture.is_some()),
     ];
     Surface {
         material,
@@ -85,11 +88,20 @@ fn textured(mut material: Material, source: &Source) -> Surface {
     }
 }
 
-fn material(number: usize, source: &Source) -> Result<Material, BrokenRule> {
-    let transmission = source.extensions.transmission.transmission_factor.clamp(0.0, 1.0);
+/// Returns a material without its textures; one that an animation changes is no occluder.
+fn material(number: usize, source: &Source, is_animated: bool) -> Result<Material, BrokenRule> {
+    let extensions = &source.extensions;
+    let transmission = extensions.transmission.as_ref();
+    let transmission = transmission.map_or(0.0, |of| of.transmission_factor.clamp(0.0, 1.0));
+    let mut cutoff = source.alpha_cutoff.clamp(0.0, f32::MAX);
     let alpha = match &*source.alpha_mode {
         // A transmissive material is transparent, so it must not occlude what is behind it, whatever its alpha mode.
         "OPAQUE" | "MASK" if transmission > 0.0 => Alpha::Blend,
+        // Without holes, but no occluder.
+        "OPAQUE" if is_animated || extensions.lets_light_through() => {
+            cutoff = 0.0;
+            Alpha::Mask
+        }
         "OPAQUE" => Alpha::Opaque,
         "MASK" => Alpha::Mask,
         "BLEND" => Alpha::Blend,
@@ -116,7 +128,7 @@ fn material(number: usize, source: &Source) -> Result<Material, BrokenRule> {
             .map(|value| value.clamp(0.0, 1.0) * strength),
         unlit: source.extensions.unlit.is_some(),
         alpha,
-        cutoff: source.alpha_cutoff.clamp(0.0, f32::MAX),
+        cutoff,
         double_sided: source.double_sided,
         detail: is_detail(source.extras),
         ..Material::opaque([r, g, b])

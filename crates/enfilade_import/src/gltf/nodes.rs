@@ -16,6 +16,8 @@ pub(super) struct SceneNode {
     pub(super) world: Transform,
     /// The nearest room node at or above it.
     pub(super) room: Option<u32>,
+    /// Whether it and all above it are drawn.
+    pub(super) is_visible: bool,
 }
 
 /// Returns the nodes of the default scene that have a mesh, a camera or a light, or that `wanted` accepts, by node
@@ -35,11 +37,11 @@ pub(super) fn place(
     let roots = roots(document, &parents)?;
     let mut roots = roots.iter();
     // A stack: the node to be visited first is pushed last.
-    let mut waiting: Vec<(u32, DAffine3, Option<u32>)> = Vec::new();
+    let mut waiting: Vec<(u32, DAffine3, Option<u32>, bool)> = Vec::new();
     loop {
         let next = waiting.pop();
-        let Some((number, world_from_parent, outer_room)) =
-            next.or_else(|| Some((*roots.next()?, DAffine3::IDENTITY, None)))
+        let Some((number, world_from_parent, outer_room, is_shown)) =
+            next.or_else(|| Some((*roots.next()?, DAffine3::IDENTITY, None, true)))
         else {
             break;
         };
@@ -50,6 +52,7 @@ pub(super) fn place(
         let node = &document.nodes[number as usize];
         let world_from_node = world_from_parent * parent_from_node(document, number, node, warnings)?;
         let room = if is_room(number) { Some(number) } else { outer_room };
+        let is_visible = is_shown && node.is_visible();
         let shows = node.mesh.is_some() || node.camera.is_some() || node.light().is_some();
         if shows || wanted(number) {
             let world = rounded(&world_from_node);
@@ -60,13 +63,14 @@ pub(super) fn place(
                 node: number,
                 world,
                 room,
+                is_visible,
             });
         }
         waiting.extend(
             node.children
                 .iter()
                 .rev()
-                .map(|&child| (child, world_from_node, room)),
+                .map(|&child| (child, world_from_node, room, is_visible)),
         );
     }
     placed.sort_unstable_by_key(|placed| placed.node);

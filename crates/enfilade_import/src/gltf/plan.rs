@@ -1,7 +1,7 @@
 //! Turns nodes and hints into rooms: assigns each node to a room, and decides whether it is an item or an opening.
 
 use super::Assets;
-use super::document::{Document, short};
+use super::document::{Document, Primitive, short};
 use super::hints::{self, Hint, OpeningTarget};
 use super::names::Names;
 use super::nodes::{self, SceneNode};
@@ -10,7 +10,7 @@ use crate::faults::{Faults, Subject};
 use crate::rooms::{self, Frame, MarkedMesh, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, Room, SourceNodes};
-use enfilade::{GeometryBuilder, MeshId, Method, Portal, SectorId};
+use enfilade::{Alpha, GeometryBuilder, ItemOptions, Material, MeshId, Method, Portal, SectorId};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -26,6 +26,12 @@ pub(super) struct Plan<'d> {
     flat: bool,
     /// Nodes that can move: leaves of doors, and what animations move, with all below them.
     movable: BTreeSet<u32>,
+    /// Nodes that animations move, show or hide, with all below them.
+    animated: BTreeSet<u32>,
+    /// Nodes that a renderer may replace by a level of detail, with all below them.
+    levels: BTreeSet<u32>,
+    /// Whether nodes hide others, by their authors.
+    occluders: BTreeMap<u32, bool>,
     /// Method of the room for nodes outside every room, if the scene defines one.
     method_of_rest: Option<Method>,
 }
@@ -65,15 +71,12 @@ impl<'d> Plan<'d> {
             .iter()
             .filter(|(_, hint)| **hint == Hint::Door)
             .map(|(&node, _)| node);
-        let mut waiting: Vec<u32> = doors.chain(document.animated_nodes()).collect();
-        let mut movable = BTreeSet::new();
-        while let Some(number) = waiting.pop() {
-            if let Some(node) = document.nodes.get(number as usize)
-                && movable.insert(number)
-            {
-                waiting.extend(&node.children);
-            }
-        }
+        let animated = with_all_below(document, document.animated().nodes);
+        let mut movable = with_all_below(document, doors.collect());
+        movable.extend(&animated);
+        let levels = (0..).zip(&document.nodes).filter(|(_, node)| node.has_levels());
+        let levels = with_all_below(document, levels.map(|(number, _)| number).collect());
+        let occluders = hints::occluders(document, faults, warnings);
         let mut plan = Plan {
             document,
             exits: called,
@@ -82,6 +85,9 @@ impl<'d> Plan<'d> {
             rooms,
             flat,
             movable,
+            animated,
+            levels,
+            occluders,
             method_of_rest,
         };
         plan.check_rooms(faults, warnings);
@@ -230,11 +236,33 @@ impl<'d> Plan<'d> {
     pub(super) fn is_item(&self, placed: &SceneNode) -> bool {
         let has_mesh = self.document.nodes[placed.node as usize].mesh.is_some();
         has_mesh
+            && placed.is_visible
             && match self.hints.get(&placed.node) {
                 Some(Hint::Opening { way, .. }) => self.flat && *way == OpeningTarget::Mirror,
                 Some(Hint::Hole) => false,
                 _ => true,
             }
+    }
+
+    fn has_morph_targets(&self, mesh: u32) -> bool {
+        let primitives = &self.document.meshes[mesh as usize].primitives;
+        primitives.iter().any(|primitive| !primitive.targets.is_empty())
+    }
+
+    /// Returns `true` if a node's mesh certainly is where the file has it, and the faces it has: it may hide others.
+    fn hides(&self, placed: &SceneNode, mesh: u32, materials: &[Material]) -> bool {
+        let node = &self.document.nodes[placed.node as usize];
+        let by_author = self.occluders.get(&placed.node).copied();
+        let primitives = &self.document.meshes[mesh as usize].primitives;
+        let has_shape =
+            node.skin.is_none() && !self.has_morph_targets(mesh) && !self.animated.contains(&placed.node);
+        let is_opaque = |material: u32| {
+            let material = materials.get(material as usize);
+            material.is_some_and(|material| material.alpha == Alpha::Opaque)
+        };
+        let is_surely_drawn = !self.levels.contains(&placed.node)
+            && primitives.iter().flat_map(Primitive::variants).all(is_opaque);
+        by_author.unwrap_or(has_shape) && is_surely_drawn
     }
 
     /// Creates an empty room for a room node.
@@ -290,19 +318,28 @@ impl<'d> Plan<'d> {
                 nodes.add(blocks.start, placed.node, id);
                 continue;
             }
-            let Some(mesh) = node.mesh.and_then(|mesh| own.get(&mesh)) else {
+            let Some((number, mesh)) = node.mesh.and_then(|mesh| Some((mesh, own.get(&mesh)?))) else {
                 continue;
+            };
+            let is_deformed = node.skin.is_some() || self.has_morph_targets(number);
+            let options = ItemOptions {
+                is_occluder: self.hides(placed, number, &assets.materials),
+                // Poses are not applied yet, so it may be outside its box.
+                never_cull: is_deformed,
+                ..ItemOptions::default()
             };
             let name = names.name(placed.node, node);
             match assets.instances.of(placed.node) {
                 None => {
                     let item = builder.item(&name, *mesh, placed.world);
+                    builder.set_options(item, options);
                     nodes.add(item.index, placed.node, id);
                 }
                 Some(instances) => {
                     for (number, &node_from_instance) in instances.iter().enumerate() {
                         let name = names.instance(&name, placed.node, number);
                         let item = builder.item(&name, *mesh, placed.world * node_from_instance);
+                        builder.set_options(item, options);
                         nodes.add(item.index, placed.node, id);
                     }
                 }
@@ -443,4 +480,17 @@ fn exit(hint: &Hint) -> Option<&str> {
         } => exit.as_ref().map(|exit| &*exit.node),
         _ => None,
     }
+}
+
+/// Returns some nodes with all below them. Indices that are out of range are ignored.
+fn with_all_below(document: &Document, mut waiting: Vec<u32>) -> BTreeSet<u32> {
+    let mut all = BTreeSet::new();
+    while let Some(number) = waiting.pop() {
+        if let Some(node) = document.nodes.get(number as usize)
+            && all.insert(number)
+        {
+            waiting.extend(&node.children);
+        }
+    }
+    all
 }

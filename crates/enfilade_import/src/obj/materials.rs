@@ -246,8 +246,8 @@ impl Reader<'_> {
         }
         match entry.coverage_map {
             _ if coverage < 1.0 => Alpha::Blend,
-            Some(_) => Alpha::Mask,
-            None => Alpha::Opaque,
+            None if !entry.is_see_through => Alpha::Opaque,
+            _ => Alpha::Mask,
         }
     }
 

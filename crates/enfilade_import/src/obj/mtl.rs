@@ -23,6 +23,9 @@ pub(super) struct Entry {
     pub(super) emission_map: Option<Map>,
     /// `map_d`.
     pub(super) coverage_map: Option<Map>,
+    /// Whether it is surely not opaque, whatever its numbers are: by `d -halo`, a filter color, an `illum` of glass, or a line about
+    /// opacity that cannot be read.
+    pub(super) is_see_through: bool,
 }
 
 /// An image reference of a material.
@@ -39,13 +42,11 @@ pub(super) struct Map {
 }
 
 /// Keywords of specular and other shading, which is not drawn; ignored without a warning.
-const LEFT_ASIDE: [&[u8]; 16] = [
+const LEFT_ASIDE: [&[u8]; 14] = [
     b"Ka",
     b"Ks",
     b"Ns",
     b"Ni",
-    b"Tf",
-    b"illum",
     b"sharpness",
     b"Pr",
     b"Pm",
@@ -96,11 +97,37 @@ impl Entry {
         match line.keyword() {
             b"Kd" => self.diffuse = Some(color(line)?),
             b"Ke" => self.emission = Some(color(line)?),
-            b"d" => self.coverage = Some(amount(line)?),
-            b"Tr" => self.transparency = Some(amount(line)?),
+            b"d" => match amount(line) {
+                Some(coverage) => self.coverage = Some(coverage),
+                // Also `d -halo 0.3`, which depends on the angle.
+                None => {
+                    self.is_see_through = true;
+                    return None;
+                }
+            },
+            b"Tr" => match amount(line) {
+                Some(transparency) => self.transparency = Some(transparency),
+                None => {
+                    self.is_see_through = true;
+                    return None;
+                }
+            },
+            // Light that passes through, but for none and for all, which some programs write for what is opaque.
+            b"Tf" => {
+                let filter = color(line);
+                self.is_see_through |= !matches!(filter, Some([1.0, 1.0, 1.0] | [0.0, 0.0, 0.0]));
+            }
+            // Glass, refraction, and reflection on glass.
+            b"illum" => {
+                let is_glass = |model: f32| [4.0, 6.0, 7.0, 9.0].contains(&model);
+                self.is_see_through |= line.words().next().and_then(number).is_some_and(is_glass);
+            }
             b"map_Kd" | b"map_kd" => self.diffuse_map = Some(Map::read(line, left)?),
             b"map_Ke" | b"map_ke" => self.emission_map = Some(Map::read(line, left)?),
-            b"map_d" | b"map_D" => self.coverage_map = Some(Map::read(line, left)?),
+            b"map_d" | b"map_D" | b"map_Tr" | b"map_tr" => {
+                self.is_see_through = true;
+                self.coverage_map = Some(Map::read(line, left)?);
+            }
             _ => return None,
         }
         Some(())
@@ -228,9 +255,6 @@ mod tests {
             "Kd -1 0 0",
             "Kd",
             "Kd spectral a.rfl",
-            "d",
-            "d -halo 0.5",
-            "Tr 2",
             "map_Kd",
             "map_Bump a.png",
             "nonsense",
@@ -244,6 +268,36 @@ mod tests {
             assert!(
                 warnings[0].contains(&format!("a.mtl line 2: {line}")),
                 "{warnings:?}"
+            );
+        }
+        for line in ["d", "d -halo 0.5", "d red", "d 1.5", "Tr 2", "Tr", "map_d"] {
+            let (entries, warnings) = read(&format!("newmtl a\n{line}"));
+            assert!(
+                entries[0].is_see_through,
+                "{line}: what is not known to be opaque is not"
+            );
+            assert!(
+                warnings[0].contains(&format!("a.mtl line 2: {line}")),
+                "{warnings:?}"
+            );
+        }
+        for (line, is_see_through) in [
+            ("Tf 0.2 0.9 0.9", true),
+            ("Tf spectral a.rfl", true),
+            ("Tf 1 1 1", false),
+            ("Tf 0 0 0", false),
+            ("illum 2", false),
+            ("illum 4", true),
+            ("illum 6", true),
+            ("illum 7", true),
+            ("illum 9", true),
+            ("map_d a.png", true),
+        ] {
+            let (entries, warnings) = read(&format!("newmtl a\n{line}"));
+            assert_eq!(
+                (entries[0].is_see_through, warnings.len()),
+                (is_see_through, 0),
+                "{line}"
             );
         }
         let (entries, warnings) = read("Kd 1 1 1\n");

@@ -2,6 +2,7 @@
 
 mod gltf;
 mod golden;
+mod hides;
 mod mixed;
 mod obj;
 mod quake;

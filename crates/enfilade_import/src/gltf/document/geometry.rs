@@ -51,6 +51,29 @@ impl Attributes {
 pub(in crate::gltf) struct PrimitiveExtensions {
     #[serde(rename = "KHR_draco_mesh_compression")]
     pub(in crate::gltf) draco: Option<IgnoredAny>,
+    #[serde(rename = "KHR_materials_variants")]
+    variants: Option<Box<Variants>>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Variants {
+    #[serde(default)]
+    mappings: Vec<VariantMaterial>,
+}
+
+#[derive(Debug, Deserialize)]
+struct VariantMaterial {
+    material: u32,
+}
+
+impl Primitive {
+    /// Returns the materials that the primitive may have instead of its own (`KHR_materials_variants`).
+    pub(in crate::gltf) fn variants(&self) -> impl Iterator<Item = u32> {
+        let variants = self.extensions.variants.iter();
+        variants
+            .flat_map(|variants| &variants.mappings)
+            .map(|mapping| mapping.material)
+    }
 }
 
 #[derive(Debug, Deserialize)]

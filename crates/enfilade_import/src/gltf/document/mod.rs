@@ -59,8 +59,8 @@ pub(in crate::gltf) struct Document<'a> {
 }
 
 impl Document<'_> {
-    /// Returns the nodes that animations move. What is not valid is ignored, as all else in animations is.
-    pub(in crate::gltf) fn animated_nodes(&self) -> impl Iterator<Item = u32> {
+    /// Returns what animations change. What is not valid is ignored, as all else in animations is.
+    pub(in crate::gltf) fn animated(&self) -> Animated {
         #[derive(Deserialize)]
         struct Animation {
             channels: Vec<Channel>,
@@ -73,16 +73,52 @@ impl Document<'_> {
         struct Target {
             node: Option<u32>,
             path: String,
+            #[serde(default)]
+            extensions: TargetExtensions,
+        }
+        #[derive(Default, Deserialize)]
+        struct TargetExtensions {
+            #[serde(rename = "KHR_animation_pointer")]
+            pointer: Option<Pointer>,
+        }
+        #[derive(Deserialize)]
+        struct Pointer {
+            pointer: String,
         }
         let animations = self.animations.iter();
         let read = animations.filter_map(|animation| serde_json::from_str::<Animation>(animation.get()).ok());
         let targets = read
             .flat_map(|animation| animation.channels)
             .map(|channel| channel.target);
-        targets
-            .filter(|target| target.path != "weights")
-            .filter_map(|target| target.node)
+        let mut animated = Animated::default();
+        for target in targets {
+            if target.path != "weights" {
+                animated.nodes.extend(target.node);
+            }
+            let pointer = target.extensions.pointer.unwrap_or(Pointer {
+                pointer: String::new(),
+            });
+            let mut steps = pointer.pointer.split('/').skip(1);
+            if let (Some(list), Some(number)) = (steps.next(), steps.next())
+                && let Ok(number) = number.parse()
+            {
+                match list {
+                    "nodes" => animated.nodes.push(number),
+                    "materials" => animated.materials.push(number),
+                    _ => {}
+                }
+            }
+        }
+        animated
     }
+}
+
+/// What animations change, by index; an index may be out of range.
+#[derive(Debug, Default)]
+pub(in crate::gltf) struct Animated {
+    /// Nodes that move, or appear and vanish.
+    pub(in crate::gltf) nodes: Vec<u32>,
+    pub(in crate::gltf) materials: Vec<u32>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -130,6 +166,21 @@ pub(in crate::gltf) struct NodeExtensions {
     pub(in crate::gltf) light: Option<LightNumber>,
     #[serde(rename = "EXT_mesh_gpu_instancing")]
     pub(in crate::gltf) instancing: Option<Instancing>,
+    #[serde(rename = "KHR_node_visibility")]
+    visibility: Option<NodeVisibility>,
+    /// Levels of detail, of which a renderer chooses one.
+    #[serde(rename = "MSFT_lod")]
+    levels: Option<IgnoredAny>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+struct NodeVisibility {
+    #[serde(default = "yes")]
+    visible: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -155,6 +206,17 @@ impl Node<'_> {
     /// Returns the index of the node's light.
     pub(in crate::gltf) fn light(&self) -> Option<u32> {
         Some(self.extensions.as_ref()?.light?.light)
+    }
+
+    /// Whether the node and those below it are drawn (`KHR_node_visibility`).
+    pub(in crate::gltf) fn is_visible(&self) -> bool {
+        let visibility = self.extensions.as_ref().and_then(|own| own.visibility);
+        visibility.is_none_or(|visibility| visibility.visible)
+    }
+
+    /// Whether a renderer may draw another node in its place.
+    pub(in crate::gltf) fn has_levels(&self) -> bool {
+        self.extensions.as_ref().is_some_and(|own| own.levels.is_some())
     }
 
     /// Returns the instance attributes of the node.

@@ -58,7 +58,15 @@ impl Default for PbrMetallicRoughness {
 #[serde(default)]
 pub(in crate::gltf) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_transmission")]
-    pub(in crate::gltf) transmission: Transmission,
+    pub(in crate::gltf) transmission: Option<Transmission>,
+    #[serde(rename = "KHR_materials_diffuse_transmission")]
+    pub(in crate::gltf) diffuse_transmission: Option<IgnoredAny>,
+    #[serde(rename = "KHR_materials_dispersion")]
+    pub(in crate::gltf) dispersion: Option<IgnoredAny>,
+    #[serde(rename = "KHR_materials_volume")]
+    pub(in crate::gltf) volume: Option<IgnoredAny>,
+    #[serde(rename = "KHR_materials_volume_scatter")]
+    pub(in crate::gltf) volume_scatter: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_unlit")]
     pub(in crate::gltf) unlit: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_emissive_strength")]
@@ -76,6 +84,18 @@ pub(in crate::gltf) struct Transmission {
 #[serde(rename_all = "camelCase", default)]
 pub(in crate::gltf) struct EmissiveStrength {
     pub(in crate::gltf) emissive_strength: f32,
+}
+
+impl MaterialExtensions {
+    /// Returns `true` if light may pass through the surface.
+    pub(in crate::gltf) fn lets_light_through(&self) -> bool {
+        let transmission = self.transmission.as_ref();
+        transmission.is_some_and(|transmission| transmission.transmission_factor > 0.0)
+            || self.diffuse_transmission.is_some()
+            || self.dispersion.is_some()
+            || self.volume.is_some()
+            || self.volume_scatter.is_some()
+    }
 }
 
 impl Default for EmissiveStrength {

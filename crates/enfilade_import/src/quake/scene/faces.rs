@@ -176,7 +176,7 @@ pub(super) fn read(
             continue;
         };
         let lit = match &mut light {
-            Some(light) if kind == Kind::Wall => {
+            Some(light) if matches!(kind, Kind::Wall | Kind::Fence) => {
                 let (styles, offset) = styles_and_offset(map, face);
                 let corners: Vec<_> = outline.iter().map(|&place| placing.texels(place)).collect();
                 let lit = light.add(&corners, offset, styles, budget)?;
@@ -189,7 +189,7 @@ pub(super) fn read(
         };
         let name = images.get(placing.image as usize).map_or("", |image| &image.name);
         let page = lit.as_ref().map(|_| light::number(0));
-        let material = looks.material(placing.image, name, kind, false, page);
+        let material = looks.material(placing.image, name, kind, false, true, page);
         let size = images
             .get(placing.image as usize)
             .map_or([64.0; 2], |image| image.size);
@@ -336,6 +336,7 @@ fn kind(placing: &Placing, images: &[Image], behind: impl FnOnce() -> Kind) -> O
             .into_iter()
             .find_map(|(word, kind)| name.contains(word).then_some(kind))
             .unwrap_or(Kind::Water),
+        [b'{', ..] => Kind::Fence,
         _ => Kind::Wall,
     })
 }

@@ -28,7 +28,9 @@ const LIGHT: usize = 28;
 /// Surface flags of a texture.
 const SKY: i32 = 0x4;
 const UNSEEN: i32 = 0x80 | 0x100 | 0x200;
+const NOT_SOLID: i32 = 0x4000;
 /// Content flags of a texture.
+const SOLID: i32 = 0x1;
 const LAVA: i32 = 0x8;
 const SLIME: i32 = 0x10;
 const WATER: i32 = 0x20;
@@ -248,7 +250,8 @@ fn material(
     // Liquids have a single face that is also visible from below.
     let double_sided = matches!(kind, Kind::Water | Kind::Slime | Kind::Lava | Kind::Glass);
     let light = page.filter(|_| kind == Kind::Wall);
-    let material = looks.material(texture, &name, kind, double_sided, light);
+    let is_solid = content & SOLID != 0 && content & SEEN_THROUGH == 0 && surface & (SKY | NOT_SOLID) == 0;
+    let material = looks.material(texture, &name, kind, double_sided, is_solid, light);
     Some((material, light.is_some()))
 }
 

@@ -11,7 +11,7 @@ use crate::BrokenRule;
 use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::quake::bsp::{BspError, Map, Tree, in_range, int, word};
 use crate::warning::{WarningKind, Warnings};
-use enfilade::{GeometryBuilder, MeshId, Transform};
+use enfilade::{GeometryBuilder, ItemOptions, MeshId, Transform};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -96,6 +96,31 @@ pub(super) fn add_world_items(
         geometry.item(&name, mesh, Transform::IDENTITY);
     }
     Ok(())
+}
+
+/// Returns `true` if a brush entity is certainly drawn, opaque, where the map has it: doors and lifts move, and engines draw
+/// others as transparent as their keys say.
+fn hides(entity: &Entity) -> bool {
+    const AT_REST: [&str; 7] = [
+        "func_detail",
+        "func_detail_illusionary",
+        "func_detail_wall",
+        "func_group",
+        "func_illusionary",
+        "func_static",
+        "func_wall",
+    ];
+    let is_plain = |(key, plain): (&str, f32)| match entity.get(key) {
+        "" => true,
+        value => value.trim().parse() == Ok(plain),
+    };
+    let plain = [
+        ("alpha", 1.0),
+        ("renderamt", 255.0),
+        ("rendermode", 0.0),
+        ("renderfx", 0.0),
+    ];
+    AT_REST.contains(&entity.class()) && plain.into_iter().all(is_plain)
 }
 
 /// Returns pairs of a face and a leaf (or cluster) that lists it, sorted and unique.
@@ -198,7 +223,14 @@ pub(super) fn add_entity_items(
         };
         if let Some(mesh) = mesh {
             let origin = entity.three("origin").unwrap_or_default();
-            geometry.item(&entity.name(), mesh, placed(origin));
+            let item = geometry.item(&entity.name(), mesh, placed(origin));
+            geometry.set_options(
+                item,
+                ItemOptions {
+                    is_occluder: hides(entity),
+                    ..ItemOptions::default()
+                },
+            );
         }
     }
     Ok(())

@@ -16,6 +16,8 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in crate::quake) enum Kind {
     Wall,
+    /// A wall with holes: its texture has a transparent color.
+    Fence,
     Glass,
     Water,
     Slime,
@@ -30,7 +32,7 @@ pub(in crate::quake) enum Kind {
 #[derive(Debug, Default)]
 pub(super) struct Looks {
     pub(super) materials: Vec<Material>,
-    known: HashMap<(u32, Kind, Option<TextureId>), MaterialId>,
+    known: HashMap<(u32, Kind, Option<TextureId>, bool), MaterialId>,
     with_patterns: bool,
     /// Lightmaps; their ids follow those of the patterns.
     pub(super) light: Vec<Arc<Texture>>,
@@ -98,20 +100,22 @@ impl Looks {
     }
 
     /// Returns the material of a texture, given its index in the map and its name, which is empty if the map stores
-    /// none. With `light`, the lightmap replaces the pattern, and the material is unlit.
+    /// none. With `light`, the lightmap replaces the pattern, and the material is unlit. It hides what is behind only if
+    /// `is_solid`, and never if it is a liquid, whose opacity is up to the player.
     pub(super) fn material(
         &mut self,
         texture: u32,
         name: &str,
         kind: Kind,
         double_sided: bool,
+        is_solid: bool,
         light: Option<TextureId>,
     ) -> MaterialId {
         let next = MaterialId(self.materials.len() as u32);
-        let id = *self.known.entry((texture, kind, light)).or_insert(next);
+        let id = *self.known.entry((texture, kind, light, is_solid)).or_insert(next);
         if id == next {
             let (material, pattern) = match kind {
-                Kind::Wall => wall(texture, name),
+                Kind::Wall | Kind::Fence => wall(texture, name),
                 Kind::Glass => (glass(), None),
                 Kind::Water => (Material::opaque(WATER), Some(Pattern::Rough)),
                 Kind::Slime => (Material::opaque(SLIME), Some(Pattern::Rough)),
@@ -124,7 +128,13 @@ impl Looks {
                 Some(_) => bright([0, 1, 2].map(|part| (FULL * material.base_color[part]).min(1.0))),
                 None => material,
             };
+            let hides = is_solid && matches!(kind, Kind::Wall | Kind::Sky);
             self.materials.push(Material {
+                alpha: if hides || material.alpha == Alpha::Blend {
+                    material.alpha
+                } else {
+                    Alpha::Mask
+                },
                 texture: light.or(pattern.map(|pattern| TextureId(pattern as u32))),
                 double_sided,
                 ..material
@@ -219,7 +229,7 @@ mod tests {
     fn one_name_has_one_color_in_each_map_and_others_have_others() {
         let mut looks = Looks::new(true);
         let mut color = |texture, name| {
-            let id = looks.material(texture, name, Kind::Wall, false, None);
+            let id = looks.material(texture, name, Kind::Wall, false, true, None);
             looks.materials[id.0 as usize].base_color
         };
         assert_eq!(color(0, "textures/a/metal_1"), color(7, "textures/a/metal_1"));
@@ -234,7 +244,7 @@ mod tests {
     fn without_images_the_colors_are_the_same() {
         let of = |with_patterns| {
             let mut looks = Looks::new(with_patterns);
-            looks.material(0, "floor2_1", Kind::Wall, true, None);
+            looks.material(0, "floor2_1", Kind::Wall, true, true, None);
             looks.materials[0]
         };
         assert!(of(true).texture.is_some());

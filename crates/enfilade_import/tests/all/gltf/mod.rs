@@ -6,7 +6,7 @@ mod cameras;
 mod compressed;
 mod compressed_damage;
 mod containers;
-mod file;
+pub(crate) mod file;
 mod fixtures;
 mod grid;
 mod hostile;

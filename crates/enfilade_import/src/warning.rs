@@ -87,6 +87,8 @@ pub enum WarningKind {
     Skins,
     /// Animations.
     Animations,
+    /// What breaks a rule of the format, but has a plain meaning.
+    Repaired,
     /// Images that cannot be read.
     BadImages,
     /// Textured faces without texture coordinates.
@@ -122,6 +124,7 @@ impl WarningKind {
             }
             WarningKind::UnreadNotes => "extras.enfilade has unknown keys, which are ignored",
             WarningKind::Extensions => "unknown extensions are ignored",
+            WarningKind::Repaired => "what breaks a rule of the format, but has a plain meaning, is read",
             WarningKind::Points => "points are not drawn",
             WarningKind::Lines => "lines are not drawn",
             WarningKind::NoRoomsInObj => {
@@ -152,8 +155,12 @@ impl WarningKind {
             WarningKind::InstancedOpenings => {
                 "instances of portals and mirrors are ignored: each is placed once, at its node"
             }
-            WarningKind::MorphTargets => "morph targets are not read yet: shapes are those before any morph",
-            WarningKind::Skins => "skins are not read yet: meshes are in their rest pose",
+            WarningKind::MorphTargets => {
+                "morph targets are not read yet: shapes are those before any morph, are never culled, and hide nothing"
+            }
+            WarningKind::Skins => {
+                "skins are not read yet: meshes are drawn without a pose, are never culled, and hide nothing"
+            }
             WarningKind::Animations => "animations are not read yet: everything stands still",
             WarningKind::BadImages => "images that cannot be read are grey",
             WarningKind::NoTextureCoordinates => {

@@ -8,6 +8,8 @@ pub(super) struct Container<'a> {
     pub(super) json: &'a [u8],
     /// The binary chunk of a `.glb`, if it has one.
     pub(super) binary: Option<&'a [u8]>,
+    /// Whether the header of a `.glb` gives its length as 0, as writers do that cannot go back.
+    pub(super) is_of_no_length: bool,
 }
 
 const MAGIC: &[u8] = b"glTF";
@@ -23,7 +25,11 @@ impl<'a> Container<'a> {
         }
         if begins_like_json(bytes) {
             let json = without_mark(bytes);
-            return Ok(Container { json, binary: None });
+            return Ok(Container {
+                json,
+                binary: None,
+                is_of_no_length: false,
+            });
         }
         Err(BrokenRule::NotGltf {
             begins: beginning(bytes),
@@ -65,7 +71,12 @@ fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
     if version != 2 {
         return Err(BrokenRule::Version(version.to_string()));
     }
-    let length = u64::from(u32::from_le_bytes(*length));
+    let is_of_no_length = *length == [0; 4];
+    let length = if is_of_no_length {
+        has
+    } else {
+        u64::from(u32::from_le_bytes(*length))
+    };
     let chunk = |part: &'static str, start: usize| {
         let (Some(size), Some(kind)) = (word(start), word(start + 4)) else {
             return Err(cut(part, start as u64 + 8));
@@ -91,7 +102,11 @@ fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
     if length > has {
         return Err(cut("last chunk", length));
     }
-    Ok(Container { json, binary })
+    Ok(Container {
+        json: without_mark(json),
+        binary,
+        is_of_no_length,
+    })
 }
 
 /// Returns `true` if the bytes are a `.glb`.

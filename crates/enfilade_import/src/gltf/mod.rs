@@ -83,6 +83,11 @@ fn import_with(
 ) -> Result<Import, BrokenRule> {
     let mut warnings = Warnings::default();
     let container = Container::split(bytes)?;
+    if container.is_of_no_length {
+        warnings.name(WarningKind::Repaired, || {
+            "the header gives a length of 0".to_owned()
+        });
+    }
     let document = Document::parse(container.json, &mut budget)?;
     extensions::check(&document, &mut warnings)?;
     warn_of_the_unread(&document, &mut warnings);

@@ -29,6 +29,19 @@ pub(super) fn place(
     warnings: &mut Warnings,
 ) -> Result<Vec<SceneNode>, BrokenRule> {
     let parents = parents(document)?;
+    for (number, node) in (0_u32..).zip(&document.nodes) {
+        if node.children.len() < 2 {
+            continue;
+        }
+        let mut children = node.children.clone();
+        children.sort_unstable();
+        for pair in children.windows(2).filter(|pair| pair[0] == pair[1]) {
+            warnings.name(WarningKind::Repaired, || {
+                let [parent, child] = [number, pair[0]].map(|node| document.node_name(node));
+                format!("{parent} lists {child} twice")
+            });
+        }
+    }
     if let Some(node) = on_a_cycle(&parents) {
         return Err(BrokenRule::NodeCycle(name_the_cycle(document, &parents, node)));
     }
@@ -113,7 +126,10 @@ fn parents(document: &Document) -> Result<Vec<Option<u32>>, BrokenRule> {
     for (parent, node) in (0_u32..).zip(&document.nodes) {
         for &child in &node.children {
             find(&document.nodes, child, "node", || document.node_name(parent))?;
-            if let Some(first) = parents[child as usize].replace(parent) {
+            // Listed twice by one node, it is its child once.
+            if let Some(first) = parents[child as usize].replace(parent)
+                && first != parent
+            {
                 let [node, first, second] = [child, first, parent].map(|number| document.node_name(number));
                 return Err(BrokenRule::TwoParents { node, first, second });
             }
@@ -190,9 +206,13 @@ fn parent_from_node(
                 .into_iter()
                 .fold(0.0_f64, |most, part| most.max(part.abs()));
             if largest == 0.0 {
-                return Err(BrokenRule::NoRotation(name()));
+                warnings.name(WarningKind::Repaired, || {
+                    format!("{} has a rotation of length zero", name())
+                });
+                DQuat::IDENTITY
+            } else {
+                DQuat::from_vec4((DVec4::new(x, y, z, w) / largest).normalize())
             }
-            DQuat::from_vec4((DVec4::new(x, y, z, w) / largest).normalize())
         }
     };
     Ok(DAffine3::from_scale_rotation_translation(

@@ -1,6 +1,6 @@
 //! Tests containers: binary and text, with separate and embedded buffers, whole and truncated.
 
-use super::file::{File, glb, refusal, triangles};
+use super::file::{File, glb, reads, refusal, triangles, warnings};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use enfilade_import::{BrokenRule, Import, ImportError, ReadOptions, read, read_bytes};
@@ -321,4 +321,47 @@ fn json_that_is_none() {
             .expect("not UTF-8")
             .contains("its JSON cannot be read: invalid unicode")
     );
+}
+
+#[test]
+fn what_breaks_a_rule_but_has_a_plain_meaning_is_read_with_a_warning() {
+    let plain = triangles(&reads(&File::leaf()));
+    let said = |import: &Import| warnings(import).join("; ");
+    let mut file = File::leaf();
+    file.json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]);
+    let import = reads(&file);
+    assert_eq!(triangles(&import), plain);
+    assert!(
+        said(&import).contains("node 0 \"Leaf\" has a rotation of length zero"),
+        "{}",
+        said(&import)
+    );
+
+    let mut file = File::leaf();
+    file.node(json!({ "name": "Tree", "children": [0, 0] }));
+    let import = reads(&file);
+    assert_eq!(triangles(&import), plain);
+    assert!(
+        said(&import).contains("node 1 \"Tree\" lists node 0 \"Leaf\" twice"),
+        "{}",
+        said(&import)
+    );
+
+    let mut headless = File::leaf().glb();
+    headless[8..12].fill(0);
+    let import = read_bytes(&headless, None, &ReadOptions::default()).expect("a header without a length");
+    assert_eq!(triangles(&import), plain);
+    assert!(
+        said(&import).contains("the header gives a length of 0"),
+        "{}",
+        said(&import)
+    );
+
+    let file = File::leaf();
+    let import = read_bytes(
+        &glb(&format!("\u{feff}{}", file.json), &file.bytes),
+        None,
+        &ReadOptions::default(),
+    );
+    assert_eq!(triangles(&import.expect("a byte order mark")), plain);
 }

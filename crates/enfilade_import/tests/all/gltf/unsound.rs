@@ -16,11 +16,6 @@ fn forests_that_are_none() {
             "node 0 \"Door\" is a child of both node 1 and node 2 \"Hall\"",
         ),
         (
-            "a parent that names its child twice",
-            &|j| j["nodes"] = json!([{ "children": [1, 1] }, {}]),
-            "node 1 is a child of both node 0 and node 0",
-        ),
-        (
             "a node that is its own child",
             &|j| j["nodes"] = json!([{ "name": "Ouroboros", "children": [0] }]),
             "form a cycle: node 0 \"Ouroboros\", node 0 \"Ouroboros\"",
@@ -68,11 +63,6 @@ fn places_that_are_none() {
             "a matrix with perspective",
             &|j| j["nodes"][0]["matrix"] = json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
             "node 0 \"Leaf\" has a matrix with perspective",
-        ),
-        (
-            "no rotation",
-            &|j| j["nodes"][0]["rotation"] = json!([0, 0, 0, 0]),
-            "node 0 \"Leaf\" has a rotation of length zero",
         ),
         (
             "a place too far out",
@@ -126,8 +116,10 @@ fn extensions_that_are_required_and_not_read() {
     for (names, remedy) in [
         (vec![draco], "export it again without compression"),
         (vec!["ACME_time_travel"], "export it again without"),
-        (vec!["KHR_materials_clearcoat"], "export it again without"),
-        (vec!["EXT_texture_webp"], "export it again without"),
+        (
+            vec!["KHR_gaussian_splatting"],
+            "its splats are lost; export it again as triangles",
+        ),
         (vec!["A", "B", "C", "D", "E", "F"], "export it again without"),
     ] {
         let spoken = match names.len() {

@@ -13,7 +13,7 @@ use crate::shards::PartFiles;
 use crate::text::{bytes, count, ms, plural};
 use anyhow::{Context, Result, ensure};
 use enfilade::{Aabb, ItemIndex, SectorId};
-use enfilade_import::{BakedSections, bake_hints};
+use enfilade_import::{BakedSections, bake_hints, file_bytes};
 use enfilade_stream::{Hint, HintOptions, HintSampler};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
@@ -228,7 +228,7 @@ impl Part {
 
     /// Reads a file; `None` if it does not exist, or is damaged.
     fn read(file: &Path) -> Option<Part> {
-        serde_json::from_slice(&std::fs::read(file).ok()?).ok()
+        serde_json::from_slice(&file_bytes(file, u64::MAX).ok()?).ok()
     }
 
     fn hint(self) -> Hint {

@@ -24,6 +24,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # What hides
+//!
+//! A surface hides others only if the file says for sure that it is opaque, that it is drawn, and where. Everything else is visible
+//! like any other item, and hides nothing:
+//!
+//! | format | hides nothing |
+//! |---|---|
+//! | glTF | skinned and morphed meshes (which are never culled either, because their poses are not applied); nodes that an animation moves or shows, with those below them; nodes with levels of detail; alpha test and blend; transmission, volume, diffuse transmission, dispersion; materials that an animation changes; meshes with a variant that is not opaque |
+//! | OBJ | `d` below 1, `Tr` above 0, `d -halo`, `map_d`, a filter color `Tf`, `illum` 4, 6, 7 and 9, and lines about opacity that cannot be read |
+//! | Quake | liquids and teleporters, which engines may draw translucent; textures `{…`; brush entities that may move or vanish, or have `alpha`, `renderamt`, `rendermode` or `renderfx` |
+//! | Quake 3 | liquids, glass, sky; textures whose contents are not solid or are translucent, or whose surface is not solid |
+//!
+//! `extras.enfilade` of a glTF node says `{"occluder": false}` for what shall hide nothing, with all nodes below it, and
+//! `{"occluder": true}` for an animated, skinned or morphed mesh that may hide as it is in the file; never for alpha.
+//!
 //! # glTF
 //!
 //! Each node with a mesh becomes an item; nodes that share a mesh still share it after import. Node names or
@@ -70,8 +85,8 @@
 //! Supported: BSP29 and BSP2 (Quake), IBSP46 (Quake 3). World faces become items, one for each set of leafs (`leaf 12`)
 //! or clusters (`cluster 12`) that lists them; of several sets that begin with the same leaf, the second is `leaf
 //! 12.2`. Brush entities such as doors and lifts become separate items: `func_door gate#34` is the class name, the
-//! target name and the entity index. Faces that engines do not draw are left out. Sky is an opaque face, because it
-//! bounds the world. Player starts become cameras and light entities become lights; faces with lightmaps use those
+//! target name and the entity index. Faces that engines do not draw are left out. Sky is an opaque face in maps of Quake, because
+//! it bounds the world. Player starts become cameras and light entities become lights; faces with lightmaps use those
 //! instead of the lights. The PVS, if the file has one, becomes the geometry's [baked
 //! cells](enfilade::Geometry::cells). Maps have Z up: x stays x, their z becomes y, and their y becomes −z; units are
 //! unchanged. The images of their textures are in other game files, so colors are derived from the texture names.
@@ -104,13 +119,19 @@
 //! |---|---|
 //! | `EXT_mesh_gpu_instancing` | each instance is an item, `NAME[7]` |
 //! | `EXT_meshopt_compression`, `KHR_meshopt_compression` | decoded |
+//! | `KHR_animation_pointer` | what it changes hides nothing |
 //! | `KHR_lights_punctual` | [`Import::lights`]; a light belongs to the room above its node, otherwise to the smallest room around it |
+//! | `KHR_materials_diffuse_transmission`, `_dispersion`, `_volume`, `_volume_scatter` | such materials hide nothing |
 //! | `KHR_materials_emissive_strength`, `KHR_materials_unlit` | applied |
 //! | `KHR_materials_transmission` | alpha-blended; 90 % of the transmission factor becomes transparency |
+//! | `KHR_materials_variants` | drawn as by default; hides only if all variants are opaque |
 //! | `KHR_mesh_quantization` | decoded |
+//! | `KHR_node_visibility` | an invisible node and those below it are not drawn; marks of rooms and portals count all the same |
 //! | `KHR_texture_transform` | applied to the texture coordinates |
+//! | `MSFT_lod` | the finest level is drawn, and hides nothing |
 //!
-//! A file that requires another extension is an error; a file that only uses one is read, with a warning.
+//! Extensions of textures, shading and metadata are ignored with a warning, also if a file requires them. A file that requires one
+//! without which shapes would be wrong, or an unknown one, is an error; a file that only uses one is read, with a warning.
 //! [`Import::warnings`] names everything that is not drawn or not supported yet (skins, animations, metallic-roughness
 //! textures). An image that cannot be read becomes grey, with a warning that gives the reason. A file that violates a
 //! rule returns an [`ImportError`] that names the element and the rule.

@@ -29,7 +29,7 @@ use serde_json::value::{RawValue, to_raw_value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, ErrorKind};
+use std::io;
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::Xxh3;
 
@@ -507,11 +507,11 @@ fn hash_of_files(scene: &Path, others: &[PathBuf]) -> Result<String> {
     let others = others.iter().map(PathBuf::as_path);
     for path in [scene].into_iter().chain(others.filter(|path| !is_image(path))) {
         let fails = || format!("cannot read {}", path.display());
-        let mut file = match File::open(path) {
-            // The reader has warned of it, or does not need it.
-            Err(why) if why.kind() == ErrorKind::NotFound && path != scene => continue,
-            file => file.with_context(fails)?,
-        };
+        // The reader has warned of it, or does not need it. Opening a pipe would block until someone writes.
+        if !path.is_file() && path != scene {
+            continue;
+        }
+        let mut file = File::open(path).with_context(fails)?;
         let length = io::copy(&mut file, &mut hash).with_context(fails)?;
         hash.update(&length.to_le_bytes());
     }

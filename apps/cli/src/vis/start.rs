@@ -10,8 +10,7 @@ use crate::save::Destination;
 use crate::shards::PartFiles;
 use anyhow::Result;
 use enfilade_bake::{PairsWork, Stage};
-use enfilade_import::PortalFile;
-use std::fs;
+use enfilade_import::{PortalFile, file_bytes};
 use std::path::{Path, PathBuf};
 
 /// The files `MAP.bsp.start.vis` and `MAP.bsp.passages.vis`.
@@ -48,10 +47,7 @@ impl FlowStart {
 
     /// Reads the work; `None` if a file is missing, damaged, too large, of other portals or of another version.
     pub(super) fn read(&mut self, portals: &PortalFile, limit: u64) -> Option<PairsWork> {
-        let [saved, passages] = [&self.path, &self.path_of_passages].map(|path| {
-            let is_small = fs::metadata(path).is_ok_and(|file| file.len() <= limit);
-            is_small.then(|| fs::read(path).ok()).flatten()
-        });
+        let [saved, passages] = [&self.path, &self.path_of_passages].map(|path| file_bytes(path, limit).ok());
         let work = PairsWork::resume(&portals.cells, limit, &saved?, &passages?).ok()?;
         // Without its passages it is in an earlier stage.
         self.is_read = is_start(&work) && work.shard().is_none();

@@ -117,7 +117,8 @@ fn colored_light_of_a_map_is_found_after_each_way_to_write_its_pvs() {
     folder.add("quake3.bsp", with_bspx(&quake3));
     assert_eq!(folder.run("portals quake3.bsp").code, Some(0));
     for name in ["quake", "quake3"] {
-        assert_eq!(lighting(&map(&folder, &format!("{name}.bsp"))), b"red green");
+        let before = map(&folder, &format!("{name}.bsp"));
+        assert_eq!(lighting(&before), b"red green");
         for (arguments, target) in [
             ("-o copy.bsp", "copy.bsp"),
             ("--seconds 0", "NAME.bsp"),
@@ -130,6 +131,13 @@ fn colored_light_of_a_map_is_found_after_each_way_to_write_its_pvs() {
             assert_eq!(run.code, Some(0), "{name} {arguments}: {}", run.stderr);
             let map = map(&folder, &target.replace("NAME", name));
             assert_eq!(lighting(&map), b"red green", "{name} {arguments}");
+            // Rows of the PVS, and the leafs of Quake that name them, may differ.
+            let written: &[usize] = if name == "quake" { &[4, 10] } else { &[16] };
+            let lumps = 0..if name == "quake" { 15 } else { 17 };
+            for number in lumps.filter(|number| !written.contains(number)) {
+                let [old, new] = [&before, &map].map(|map| &map[lump(map, number)]);
+                assert!(old == new, "{name} {arguments}: lump {number}");
+            }
         }
     }
 }

@@ -60,7 +60,7 @@ fn a_map_has_an_item_for_each_room_and_one_for_its_door() {
         assert_eq!(sky, 2, "sky and lava are as bright as they are");
         let hides = |material: &Material| material.alpha == Alpha::Opaque;
         let (bright, walls): (Vec<_>, Vec<_>) = geometry.materials().iter().partition(|of| of.unlit);
-        assert!(walls.iter().all(|wall| hides(wall)), "{format:?}: {walls:?}");
+        assert!(walls.iter().all(&hides), "{format:?}: {walls:?}");
         let skies = bright.into_iter().filter(hides).count();
         let expected = usize::from(format != Format::Ibsp46);
         assert_eq!(

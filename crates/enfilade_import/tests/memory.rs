@@ -273,11 +273,17 @@ fn map(changed: &[(usize, Vec<u8>)]) -> Vec<u8> {
     for (number, lump) in changed {
         lumps[*number].clone_from(lump);
     }
-    let mut map = words(&[29]);
-    let mut at = 4 + 15 * 8;
+    with_lumps(&words(&[29]), lumps)
+}
+
+/// A map of these lumps.
+fn with_lumps(magic: &[u8], lumps: Vec<Vec<u8>>) -> Vec<u8> {
+    let mut map = magic.to_vec();
+    let mut at = magic.len() + 8 * lumps.len();
     for lump in &lumps {
-        map.extend(words(&[at, lump.len() as i32]));
-        at += lump.len().next_multiple_of(4) as i32;
+        let entry = [at, lump.len()].map(|number| (number as u32).to_le_bytes());
+        map.extend(entry.concat());
+        at += lump.len().next_multiple_of(4);
     }
     for lump in lumps {
         map.extend(lump);
@@ -402,17 +408,7 @@ fn patches() -> Vec<u8> {
     face.resize(96, 0);
     face.extend(words(&[3, 3]));
     lumps[13] = face.repeat(count as usize);
-    let mut map = b"IBSP\x2e\0\0\0".to_vec();
-    let mut at = 8 + 17 * 8;
-    for lump in &lumps {
-        map.extend(words(&[at, lump.len() as i32]));
-        at += lump.len().next_multiple_of(4) as i32;
-    }
-    for lump in lumps {
-        map.extend(lump);
-        map.resize(map.len().next_multiple_of(4), 0);
-    }
-    map
+    with_lumps(b"IBSP\x2e\0\0\0", lumps)
 }
 
 fn terrain() -> Vec<Bomb> {

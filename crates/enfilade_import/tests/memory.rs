@@ -32,7 +32,8 @@ const BOMB: &str = "ENFILADE_BOMB";
 #[test]
 #[ignore = "run by the other test, in a process of its own"]
 fn read_the_file_that_is_named() {
-    let bomb = std::env::var(BOMB).expect("a file and a limit");
+    // None, if all ignored tests are run.
+    let Ok(bomb) = std::env::var(BOMB) else { return };
     let (limit, path) = bomb.split_once(' ').expect("a limit, and a file");
     let path = Path::new(path);
     let options = ReadOptions {

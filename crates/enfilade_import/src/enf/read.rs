@@ -235,6 +235,9 @@ pub(super) fn read_page(
     meshes.iter().map(read).collect()
 }
 
+/// Bound of what [`Mesh::bytes_beside`] returns for a sound mesh, by the length of its bytes: a cluster is stored in 12.
+const MOST_TIMES_ITS_LENGTH: u64 = 16;
+
 /// Reserves memory for what is built of the meshes of a page beside its bytes.
 pub(super) fn afford_page(
     container: &Container,
@@ -247,7 +250,9 @@ pub(super) fn afford_page(
     for &mesh in meshes {
         let MeshRecord { start, length, .. } = records[mesh as usize];
         let header = container.beginning(section, start.into(), Mesh::HEADER_BYTES.min(length as usize))?;
-        budget.take(Mesh::bytes_beside(&header), || format!("mesh {mesh}"))?;
+        // The header is not checked yet: a damaged one must not look like a large mesh.
+        let most = MOST_TIMES_ITS_LENGTH * u64::from(length);
+        budget.take(Mesh::bytes_beside(&header).min(most), || format!("mesh {mesh}"))?;
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ pub(super) struct Container<'a> {
     /// The binary chunk of a `.glb`, if it has one.
     pub(super) binary: Option<&'a [u8]>,
     /// Whether the header of a `.glb` gives its length as 0, as writers do that cannot go back.
-    pub(super) is_of_no_length: bool,
+    pub(super) has_zero_length: bool,
 }
 
 const MAGIC: &[u8] = b"glTF";
@@ -28,7 +28,7 @@ impl<'a> Container<'a> {
             return Ok(Container {
                 json,
                 binary: None,
-                is_of_no_length: false,
+                has_zero_length: false,
             });
         }
         Err(BrokenRule::NotGltf {
@@ -71,8 +71,8 @@ fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
     if version != 2 {
         return Err(BrokenRule::Version(version.to_string()));
     }
-    let is_of_no_length = *length == [0; 4];
-    let length = if is_of_no_length {
+    let has_zero_length = *length == [0; 4];
+    let length = if has_zero_length {
         has
     } else {
         u64::from(u32::from_le_bytes(*length))
@@ -105,7 +105,7 @@ fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
     Ok(Container {
         json: without_mark(json),
         binary,
-        is_of_no_length,
+        has_zero_length,
     })
 }
 

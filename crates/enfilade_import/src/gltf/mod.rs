@@ -83,7 +83,7 @@ fn import_with(
 ) -> Result<Import, BrokenRule> {
     let mut warnings = Warnings::default();
     let container = Container::split(bytes)?;
-    if container.is_of_no_length {
+    if container.has_zero_length {
         warnings.name(WarningKind::Repaired, || {
             "the header gives a length of 0".to_owned()
         });

@@ -1,6 +1,7 @@
 //! What all JSON reports share: the destination, the scene, and how numbers are rounded.
 
 use crate::args::JsonArg;
+use crate::non_occluders::NonOccluderItem;
 use crate::open::OpenedScene;
 use crate::out;
 use crate::run_files::RunFiles;
@@ -15,6 +16,9 @@ pub(crate) struct SceneReport {
     pub(crate) triangles: u64,
     pub(crate) sectors: usize,
     pub(crate) portals: usize,
+    /// Items of which some faces hide nothing; if asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) non_occluders: Option<Vec<NonOccluderItem>>,
 }
 
 /// Destination of the JSON report, checked to be writable before the work.
@@ -62,6 +66,7 @@ impl SceneReport {
             triangles: scene.triangle_count(),
             sectors: scene.sector_count(),
             portals: scene.portals().len(),
+            non_occluders: None,
         }
     }
 }

@@ -19,6 +19,7 @@ mod link;
 mod look;
 mod measure;
 mod names;
+mod non_occluders;
 mod open;
 mod out;
 mod picture;

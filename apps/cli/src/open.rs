@@ -9,7 +9,7 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use enfilade::{Camera, Method, Scene, SceneError, Unsuited};
 use enfilade_draw::Stage;
 use enfilade_import::{
-    BakedSections, BrokenRule, Import, ImportError, MapSummary, ReadOptions, Room, SourceNodes,
+    BakedSections, BrokenRule, Import, ImportError, MapSummary, NonOccluders, ReadOptions, Room, SourceNodes,
 };
 use std::ffi::OsStr;
 use std::fs::File;
@@ -30,6 +30,8 @@ pub(crate) struct OpenedScene {
     pub(crate) orthographic_heights: Vec<Option<f32>>,
     /// The glTF nodes the items come from, by sector; empty for a built-in scene.
     pub(crate) nodes: Vec<SourceNodes>,
+    /// Why items and materials hide nothing, by sector; empty for a built-in scene.
+    pub(crate) non_occluders: Vec<NonOccluders>,
     /// Summary of a compiled map; `None` for other files.
     pub(crate) map: Option<MapSummary>,
     /// What a baked scene consists of; `None` for other files.
@@ -99,6 +101,7 @@ fn open_built_in(file: &str, name: &str) -> Result<OpenedScene> {
         orthographic_heights: vec![None; built.cameras.len()],
         cameras: built.cameras,
         nodes: Vec::new(),
+        non_occluders: Vec::new(),
         map: None,
         sections: None,
         warnings: Vec::new(),
@@ -160,13 +163,19 @@ fn open_file(
         };
         anyhow!("{file}: {why}; {remedy}")
     })?;
+    let (nodes, non_occluders) = import
+        .rooms
+        .into_iter()
+        .map(|room| (room.nodes, room.non_occluders))
+        .unzip();
     Ok(OpenedScene {
         file: file.to_owned(),
         format: format(path),
         scene,
         cameras: import.cameras,
         orthographic_heights: import.orthographic_heights,
-        nodes: import.rooms.into_iter().map(|room| room.nodes).collect(),
+        nodes,
+        non_occluders,
         map: import.map,
         sections,
         warnings: import.warnings.iter().map(ToString::to_string).collect(),

@@ -32,9 +32,11 @@
 //! | format | hides nothing |
 //! |---|---|
 //! | glTF | skinned and morphed meshes (which are never culled either, because their poses are not applied); nodes that an animation moves or shows, with those below them; nodes with levels of detail; alpha test and blend; transmission, volume, diffuse transmission, dispersion; materials that an animation changes; meshes with a variant that is not opaque |
-//! | OBJ | `d` below 1, `Tr` above 0, `d -halo`, `map_d`, a filter color `Tf`, `illum` 4, 6, 7 and 9, and lines about opacity that cannot be read |
+//! | OBJ | `d` below 1, `Tr` above 0, `d` and `Tr` that contradict each other, `d -halo`, `map_d`, a filter color `Tf`, `illum` 4, 6, 7 and 9, lines about opacity that cannot be read, materials that are not defined |
 //! | Quake | liquids and teleporters, which engines may draw translucent; textures `{…`; brush entities that may move or vanish, or have `alpha`, `renderamt`, `rendermode` or `renderfx` |
-//! | Quake 3 | liquids, glass, sky; textures whose contents are not solid or are translucent, or whose surface is not solid |
+//! | Quake 3 | liquids, glass, sky; textures whose contents are not solid or are translucent, or whose surface is not solid; shaders with `blendFunc`, `alphaFunc`, `deformVertexes` (such items are never culled either), `surfaceparm trans`, `cull none` or `cull back` in the `.shader` files beside the map, in `scripts` there, or in `scripts` beside its folder |
+//!
+//! [`Room::non_occluders`] says why each of them hides nothing; so do `enfilade info` and `enfilade look --non-occluders`.
 //!
 //! `extras.enfilade` of a glTF node says `{"occluder": false}` for what shall hide nothing, with all nodes below it, and
 //! `{"occluder": true}` for an animated, skinned or morphed mesh that may hide as it is in the file; never for alpha.
@@ -149,6 +151,7 @@ mod images;
 #[cfg(feature = "levels")]
 mod levels;
 mod map;
+mod non_occluders;
 mod obj;
 mod pin;
 mod quake;
@@ -166,6 +169,7 @@ pub use faults::AuthoringErrors;
 pub use gltf::link::{LinkError, Linked, Linker, NodeId, PartId, Placing, Shape};
 #[cfg(feature = "levels")]
 pub use levels::{Levels, details_of};
+pub use non_occluders::{NonOccluder, NonOccluders};
 pub use obj::ObjError;
 pub use pin::{PinError, with_methods};
 pub use quake::{
@@ -228,6 +232,8 @@ pub struct Room {
     pub geometry: Arc<Geometry>,
     /// The glTF nodes that the items come from; empty for other formats.
     pub nodes: SourceNodes,
+    /// Why items and materials hide nothing.
+    pub non_occluders: NonOccluders,
     /// The visibility method that the author chose for this room, if any.
     pub method: Option<Method>,
     /// Whether the room has no ceiling, such as a garden or a courtyard: it contains everything above it, at any
@@ -245,6 +251,7 @@ impl Room {
             name: name.to_owned(),
             geometry: geometry.into(),
             nodes: SourceNodes::default(),
+            non_occluders: NonOccluders::default(),
             method: None,
             open_above: false,
             large: None,
@@ -431,7 +438,7 @@ fn import(
         return gltf::import(bytes, folder, name, options, budget);
     }
     if quake::begins_like_map(bytes) {
-        return quake::import(bytes, name, options, budget);
+        return quake::import(bytes, folder, name, options, budget);
     }
     let may_be_obj = !bytes.is_empty() && (is_called_obj || obj::begins_like_obj(bytes));
     if may_be_obj && let Some(import) = obj::import(bytes, folder, name, options, budget)? {

@@ -132,7 +132,7 @@ impl WarningKind {
             }
             WarningKind::UnreadStatements => "unknown statements are ignored",
             WarningKind::MaterialFiles => "material files cannot be read",
-            WarningKind::UnknownMaterials => "undefined materials are grey",
+            WarningKind::UnknownMaterials => "undefined materials are grey, and hide nothing",
             WarningKind::MaterialLines => "unknown statements in material files are ignored",
             WarningKind::RoughPolygons => "self-intersecting polygons are triangulated approximately",
             WarningKind::UnmarkedFaces => "faces that no leaf of the map lists are not drawn",

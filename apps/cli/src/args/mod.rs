@@ -220,6 +220,9 @@ pub(crate) struct LookArgs {
     #[arg(long, value_name = "SAMPLES", num_args = 0..=1, require_equals = true, default_missing_value = "1",
           value_parser = values::check)]
     pub(crate) check: Option<u32>,
+    /// List the items that hide nothing, or not with all faces, and why
+    #[arg(long, conflicts_with_all = ["shard", "merge"])]
+    pub(crate) non_occluders: bool,
     #[command(flatten)]
     pub(crate) shards: ShardArgs,
     #[command(flatten)]

@@ -7,6 +7,7 @@ use crate::Outcome;
 use crate::args::InfoArgs;
 use crate::bake::{SectionEntry, entries};
 use crate::json::{Sink, rounded};
+use crate::non_occluders::{self, NonOccluderCount};
 use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
 use crate::report::single;
@@ -47,6 +48,10 @@ struct Inventory {
     ways: Vec<PortalEntry>,
     openings: usize,
     occluders: Occluders,
+    /// Triangles of all items that hide what is behind them.
+    triangles_occluding: u64,
+    /// What hides nothing, by reason.
+    non_occluders: Vec<NonOccluderCount>,
     /// Baked scenes only.
     sections: Vec<SectionEntry>,
     bytes: u64,
@@ -170,6 +175,7 @@ impl Inventory {
             .sectors()
             .map(|id| scene.bounds(id))
             .filter(|bounds| !bounds.is_empty());
+        let (non_occluders, triangles_occluding) = non_occluders::counts(&opened);
         Inventory {
             format: opened.format,
             items: scene.item_count(),
@@ -187,6 +193,8 @@ impl Inventory {
             ways: ways(scene),
             openings: scene.sectors().map(|id| scene.sector(id).openings().len()).sum(),
             occluders: Occluders::of(&geometries),
+            triangles_occluding,
+            non_occluders,
             sections: opened.sections.as_ref().map_or(Vec::new(), entries),
             bytes: scene.bytes(),
             load_ms: rounded(opened.load_ms),
@@ -330,6 +338,9 @@ impl Inventory {
                 ms(build_ms)
             ),
         );
+        for reason in &self.non_occluders {
+            say("hides none", reason.for_people());
+        }
         for section in &self.sections {
             say("section", section.for_people());
         }

@@ -9,6 +9,7 @@ use crate::check::check;
 use crate::choose;
 use crate::json::{SceneReport, Sink};
 use crate::measure::{self, PASSES};
+use crate::non_occluders;
 use crate::open::{OpenedScene, Purpose, configure, open};
 use crate::out;
 use crate::prepare::{PreparedScene, SkippedMethod, left_out, prepare};
@@ -55,10 +56,16 @@ pub(crate) fn run(args: &LookArgs) -> Result<Outcome> {
             report.add_checks(found, &prepared.scene);
         }
     }
+    let listed = args.non_occluders.then(|| non_occluders::list(&opened));
+    for report in &mut reports {
+        report.scene.non_occluders.clone_from(&listed);
+    }
     let left_out = left_out(&skipped);
     let reports = Reports::new(choice == Choice::All, reports, skipped);
     if !args.json.takes_stdout() {
-        out::print(&(for_people(&SceneReport::new(&opened), reports.each()) + &left_out))?;
+        let listed = listed.map_or(String::new(), |items| non_occluders::for_people(&items));
+        let text = for_people(&SceneReport::new(&opened), reports.each());
+        out::print(&(text + &left_out + &listed))?;
     }
     sink.write(&reports)?;
     warn_of_contested(reports.each());
@@ -188,6 +195,7 @@ fn for_people(scene: &SceneReport, reports: &[Report]) -> String {
         triangles,
         sectors,
         portals,
+        ..
     } = scene;
     let mut text = format!(
         "{file}: {}, {} triangles",

@@ -370,6 +370,42 @@ fn info_says_what_is_in_a_file() {
 }
 
 #[test]
+fn what_hides_nothing_is_listed_and_counted_with_the_reason() {
+    let folder = Folder::new();
+    let mtl = "newmtl wall\nKd 1 1 1\nnewmtl pane\nKd 1 1 1\nd 0.5\n";
+    folder.add("house.mtl", mtl);
+    let quad = |z: i32| format!("v -1 0 {z}\nv 1 0 {z}\nv 1 2 {z}\nv -1 2 {z}\n");
+    let faces = "usemtl wall\nf 1 2 3 4\ng glazed\nf 5 6 7 8\nusemtl pane\nf 9 10 11 12\ng lost\nusemtl lost\nf 13 14 15 16\n";
+    let places: String = [-2, -3, -4, -5].map(quad).concat();
+    folder.add("house.obj", format!("mtllib house.mtl\ng wall\n{places}{faces}"));
+    let look = "look house.obj --eye 0,1,0 --toward 0,1,-1 --non-occluders";
+    let text = folder.run(look).stdout;
+    let listed = "2 items with faces that hide nothing:\n  glazed: blended; other faces hide\n  lost: material-unread\n";
+    assert!(text.ends_with(listed), "{text}");
+    assert_eq!(
+        folder.json(look)["scene"]["non_occluders"],
+        json!([
+            { "item": "glazed", "reasons": ["blended"], "hides_partly": true },
+            { "item": "lost", "reasons": ["material-unread"], "hides_partly": false },
+        ])
+    );
+    let info = folder.json("info house.obj");
+    assert_eq!(info["triangles_occluding"], 4);
+    assert_eq!(
+        info["non_occluders"],
+        json!([
+            { "reason": "blended", "items": 1, "triangles": 2 },
+            { "reason": "material-unread", "items": 1, "triangles": 2 },
+        ])
+    );
+    let text = folder.run("info house.obj").stdout;
+    assert!(text.contains("material-unread: 1 item, 2 triangles"), "{text}");
+    folder.run("bake house.obj -o house.enf");
+    let baked = folder.json("info house.enf");
+    assert_eq!(baked["non_occluders"], info["non_occluders"]);
+}
+
+#[test]
 fn an_orthographic_camera_is_looked_through_like_others() {
     let fixture = "/../../crates/enfilade_import/fixtures/cameras.glb";
     let file = format!("{}{fixture}", env!("CARGO_MANIFEST_DIR"));

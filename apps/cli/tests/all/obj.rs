@@ -116,7 +116,7 @@ fn odd_obj_files_warn_and_broken_ones_are_told_where() {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     for words in [
         "yard.obj: material files cannot be read (yard.mtl: ",
-        "yard.obj: undefined materials are grey (red, green)",
+        "yard.obj: undefined materials are grey, and hide nothing (red, green)",
     ] {
         assert!(run.stderr.contains(words), "{}", run.stderr);
     }

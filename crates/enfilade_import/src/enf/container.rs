@@ -19,7 +19,7 @@ use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 pub(super) const MAGIC: [u8; 8] = *b"ENFILADE";
 
 /// Change it with every change of what is stored, meshes included: a test compares the bytes of a baked scene.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
 
 /// Sections start at multiples of this: cache lines.
 const ALIGNMENT: u64 = 64;

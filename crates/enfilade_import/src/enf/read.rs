@@ -6,7 +6,7 @@ use super::container::{Container, Kind, MAGIC, Section, Source};
 use super::hints::read_hints;
 use super::stored::{ItemRecord, MeshRecord, StoredRoom, StoredScene, StoredTerrain, StoredTexture};
 use crate::budget::{BYTES_PER_MESH, Budget};
-use crate::{BrokenRule, Import, ReadOptions, Room, map};
+use crate::{BrokenRule, Import, NonOccluder, NonOccluders, ReadOptions, Room, map};
 use bytemuck::Pod;
 use bytes::Bytes;
 use enfilade::{
@@ -16,6 +16,7 @@ use enfilade::{
 use image::codecs::png::PngDecoder;
 use image::{ColorType, ImageDecoder};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -340,11 +341,33 @@ fn read_textures(
 /// Tables that rooms share.
 struct Tables {
     materials: Vec<Arc<[Material]>>,
+    /// By table and material, as [`NonOccluders::of_materials`] takes it.
+    non_occluders: Vec<Arc<[Option<NonOccluder>]>>,
     textures: Vec<Arc<[Arc<Texture>]>>,
 }
 
 impl Tables {
     fn new(scene: &StoredScene, textures: Vec<Arc<Texture>>, has_textures: bool) -> Result<Tables, EnfError> {
+        if scene.non_occluders.len() != scene.materials.len() {
+            return Err(invalid(
+                SCENE,
+                "there are not reasons for each table of materials",
+            ));
+        }
+        let reasons = |(table, materials): (&BTreeMap<u32, NonOccluder>, &Vec<Material>)| {
+            let count = if table.is_empty() {
+                0
+            } else {
+                materials.len() as u32
+            };
+            (0..count).map(|material| table.get(&material).copied()).collect()
+        };
+        let non_occluders = scene
+            .non_occluders
+            .iter()
+            .zip(&scene.materials)
+            .map(reasons)
+            .collect();
         if !has_textures {
             let without = |table: &Vec<Material>| {
                 let plain = |material: &Material| Material {
@@ -356,6 +379,7 @@ impl Tables {
             };
             return Ok(Tables {
                 materials: scene.materials.iter().map(without).collect(),
+                non_occluders,
                 textures: vec![Arc::default(); scene.texture_tables.len()],
             });
         }
@@ -366,6 +390,7 @@ impl Tables {
         };
         Ok(Tables {
             materials: scene.materials.iter().map(|table| (&table[..]).into()).collect(),
+            non_occluders,
             textures: scene.texture_tables.iter().map(table).collect::<Result<_, _>>()?,
         })
     }
@@ -383,6 +408,15 @@ struct RoomReader<'a> {
 impl RoomReader<'_> {
     fn room(&mut self, room: StoredRoom) -> Result<Room, BrokenRule> {
         let geometry = self.geometry(&room)?;
+        let reasons = self.tables.non_occluders.get(room.materials as usize);
+        let mut non_occluders = NonOccluders::of_materials(reasons.map_or_else(Default::default, Arc::clone));
+        let items = u32::try_from(geometry.items().len()).unwrap_or(u32::MAX);
+        for (&item, &why) in &room.non_occluders {
+            if item >= items {
+                return Err(invalid(SCENE, "there is a reason for an item that does not exist").into());
+            }
+            non_occluders.add(ItemIndex(item), why);
+        }
         let method = room.method.map(|name| {
             let method = Method::by_name(&name);
             method.ok_or_else(|| invalid(SCENE, format!("method `{name}` is unknown")))
@@ -391,6 +425,7 @@ impl RoomReader<'_> {
             name: room.name,
             geometry: Arc::new(geometry),
             nodes: room.nodes,
+            non_occluders,
             method: method.transpose()?,
             open_above: room.open_above,
             large: None,

@@ -1,13 +1,14 @@
 //! What the sections of a baked scene hold.
 
 use crate::quake::MapSummary;
-use crate::{SourceNodes, Warning};
+use crate::{NonOccluder, SourceNodes, Warning};
 use bytemuck::{Pod, Zeroable};
 use enfilade::{
     BakedCells, Camera, Diagonal, Filter, ItemOptions, Light, Material, Minify, Opening, Portal, Texture,
     Transform, Wrap,
 };
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Everything but meshes, items and images.
@@ -22,6 +23,8 @@ pub(super) struct StoredScene {
     pub(super) warnings: Vec<Warning>,
     /// Tables of materials, each used by at least one room.
     pub(super) materials: Vec<Vec<Material>>,
+    /// For each table why its materials hide nothing, as far as their alpha modes do not tell.
+    pub(super) non_occluders: Vec<BTreeMap<u32, NonOccluder>>,
     pub(super) textures: Vec<StoredTexture>,
     /// Tables of textures, by their index in `textures`.
     pub(super) texture_tables: Vec<Vec<u32>>,
@@ -33,6 +36,8 @@ pub(super) struct StoredRoom {
     pub(super) method: Option<String>,
     pub(super) open_above: bool,
     pub(super) nodes: SourceNodes,
+    /// Why items hide nothing.
+    pub(super) non_occluders: BTreeMap<u32, NonOccluder>,
     /// Number of its items, which follow those of the room before.
     pub(super) items: u32,
     /// Its meshes, by their index in the section of meshes.

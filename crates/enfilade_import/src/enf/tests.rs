@@ -4,9 +4,11 @@ use super::container::{Container, Kind, Section, Source, Writer};
 use super::*;
 use crate::budget::Budget;
 use crate::quake::MapSummary;
-use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes, Warning, WarningKind};
+use crate::{
+    BrokenRule, Import, NonOccluder, NonOccluders, ReadOptions, Room, SourceNodes, Warning, WarningKind,
+};
 use enfilade::{
-    Aabb, BakedCells, Camera, CellId, CellNode, CellSide, CellTree, ConvexPolygon, Filter, Geometry,
+    Aabb, Alpha, BakedCells, Camera, CellId, CellNode, CellSide, CellTree, ConvexPolygon, Filter, Geometry,
     GeometryBuilder, HeightField, ItemIndex, ItemOptions, Light, LightShape, Material, MaterialId, Mesh,
     Method, Minify, OpeningId, Portal, SectorId, Texture, TextureId, Transform, ViewerOptions, Wrap,
 };
@@ -28,6 +30,7 @@ fn everything() -> Import {
         texture: Some(TextureId(0)),
         emission: [3.5, 0.0, 1e-30],
         detail: true,
+        alpha: Alpha::Mask,
         ..Material::opaque([0.1, 0.2, 0.3])
     };
     let materials: Arc<[Material]> = [Material::opaque([1.0; 3]), leaves].into();
@@ -89,12 +92,20 @@ fn everything() -> Import {
     let mut nodes = SourceNodes::default();
     nodes.add(ItemIndex(0), 7, Some("globalId"));
     nodes.add_movable(7);
+    let of_materials = NonOccluders::of_materials([None, Some(NonOccluder::Liquid)].into());
+    let mut of_hall = of_materials.clone();
+    of_hall.add(ItemIndex(0), NonOccluder::Skinned);
     let hall = Room {
         nodes,
+        non_occluders: of_hall,
         ..room("hall", hall, Some(Method::Masked))
     };
+    let hill = Room {
+        non_occluders: of_materials,
+        ..room("hill", hill, None)
+    };
     Import {
-        rooms: vec![hall, room("hill", hill, None)],
+        rooms: vec![hall, hill],
         portals: vec![Portal {
             from: SectorId(0),
             opening: OpeningId(0),
@@ -181,6 +192,7 @@ fn a_baked_scene_is_the_scene_bit_by_bit() {
             (b.nodes.node(ItemIndex(0)), b.nodes.id(ItemIndex(0)))
         );
         assert_eq!(a.nodes.is_movable(ItemIndex(0)), b.nodes.is_movable(ItemIndex(0)));
+        assert_eq!(a.non_occluders, b.non_occluders);
     }
     assert_eq!(before.rooms.len(), after.rooms.len());
     assert_eq!((before.portals, before.cameras), (after.portals, after.cameras));
@@ -227,7 +239,7 @@ fn the_bytes_depend_on_the_scene_alone_and_any_change_of_them_is_a_new_version()
     assert!(baked(&read_again(bytes.clone(), &ReadOptions::default()).expect("read")) == bytes);
     assert_eq!(
         (container::VERSION, xxh3_64(&bytes)),
-        (2, 0x327f_d29a_0916_65eb),
+        (3, 0xe497_e390_6b15_4454),
         "if other bytes are right, increase the version and change this"
     );
 }
@@ -254,6 +266,51 @@ fn tile(at: f32, colors: &[f32]) -> Import {
     }
     import.cameras[0].sector = None;
     import
+}
+
+#[test]
+fn tiles_that_join_keep_why_their_items_hide_nothing() {
+    let glass_tile = |reason| {
+        let mut import = tile(0.0, &[0.25]);
+        let room = &mut import.rooms[0];
+        let glass = Material {
+            alpha: Alpha::Blend,
+            ..Material::opaque([0.25; 3])
+        };
+        let mut builder = GeometryBuilder::new([glass]);
+        let mesh = builder.mesh(Mesh::cuboid([0.0; 3], [1.0; 3], MaterialId(0)).expect("a cuboid"));
+        builder.item("pane", mesh, Transform::IDENTITY);
+        let door = builder.item("door", mesh, Transform::IDENTITY);
+        let options = ItemOptions {
+            is_occluder: false,
+            ..ItemOptions::default()
+        };
+        builder.set_options(door, options);
+        room.geometry = Arc::new(builder.build().expect("a room"));
+        room.non_occluders = NonOccluders::of_materials([reason].into());
+        room.non_occluders.add(ItemIndex(1), NonOccluder::Animated);
+        import
+    };
+    let mut file = Cursor::new(Vec::new());
+    let mut baker = Baker::new(&mut file, "town").expect("started");
+    for (name, reason) in [
+        ("west", None),
+        ("east", Some(NonOccluder::Liquid)),
+        ("north", None),
+    ] {
+        baker.add(&glass_tile(reason), Some(name)).expect("added");
+    }
+    baker.finish().expect("finished");
+    let world = read_again(file.into_inner(), &ReadOptions::default()).expect("read");
+    let [town] = &world.rooms[..] else {
+        panic!("one room")
+    };
+    let why = |item| town.non_occluders.of_item(&town.geometry, ItemIndex(item));
+    let why: Vec<_> = (0..6).flat_map(why).collect();
+    let animated = NonOccluder::Animated;
+    let [blended, liquid] = [NonOccluder::Blended, NonOccluder::Liquid];
+    assert_eq!(why, [blended, animated, liquid, animated, blended, animated]);
+    assert_eq!(town.geometry.materials().len(), 2);
 }
 
 #[test]

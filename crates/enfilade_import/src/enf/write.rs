@@ -4,17 +4,16 @@ use super::coarse::coarse;
 use super::container::{Kind, Section, Writer};
 use super::pages::{Meshes, PagedMesh};
 use super::stored::{ItemRecord, MeshRecord, StoredRoom, StoredScene, StoredTerrain, StoredTexture, flags};
-use crate::{Import, ImportError, Room};
+use crate::{Import, ImportError, NonOccluder, Room};
 use bytemuck::Zeroable;
 use enfilade::{
-    Camera, Geometry, ItemIndex, Light, Material, MaterialId, Mesh, Portal, SectorId, Terrain, Texture,
-    TextureId,
+    Camera, ItemIndex, Light, Material, MaterialId, Mesh, Portal, SectorId, Terrain, Texture, TextureId,
 };
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{self, Seek, Write};
 use std::sync::Arc;
 use thiserror::Error;
@@ -123,7 +122,7 @@ impl<W: Write + Seek> Baker<W> {
         };
         let first_room = if let Some(room) = alone {
             let shared = self.shared_room();
-            let materials = self.join_materials(shared, &room.geometry)?;
+            let materials = self.join_materials(shared, room)?;
             let is_same = materials.iter().enumerate().all(|(old, &new)| old as u32 == new);
             self.write_pages(&list, &pages, (!is_same).then_some(&materials[..]))?;
             let joined = &mut self.scene.rooms[shared];
@@ -133,7 +132,7 @@ impl<W: Write + Seek> Baker<W> {
             joined.open_above |= room.open_above;
             let meshes = joined.meshes.len() as u32;
             joined.meshes.extend(of_rooms.concat());
-            self.add_items(shared, &room.geometry, meshes, named);
+            self.add_items(shared, room, meshes, named);
             shared
         } else {
             let first = self.scene.rooms.len();
@@ -142,7 +141,7 @@ impl<W: Write + Seek> Baker<W> {
             for (room, meshes) in import.rooms.iter().zip(of_rooms) {
                 let stored = self.stored_room(room, named(&room.name), meshes, &mut tables)?;
                 let number = self.add_room(stored);
-                self.add_items(number, &room.geometry, 0, named);
+                self.add_items(number, room, 0, named);
             }
             first
         };
@@ -267,6 +266,7 @@ impl<W: Write + Seek> Baker<W> {
             return shared;
         }
         self.scene.materials.push(Vec::new());
+        self.scene.non_occluders.push(BTreeMap::new());
         self.scene.texture_tables.push(Vec::new());
         let number = self.add_room(StoredRoom {
             name: self.name.clone(),
@@ -284,9 +284,14 @@ impl<W: Write + Seek> Baker<W> {
         self.scene.rooms.len() - 1
     }
 
-    /// Adds the items of a geometry to a room, whose meshes follow the first `meshes` of the room.
-    fn add_items(&mut self, room: usize, geometry: &Geometry, meshes: u32, named: impl Fn(&str) -> String) {
+    /// Adds the items of `added` to a room, whose meshes follow the first `meshes` of the room.
+    fn add_items(&mut self, room: usize, added: &Room, meshes: u32, named: impl Fn(&str) -> String) {
         let (items, names) = &mut self.items[room];
+        let geometry = &added.geometry;
+        let first = items.len() as u32;
+        let why = added.non_occluders.items().iter();
+        let why = why.map(|(item, &why)| (first + item.0, why));
+        self.scene.rooms[room].non_occluders.extend(why);
         for index in (0..geometry.items().len() as u32).map(ItemIndex) {
             let item = geometry.item(index);
             let name = named(geometry.name(index));
@@ -310,7 +315,8 @@ impl<W: Write + Seek> Baker<W> {
     }
 
     /// Adds materials to the table of a room. Returns the new index of each.
-    fn join_materials(&mut self, room: usize, geometry: &Geometry) -> Result<Vec<u32>, BakeError> {
+    fn join_materials(&mut self, room: usize, added: &Room) -> Result<Vec<u32>, BakeError> {
+        let geometry = &added.geometry;
         let textures = self.store_textures(geometry.textures())?;
         let StoredRoom {
             materials: table,
@@ -319,16 +325,25 @@ impl<W: Write + Seek> Baker<W> {
         } = self.scene.rooms[room];
         let known = &mut self.scene.texture_tables[texture_table as usize];
         let mut place = |texture: TextureId| TextureId(index_in(known, textures[texture.0 as usize]));
+        let reasons = &mut self.scene.non_occluders[table as usize];
         let table = &mut self.scene.materials[table as usize];
-        let join = |material: &Material| {
+        let join = |(number, material): (u32, &Material)| {
             let material = Material {
                 texture: material.texture.map(&mut place),
                 emission_texture: material.emission_texture.map(&mut place),
                 ..*material
             };
-            index_in(table, material)
+            let why = added.non_occluders.recorded(MaterialId(number));
+            let is_same = |at: u32| table[at as usize] == material && reasons.get(&at) == why.as_ref();
+            let next = table.len() as u32;
+            let index = (0..next).find(|&at| is_same(at)).unwrap_or(next);
+            if index == next {
+                table.push(material);
+                reasons.extend(why.map(|why| (next, why)));
+            }
+            index
         };
-        Ok(geometry.materials().iter().map(join).collect())
+        Ok((0..).zip(geometry.materials()).map(join).collect())
     }
 
     /// Stores textures that are not stored yet, and returns their indices.
@@ -372,6 +387,7 @@ impl<W: Write + Seek> Baker<W> {
                 let table = self.store_textures(textures)?;
                 self.scene.texture_tables.push(table);
                 self.scene.materials.push(materials.to_vec());
+                self.scene.non_occluders.push(recorded(room));
                 let last = [self.scene.materials.len(), self.scene.texture_tables.len()];
                 *free.insert(last.map(|count| count as u32 - 1))
             }
@@ -390,6 +406,14 @@ impl<W: Write + Seek> Baker<W> {
             ..StoredRoom::default()
         })
     }
+}
+
+/// Returns why materials of a room hide nothing, as far as their alpha modes do not tell.
+fn recorded(room: &Room) -> BTreeMap<u32, NonOccluder> {
+    let why = |number: u32| Some((number, room.non_occluders.recorded(MaterialId(number))?));
+    (0..room.geometry.materials().len() as u32)
+        .filter_map(why)
+        .collect()
 }
 
 /// Returns `true` if the items of a room may join those of other tiles.

@@ -2,7 +2,7 @@
 
 use super::attributes::Coordinates;
 use super::document::{Document, Material as Source, short};
-use crate::BrokenRule;
+use crate::{BrokenRule, NonOccluder};
 use enfilade::{Alpha, Material, MaterialId};
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -13,6 +13,8 @@ use std::collections::BTreeSet;
 pub(super) struct Surface {
     /// Without textures; their ids are assigned once it is known which textures are used.
     pub(super) material: Material,
+    /// Why it hides nothing, if its alpha mode does not tell.
+    pub(super) non_occluder: Option<NonOccluder>,
     pub(super) texture: Option<u32>,
     pub(super) emission_texture: Option<u32>,
     /// Texture coordinates of both textures.
@@ -29,11 +31,16 @@ pub(super) fn read(document: &Document, textures: bool) -> Result<Vec<Surface>, 
     let mut surfaces = Vec::with_capacity(document.materials.len() + 1);
     let animated: BTreeSet<u32> = document.animated().materials.into_iter().collect();
     for (number, source) in document.materials.iter().enumerate() {
-        let plain = material(number, source, animated.contains(&(number as u32)))?;
-        surfaces.push(if textures {
+        let why = why_no_occluder(source, animated.contains(&(number as u32)));
+        let plain = material(number, source, why)?;
+        let surface = if textures {
             textured(plain, source)
         } else {
             untextured(plain)
+        };
+        surfaces.push(Surface {
+            non_occluder: why,
+            ..surface
         });
     }
     surfaces.push(untextured(Material::opaque([1.0; 3])));
@@ -48,6 +55,7 @@ pub(super) fn default_material(document: &Document) -> MaterialId {
 fn untextured(material: Material) -> Surface {
     Surface {
         material,
+        non_occluder: None,
         texture: None,
         emission_texture: None,
         coordinates: None,
@@ -80,6 +88,7 @@ fn textured(mut material: Material, source: &Source) -> Surface {
     ];
     Surface {
         material,
+        non_occluder: None,
         texture: base.map(|info| info.index),
         emission_texture: emissive.map(|info| info.index),
         coordinates: coordinates.filter(|_| base.is_some() || emissive.is_some()),
@@ -88,17 +97,29 @@ fn textured(mut material: Material, source: &Source) -> Surface {
     }
 }
 
-/// Returns a material without its textures; one that an animation changes is no occluder.
-fn material(number: usize, source: &Source, is_animated: bool) -> Result<Material, BrokenRule> {
-    let extensions = &source.extensions;
-    let transmission = extensions.transmission.as_ref();
-    let transmission = transmission.map_or(0.0, |of| of.transmission_factor.clamp(0.0, 1.0));
+/// Returns the factor of `KHR_materials_transmission`.
+fn transmission(source: &Source) -> f32 {
+    let transmission = source.extensions.transmission.as_ref();
+    transmission.map_or(0.0, |of| of.transmission_factor.clamp(0.0, 1.0))
+}
+
+/// Returns why a material hides nothing, whatever its alpha mode.
+fn why_no_occluder(source: &Source, is_animated: bool) -> Option<NonOccluder> {
+    if transmission(source) > 0.0 || source.extensions.lets_light_through() {
+        return Some(NonOccluder::Transmissive);
+    }
+    is_animated.then_some(NonOccluder::Animated)
+}
+
+/// Returns a material without its textures; no occluder if it has a reason to be none.
+fn material(number: usize, source: &Source, why: Option<NonOccluder>) -> Result<Material, BrokenRule> {
+    let transmission = transmission(source);
     let mut cutoff = source.alpha_cutoff.clamp(0.0, f32::MAX);
     let alpha = match &*source.alpha_mode {
         // A transmissive material is transparent, so it must not occlude what is behind it, whatever its alpha mode.
         "OPAQUE" | "MASK" if transmission > 0.0 => Alpha::Blend,
         // Without holes, but no occluder.
-        "OPAQUE" if is_animated || extensions.lets_light_through() => {
+        "OPAQUE" if why.is_some() => {
             cutoff = 0.0;
             Alpha::Mask
         }

@@ -38,7 +38,7 @@ pub(crate) use pin::with_methods;
 use crate::budget::Budget;
 use crate::faults::Faults;
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Import, ReadOptions};
+use crate::{BrokenRule, Import, NonOccluders, ReadOptions};
 use accessor::Row;
 use buffers::Buffers;
 use container::Container;
@@ -135,12 +135,14 @@ fn import_with(
     let instances = instances.read(&document, &buffers)?;
     let textures = textures.load(&buffers, folder, &mut budget, &mut warnings);
     let built = build(&plans, &buffers, &mut warnings)?;
+    let non_occluders = surfaces.iter().map(|surface| surface.non_occluder).collect();
     let materials: Vec<Material> = surfaces.into_iter().map(|surface| surface.material).collect();
     let meshes = Meshes { used, built };
     let assets = Assets {
         terrains: terrains.read(&document, &meshes, faults, &mut warnings),
         meshes,
         materials: materials.into(),
+        non_occluders: NonOccluders::of_materials(non_occluders),
         textures: textures.into(),
         instances,
         ids,
@@ -214,6 +216,8 @@ fn build(
 struct Assets {
     meshes: Meshes,
     materials: Arc<[Material]>,
+    /// Why materials hide nothing; without items.
+    non_occluders: NonOccluders,
     textures: Arc<[Arc<Texture>]>,
     instances: Instances,
     terrains: Terrains,

@@ -9,8 +9,10 @@ use crate::budget::Budget;
 use crate::faults::{Faults, Subject};
 use crate::rooms::{self, Frame, MarkedMesh, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
-use crate::{AuthoringError, BrokenRule, Room, SourceNodes};
-use enfilade::{Alpha, GeometryBuilder, ItemOptions, Material, MeshId, Method, Portal, SectorId};
+use crate::{AuthoringError, BrokenRule, NonOccluder, Room, SourceNodes};
+use enfilade::{
+    Alpha, GeometryBuilder, ItemIndex, ItemOptions, Material, MeshId, Method, Portal, SectorId, Transform,
+};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -183,6 +185,7 @@ impl<'d> Plan<'d> {
                 builder: assets.builder(),
                 method: self.method_of_rest,
                 nodes: SourceNodes::default(),
+                non_occluders: assets.non_occluders.clone(),
             });
         }
         let mut held: Vec<Vec<&SceneNode>> = vec![Vec::new(); shells.len()];
@@ -249,20 +252,29 @@ impl<'d> Plan<'d> {
         primitives.iter().any(|primitive| !primitive.targets.is_empty())
     }
 
-    /// Returns `true` if a node's mesh certainly is where the file has it, and the faces it has: it may hide others.
-    fn hides(&self, placed: &SceneNode, mesh: u32, materials: &[Material]) -> bool {
+    /// Returns why a node's mesh hides nothing; `None` if it certainly is where the file has it, with the faces that it has.
+    fn why_no_occluder(&self, placed: &SceneNode, mesh: u32, materials: &[Material]) -> Option<NonOccluder> {
         let node = &self.document.nodes[placed.node as usize];
         let by_author = self.occluders.get(&placed.node).copied();
         let primitives = &self.document.meshes[mesh as usize].primitives;
-        let has_shape =
-            node.skin.is_none() && !self.has_morph_targets(mesh) && !self.animated.contains(&placed.node);
         let is_opaque = |material: u32| {
             let material = materials.get(material as usize);
             material.is_some_and(|material| material.alpha == Alpha::Opaque)
         };
-        let is_surely_drawn = !self.levels.contains(&placed.node)
-            && primitives.iter().flat_map(Primitive::variants).all(is_opaque);
-        by_author.unwrap_or(has_shape) && is_surely_drawn
+        let mut variants = primitives.iter().flat_map(Primitive::variants);
+        // The author knows where it is, which the first two do not ask for.
+        let mut reasons = [
+            (by_author == Some(false), NonOccluder::Author),
+            (!variants.all(is_opaque), NonOccluder::MaterialVariant),
+            (self.levels.contains(&placed.node), NonOccluder::LevelOfDetail),
+            (node.skin.is_some(), NonOccluder::Skinned),
+            (self.has_morph_targets(mesh), NonOccluder::Morphed),
+            (self.animated.contains(&placed.node), NonOccluder::Animated),
+        ]
+        .into_iter();
+        reasons
+            .find(|&(holds, why)| holds && (by_author != Some(true) || !why.is_of_pose()))
+            .map(|(_, why)| why)
     }
 
     /// Creates an empty room for a room node.
@@ -282,6 +294,7 @@ impl<'d> Plan<'d> {
             builder: assets.builder(),
             method,
             nodes: SourceNodes::default(),
+            non_occluders: assets.non_occluders.clone(),
         }
     }
 
@@ -293,7 +306,12 @@ impl<'d> Plan<'d> {
         assets: &Assets,
         names: &Names<'d>,
     ) -> Result<(), BrokenRule> {
-        let Shell { builder, nodes, .. } = shell;
+        let Shell {
+            builder,
+            nodes,
+            non_occluders,
+            ..
+        } = shell;
         let node = |placed: &SceneNode| &self.document.nodes[placed.node as usize];
         let terrain = |placed: &SceneNode| assets.terrains.of(placed.node);
         let copies = held.iter().filter(|placed| terrain(placed).is_none());
@@ -316,31 +334,44 @@ impl<'d> Plan<'d> {
                     .terrain(&name, Arc::clone(field), material, placed.world)
                     .map_err(BrokenRule::Geometry)?;
                 nodes.add(blocks.start, placed.node, id);
+                if let Some(why) = self.why_no_occluder(placed, mesh, &assets.materials) {
+                    let options = ItemOptions {
+                        is_occluder: false,
+                        ..ItemOptions::default()
+                    };
+                    for block in (blocks.start.0..blocks.end.0).map(ItemIndex) {
+                        builder.set_options(block.into(), options);
+                        non_occluders.add(block, why);
+                    }
+                }
                 continue;
             }
             let Some((number, mesh)) = node.mesh.and_then(|mesh| Some((mesh, own.get(&mesh)?))) else {
                 continue;
             };
             let is_deformed = node.skin.is_some() || self.has_morph_targets(number);
+            let why = self.why_no_occluder(placed, number, &assets.materials);
             let options = ItemOptions {
-                is_occluder: self.hides(placed, number, &assets.materials),
+                is_occluder: why.is_none(),
                 // Poses are not applied yet, so it may be outside its box.
                 never_cull: is_deformed,
                 ..ItemOptions::default()
             };
+            let mut add = |name: &str, world: Transform| {
+                let item = builder.item(name, *mesh, world);
+                builder.set_options(item, options);
+                nodes.add(item.index, placed.node, id);
+                if let Some(why) = why {
+                    non_occluders.add(item.index, why);
+                }
+            };
             let name = names.name(placed.node, node);
             match assets.instances.of(placed.node) {
-                None => {
-                    let item = builder.item(&name, *mesh, placed.world);
-                    builder.set_options(item, options);
-                    nodes.add(item.index, placed.node, id);
-                }
+                None => add(&name, placed.world),
                 Some(instances) => {
                     for (number, &node_from_instance) in instances.iter().enumerate() {
                         let name = names.instance(&name, placed.node, number);
-                        let item = builder.item(&name, *mesh, placed.world * node_from_instance);
-                        builder.set_options(item, options);
-                        nodes.add(item.index, placed.node, id);
+                        add(&name, placed.world * node_from_instance);
                     }
                 }
             }

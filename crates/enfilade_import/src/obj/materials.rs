@@ -8,8 +8,8 @@ use super::files::InnerPath;
 use super::groups::Groups;
 use super::mtl::{self, Entry, Map};
 use crate::budget::Budget;
-use crate::images;
 use crate::warning::{WarningKind, Warnings};
+use crate::{NonOccluder, images};
 use enfilade::{Alpha, Material, Texture, TextureId, Wrap};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -20,6 +20,8 @@ use std::sync::Arc;
 pub(super) struct Materials {
     /// One per name in [`Groups::materials`], followed by the default material.
     pub(super) materials: Vec<Material>,
+    /// Why each hides nothing, if its alpha mode does not tell.
+    pub(super) non_occluders: Vec<Option<NonOccluder>>,
     pub(super) textures: Vec<Arc<Texture>>,
     /// Texture coordinate transform of each material; `None` if it has no image.
     pub(super) placings: Vec<Option<Placing>>,
@@ -84,11 +86,16 @@ impl Materials {
                             "" => "(no name)".to_owned(),
                             name => name.to_owned(),
                         });
-                    reader.push(Material::opaque(GREY), None);
+                    let grey = Material {
+                        alpha: Alpha::Mask,
+                        cutoff: 0.0,
+                        ..Material::opaque(GREY)
+                    };
+                    reader.push(grey, Some(NonOccluder::MaterialUnread), None);
                 }
             }
         }
-        reader.push(Material::opaque([1.0; 3]), None);
+        reader.push(Material::opaque([1.0; 3]), None, None);
         reader.found
     }
 }
@@ -184,16 +191,18 @@ struct Reader<'r> {
 }
 
 impl Reader<'_> {
-    fn push(&mut self, material: Material, placing: Option<Placing>) {
+    fn push(&mut self, material: Material, non_occluder: Option<NonOccluder>, placing: Option<Placing>) {
         self.found.materials.push(Material {
             double_sided: true,
             ..material
         });
+        self.found.non_occluders.push(non_occluder);
         self.found.placings.push(placing);
     }
 
     fn add(&mut self, entry: &Entry, here: &InnerPath) {
-        let coverage = self.coverage(entry);
+        let mut non_occluder = entry.non_occluder;
+        let coverage = self.coverage(entry, &mut non_occluder);
         let base = entry.diffuse.unwrap_or([1.0; 3]);
         let maps = [&entry.diffuse_map, &entry.emission_map].map(Option::as_ref);
         let [diffuse, emission] = maps.map(|map| map.filter(|_| self.with_images));
@@ -214,19 +223,20 @@ impl Reader<'_> {
             texture: diffuse.map(|map| self.texture(map, here)),
             emission: lit(entry.emission.unwrap_or_default(), emission.is_some()),
             emission_texture: emission.map(|map| self.texture(map, here)),
-            alpha: self.alpha(entry, coverage, here),
+            alpha: self.alpha(entry, coverage, non_occluder, here),
             ..Material::opaque([r, g, b])
         };
-        self.push(material, diffuse.or(emission).map(placing));
+        self.push(material, non_occluder, diffuse.or(emission).map(placing));
     }
 
     /// Returns the opacity of a material.
-    fn coverage(&mut self, entry: &Entry) -> f32 {
+    fn coverage(&mut self, entry: &Entry, non_occluder: &mut Option<NonOccluder>) -> f32 {
         let by_transparency = entry.transparency.map(|through| 1.0 - through);
         if let (Some(d), Some(other)) = (entry.coverage, by_transparency)
             && (d - other).abs() > 0.01
         {
-            // Some programs write `Tr` with the meaning of `d`, so `d` wins.
+            // Some programs write `Tr` with the meaning of `d`, so `d` wins, but it is not sure.
+            non_occluder.get_or_insert(NonOccluder::MaterialUnread);
             self.warnings.name(WarningKind::MaterialLines, || {
                 format!("{}: Tr contradicts d, which is used", entry.name)
             });
@@ -235,7 +245,13 @@ impl Reader<'_> {
     }
 
     /// Returns the alpha mode. It must not depend on whether images are read, because it decides whether faces occlude.
-    fn alpha(&mut self, entry: &Entry, coverage: f32, here: &InnerPath) -> Alpha {
+    fn alpha(
+        &mut self,
+        entry: &Entry,
+        coverage: f32,
+        non_occluder: Option<NonOccluder>,
+        here: &InnerPath,
+    ) -> Alpha {
         let image = |map: &Map| InnerPath::of(&map.file, here);
         if let Some(map) = &entry.coverage_map
             && entry.diffuse_map.as_ref().map(image) != Some(image(map))
@@ -244,10 +260,10 @@ impl Reader<'_> {
                 format!("{}: map_d is ignored: its image differs from map_Kd", entry.name)
             });
         }
-        match entry.coverage_map {
+        match non_occluder {
             _ if coverage < 1.0 => Alpha::Blend,
-            None if !entry.is_see_through => Alpha::Opaque,
-            _ => Alpha::Mask,
+            None => Alpha::Opaque,
+            Some(_) => Alpha::Mask,
         }
     }
 

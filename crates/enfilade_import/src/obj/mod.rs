@@ -30,7 +30,7 @@ pub use error::ObjError;
 
 use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Import, ReadOptions, Room, gltf};
+use crate::{BrokenRule, Import, NonOccluders, ReadOptions, Room, gltf};
 use enfilade::{GeometryBuilder, Transform};
 use groups::{Group, Groups};
 use materials::Materials;
@@ -108,6 +108,7 @@ fn read(
         placings: &materials.placings,
     };
 
+    let non_occluders = NonOccluders::of_materials(materials.non_occluders.into());
     let mut geometry = GeometryBuilder::new(materials.materials);
     geometry.textures(materials.textures);
     let batches = batches(&found.groups, &source);
@@ -143,7 +144,10 @@ fn read(
     Ok(Import {
         warnings: warnings.into_list(),
         files: materials.files,
-        ..Import::of_rooms(vec![Room::new(name, geometry)])
+        ..Import::of_rooms(vec![Room {
+            non_occluders,
+            ..Room::new(name, geometry)
+        }])
     })
 }
 

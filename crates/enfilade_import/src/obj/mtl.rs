@@ -3,6 +3,7 @@
 //! An invalid line never makes a scene unreadable: it is ignored, with a warning.
 
 use super::text::{Line, Lines, number, quoted, with_line_ends, without_mark};
+use crate::NonOccluder;
 use crate::warning::{WarningKind, Warnings};
 
 /// A material as in its file.
@@ -23,9 +24,9 @@ pub(super) struct Entry {
     pub(super) emission_map: Option<Map>,
     /// `map_d`.
     pub(super) coverage_map: Option<Map>,
-    /// Whether it is surely not opaque, whatever its numbers are: by `d -halo`, a filter color, an `illum` of glass, or a line about
-    /// opacity that cannot be read.
-    pub(super) is_see_through: bool,
+    /// Why it is not known to be opaque, whatever its numbers are: `d -halo`, a filter color, an `illum` of glass, an alpha map, or a
+    /// line about opacity that cannot be read.
+    pub(super) non_occluder: Option<NonOccluder>,
 }
 
 /// An image reference of a material.
@@ -100,37 +101,40 @@ impl Entry {
             b"d" => match amount(line) {
                 Some(coverage) => self.coverage = Some(coverage),
                 // Also `d -halo 0.3`, which depends on the angle.
-                None => {
-                    self.is_see_through = true;
-                    return None;
-                }
+                None => return self.doubt(NonOccluder::MaterialUnread),
             },
             b"Tr" => match amount(line) {
                 Some(transparency) => self.transparency = Some(transparency),
-                None => {
-                    self.is_see_through = true;
-                    return None;
-                }
+                None => return self.doubt(NonOccluder::MaterialUnread),
             },
             // Light that passes through, but for none and for all, which some programs write for what is opaque.
             b"Tf" => {
-                let filter = color(line);
-                self.is_see_through |= !matches!(filter, Some([1.0, 1.0, 1.0] | [0.0, 0.0, 0.0]));
+                if !matches!(color(line), Some([1.0, 1.0, 1.0] | [0.0, 0.0, 0.0])) {
+                    self.doubt(NonOccluder::Transmissive);
+                }
             }
             // Glass, refraction, and reflection on glass.
             b"illum" => {
                 let is_glass = |model: f32| [4.0, 6.0, 7.0, 9.0].contains(&model);
-                self.is_see_through |= line.words().next().and_then(number).is_some_and(is_glass);
+                if line.words().next().and_then(number).is_some_and(is_glass) {
+                    self.doubt(NonOccluder::Transmissive);
+                }
             }
             b"map_Kd" | b"map_kd" => self.diffuse_map = Some(Map::read(line, left)?),
             b"map_Ke" | b"map_ke" => self.emission_map = Some(Map::read(line, left)?),
             b"map_d" | b"map_D" | b"map_Tr" | b"map_tr" => {
-                self.is_see_through = true;
+                self.doubt(NonOccluder::AlphaTested);
                 self.coverage_map = Some(Map::read(line, left)?);
             }
             _ => return None,
         }
         Some(())
+    }
+
+    /// Notes why it is not known to be opaque, and returns `None`.
+    fn doubt(&mut self, why: NonOccluder) -> Option<()> {
+        self.non_occluder.get_or_insert(why);
+        None
     }
 }
 
@@ -273,7 +277,7 @@ mod tests {
         for line in ["d", "d -halo 0.5", "d red", "d 1.5", "Tr 2", "Tr", "map_d"] {
             let (entries, warnings) = read(&format!("newmtl a\n{line}"));
             assert!(
-                entries[0].is_see_through,
+                entries[0].non_occluder.is_some(),
                 "{line}: what is not known to be opaque is not"
             );
             assert!(
@@ -281,22 +285,22 @@ mod tests {
                 "{warnings:?}"
             );
         }
-        for (line, is_see_through) in [
-            ("Tf 0.2 0.9 0.9", true),
-            ("Tf spectral a.rfl", true),
-            ("Tf 1 1 1", false),
-            ("Tf 0 0 0", false),
-            ("illum 2", false),
-            ("illum 4", true),
-            ("illum 6", true),
-            ("illum 7", true),
-            ("illum 9", true),
-            ("map_d a.png", true),
+        for (line, is_occluder) in [
+            ("Tf 0.2 0.9 0.9", false),
+            ("Tf spectral a.rfl", false),
+            ("Tf 1 1 1", true),
+            ("Tf 0 0 0", true),
+            ("illum 2", true),
+            ("illum 4", false),
+            ("illum 6", false),
+            ("illum 7", false),
+            ("illum 9", false),
+            ("map_d a.png", false),
         ] {
             let (entries, warnings) = read(&format!("newmtl a\n{line}"));
             assert_eq!(
-                (entries[0].is_see_through, warnings.len()),
-                (is_see_through, 0),
+                (entries[0].non_occluder.is_none(), warnings.len()),
+                (is_occluder, 0),
                 "{line}"
             );
         }

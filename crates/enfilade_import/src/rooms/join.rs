@@ -150,6 +150,7 @@ fn finish(
             name: shell.name,
             geometry: Arc::new(shell.builder.build().map_err(BrokenRule::Geometry)?),
             nodes: shell.nodes,
+            non_occluders: shell.non_occluders,
             method: shell.method,
             open_above: found.open_above.get(number).copied().unwrap_or_default(),
             large: None,

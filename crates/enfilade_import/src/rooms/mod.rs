@@ -17,7 +17,7 @@ pub(crate) use around::{room_around, room_nearest};
 pub(crate) use frame::Frame;
 pub(crate) use join::join;
 
-use crate::SourceNodes;
+use crate::{NonOccluders, SourceNodes};
 use enfilade::{GeometryBuilder, Mesh, Method, Transform};
 use std::sync::Arc;
 
@@ -29,6 +29,7 @@ pub(crate) struct Shell {
     pub(crate) builder: GeometryBuilder,
     pub(crate) method: Option<Method>,
     pub(crate) nodes: SourceNodes,
+    pub(crate) non_occluders: NonOccluders,
 }
 
 /// A transformed mesh that the author marked as an opening.

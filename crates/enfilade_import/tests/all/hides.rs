@@ -3,7 +3,10 @@
 //! Each row is a way in which a file can say that one of these is not so, or that it is: a wall between the eye and a crate.
 
 use crate::gltf::file::File;
-use enfilade::{Method, View, Viewer};
+use crate::gltf::grid::Grid;
+use crate::quake::little::{Format, Little};
+use enfilade::{ItemIndex, Method, View, Viewer};
+use enfilade_import::NonOccluder::{self, *};
 use enfilade_import::{Import, ReadOptions, read, read_bytes};
 use serde_json::{Value, json};
 
@@ -83,20 +86,55 @@ fn extend(file: &mut File, list: &str, extension: &str, value: Value) {
     file.json[list][0]["extensions"] = json!({ extension: value });
 }
 
-type Row = (&'static str, bool, fn(&mut File));
+/// What a reader makes of the wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Says {
+    Hides,
+    HidesNothing(NonOccluder),
+    NotDrawn,
+}
+
+use Says::*;
+
+/// Checks what is visible from the origin, and why the wall hides nothing.
+fn check(what: &str, says: Says, import: &Import) {
+    let visible = visible(import);
+    let sees = |name: &str| visible.iter().any(|visible| visible == name);
+    assert_eq!(sees("crate"), says != Hides, "{what}: {visible:?}");
+    assert_eq!(sees("wall"), says != NotDrawn, "{what}: {visible:?}");
+    check_reason(what, says, "wall", import);
+}
+
+/// Checks why an item hides nothing.
+fn check_reason(what: &str, says: Says, name: &str, import: &Import) {
+    let room = &import.rooms[0];
+    let mut items = (0..room.geometry.items().len() as u32).map(ItemIndex);
+    let item = items.find(|&item| room.geometry.name(item) == name);
+    let found = match item.map(|item| room.non_occluders.of_item(&room.geometry, item)) {
+        None => NotDrawn,
+        Some(reasons) => match reasons.iter().collect::<Vec<_>>()[..] {
+            [] => Hides,
+            [&why] => HidesNothing(why),
+            _ => panic!("{what}: {reasons:?}"),
+        },
+    };
+    assert_eq!(found, says, "{what}");
+}
+
+type Row = (&'static str, Says, fn(&mut File));
 
 const GLTF: &[Row] = &[
-    ("nothing special", true, |_| {}),
-    ("alphaMode MASK", false, |file| {
+    ("nothing special", Hides, |_| {}),
+    ("alphaMode MASK", HidesNothing(AlphaTested), |file| {
         file.json["materials"][0]["alphaMode"] = json!("MASK")
     }),
-    ("alphaMode BLEND", false, |file| {
+    ("alphaMode BLEND", HidesNothing(Blended), |file| {
         file.json["materials"][0]["alphaMode"] = json!("BLEND")
     }),
-    ("alpha of an opaque material", true, |file| {
+    ("alpha of an opaque material", Hides, |file| {
         file.json["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorFactor": [1, 1, 1, 0.2] });
     }),
-    ("transmission", false, |file| {
+    ("transmission", HidesNothing(Transmissive), |file| {
         extend(
             file,
             "materials",
@@ -104,13 +142,13 @@ const GLTF: &[Row] = &[
             json!({ "transmissionFactor": 0.5 }),
         );
     }),
-    ("volume", false, |file| {
+    ("volume", HidesNothing(Transmissive), |file| {
         extend(file, "materials", "KHR_materials_volume", json!({}))
     }),
-    ("diffuse transmission", false, |file| {
+    ("diffuse transmission", HidesNothing(Transmissive), |file| {
         extend(file, "materials", "KHR_materials_diffuse_transmission", json!({}));
     }),
-    ("dispersion", false, |file| {
+    ("dispersion", HidesNothing(Transmissive), |file| {
         extend(
             file,
             "materials",
@@ -118,70 +156,80 @@ const GLTF: &[Row] = &[
             json!({ "dispersion": 1 }),
         );
     }),
-    ("clearcoat", true, |file| {
+    ("clearcoat", Hides, |file| {
         extend(file, "materials", "KHR_materials_clearcoat", json!({}))
     }),
-    ("unlit", true, |file| {
+    ("unlit", Hides, |file| {
         extend(file, "materials", "KHR_materials_unlit", json!({}))
     }),
-    ("variants that are opaque", true, |file| variants(file, json!({}))),
-    ("a variant of glass", false, |file| {
+    ("variants that are opaque", Hides, |file| {
+        variants(file, json!({}))
+    }),
+    ("a variant of glass", HidesNothing(MaterialVariant), |file| {
         variants(file, json!({ "alphaMode": "BLEND" }))
     }),
-    ("a skin", false, skin),
-    ("morph targets", false, morph),
-    ("an animated node", false, |file| {
+    ("a skin", HidesNothing(Skinned), skin),
+    ("morph targets", HidesNothing(Morphed), morph),
+    ("an animated node", HidesNothing(Animated), |file| {
         animation(file, json!({ "node": 0, "path": "translation" }))
     }),
-    ("an animation of another node", true, |file| {
+    ("an animation of another node", Hides, |file| {
         animation(file, json!({ "node": 1, "path": "translation" }))
     }),
-    ("an animated node above", false, |file| {
+    ("an animated node above", HidesNothing(Animated), |file| {
         let above = file.node(json!({ "children": [0] }));
         animation(file, json!({ "node": above, "path": "rotation" }));
     }),
-    ("an animation of its visibility", false, |file| {
+    ("an animation of its visibility", HidesNothing(Animated), |file| {
         let pointer = json!({ "pointer": "/nodes/0/extensions/KHR_node_visibility/visible" });
         animation(
             file,
             json!({ "path": "pointer", "extensions": { "KHR_animation_pointer": pointer } }),
         );
     }),
-    ("an animation of its material", false, |file| {
+    ("an animation of its material", HidesNothing(Animated), |file| {
         let pointer = json!({ "pointer": "/materials/0/pbrMetallicRoughness/baseColorFactor" });
         animation(
             file,
             json!({ "path": "pointer", "extensions": { "KHR_animation_pointer": pointer } }),
         );
     }),
-    ("an invisible node", false, |file| {
+    ("an invisible node", NotDrawn, |file| {
         extend(file, "nodes", "KHR_node_visibility", json!({ "visible": false }));
     }),
-    ("a visible node", true, |file| {
+    ("a visible node", Hides, |file| {
         extend(file, "nodes", "KHR_node_visibility", json!({ "visible": true }))
     }),
-    ("an invisible node above", false, |file| {
+    ("an invisible node above", NotDrawn, |file| {
         let above = json!({ "children": [0], "extensions": { "KHR_node_visibility": { "visible": false } } });
         file.node(above);
     }),
-    ("levels of detail", false, |file| {
+    ("levels of detail", HidesNothing(LevelOfDetail), |file| {
         let other = file.node(json!({ "name": "coarse" }));
         extend(file, "nodes", "MSFT_lod", json!({ "ids": [other] }));
     }),
-    ("an author who says so", false, |file| {
+    ("an author who says so", HidesNothing(Author), |file| {
         file.json["nodes"][0]["extras"] = json!({ "enfilade": { "occluder": false } })
     }),
-    ("a node above of whom the author says so", false, |file| {
-        file.node(json!({ "children": [0], "extras": { "enfilade": { "occluder": 0 } } }));
-    }),
-    ("an author who says that a skin does", true, |file| {
+    (
+        "a node above of whom the author says so",
+        HidesNothing(Author),
+        |file| {
+            file.node(json!({ "children": [0], "extras": { "enfilade": { "occluder": 0 } } }));
+        },
+    ),
+    ("an author who says that a skin does", Hides, |file| {
         skin(file);
         file.json["nodes"][0]["extras"] = json!({ "enfilade": { "occluder": true } });
     }),
-    ("an author who says that glass does", false, |file| {
-        file.json["materials"][0]["alphaMode"] = json!("BLEND");
-        file.json["nodes"][0]["extras"] = json!({ "enfilade": { "occluder": true } });
-    }),
+    (
+        "an author who says that glass does",
+        HidesNothing(Blended),
+        |file| {
+            file.json["materials"][0]["alphaMode"] = json!("BLEND");
+            file.json["nodes"][0]["extras"] = json!({ "enfilade": { "occluder": true } });
+        },
+    ),
 ];
 
 fn variants(file: &mut File, material: Value) {
@@ -192,23 +240,12 @@ fn variants(file: &mut File, material: Value) {
 
 #[test]
 fn a_gltf_wall_hides_a_crate_only_if_it_is_opaque_and_drawn_where_it_is() {
-    for (what, hides, change) in GLTF {
+    for (what, says, change) in GLTF {
         let mut file = gltf();
         change(&mut file);
         let import = read_bytes(&file.glb(), None, &ReadOptions::default());
         let import = import.unwrap_or_else(|why| panic!("{what}: {why}"));
-        let visible = visible(&import);
-        assert_eq!(
-            visible.contains(&"crate".to_owned()),
-            !hides,
-            "{what}: {visible:?}"
-        );
-        let is_drawn = !what.contains("invisible");
-        assert_eq!(
-            visible.contains(&"wall".to_owned()),
-            is_drawn,
-            "{what}: {visible:?}"
-        );
+        check(what, *says, &import);
     }
 }
 
@@ -262,49 +299,53 @@ fn an_obj_wall_hides_a_crate_only_if_all_its_lines_say_that_it_is_opaque() {
         corners(1.0, -10.0)
     );
     std::fs::write(folder.path().join("a.obj"), obj).expect("written");
-    for (lines, hides) in [
-        ("", true),
-        ("d 1", true),
-        ("Tr 0", true),
-        ("d 1\nTr 0", true),
-        ("d 1\nTr 1", true),
-        ("d 0.3", false),
-        ("Tr 0.5", false),
-        ("d 0", false),
-        ("Tr 1", false),
-        ("d -halo 0.3", false),
-        ("d -halo 1", false),
-        ("d 2", false),
-        ("d glass", false),
-        ("Tr", false),
-        ("map_d leaf.png", false),
-        ("map_d missing.png", false),
-        ("map_d", false),
-        ("map_Tr leaf.png", false),
-        ("illum 0", true),
-        ("illum 1", true),
-        ("illum 2", true),
-        ("illum 3", true),
-        ("illum 4", false),
-        ("illum 5", true),
-        ("illum 6", false),
-        ("illum 7", false),
-        ("illum 8", true),
-        ("illum 9", false),
-        ("Tf 0.5 1 1\nillum 4", false),
-        ("Tf 1 1 1\nillum 2", true),
+    for (lines, says) in [
+        ("", Hides),
+        ("d 1", Hides),
+        ("Tr 0", Hides),
+        ("d 1\nTr 0", Hides),
+        ("d 1\nTr 1", HidesNothing(MaterialUnread)),
+        ("d 0.3", HidesNothing(Blended)),
+        ("Tr 0.5", HidesNothing(Blended)),
+        ("d 0", HidesNothing(Blended)),
+        ("Tr 1", HidesNothing(Blended)),
+        ("d -halo 0.3", HidesNothing(MaterialUnread)),
+        ("d -halo 1", HidesNothing(MaterialUnread)),
+        ("d 2", HidesNothing(MaterialUnread)),
+        ("d glass", HidesNothing(MaterialUnread)),
+        ("Tr", HidesNothing(MaterialUnread)),
+        ("map_d leaf.png", HidesNothing(AlphaTested)),
+        ("map_d missing.png", HidesNothing(AlphaTested)),
+        ("map_d", HidesNothing(AlphaTested)),
+        ("map_Tr leaf.png", HidesNothing(AlphaTested)),
+        ("illum 0", Hides),
+        ("illum 1", Hides),
+        ("illum 2", Hides),
+        ("illum 3", Hides),
+        ("illum 4", HidesNothing(Transmissive)),
+        ("illum 5", Hides),
+        ("illum 6", HidesNothing(Transmissive)),
+        ("illum 7", HidesNothing(Transmissive)),
+        ("illum 8", Hides),
+        ("illum 9", HidesNothing(Transmissive)),
+        ("Tf 0.5 1 1\nillum 4", HidesNothing(Transmissive)),
+        ("Tf 1 1 1\nillum 2", Hides),
     ] {
         let mtl = format!("newmtl crate\nKd 1 0 0\nnewmtl wall\nKd 1 1 1\n{lines}\n");
         std::fs::write(folder.path().join("a.mtl"), mtl).expect("written");
         let import = read(&folder.path().join("a.obj"), &ReadOptions::default()).expect("a scene");
-        let visible = visible(&import);
-        assert_eq!(
-            visible.contains(&"crate".to_owned()),
-            !hides,
-            "{lines:?}: {visible:?}"
-        );
-        assert!(visible.contains(&"wall".to_owned()), "{lines:?}: {visible:?}");
+        check(lines, says, &import);
     }
+    let read = |mtl: &str| {
+        std::fs::write(folder.path().join("a.mtl"), mtl).expect("written");
+        read(&folder.path().join("a.obj"), &ReadOptions::default()).expect("a scene")
+    };
+    let says = HidesNothing(MaterialUnread);
+    check("no such material", says, &read("newmtl crate\nKd 1 0 0\n"));
+    check("an empty material file", says, &read(""));
+    std::fs::remove_file(folder.path().join("a.mtl")).expect("removed");
+    let import = enfilade_import::read(&folder.path().join("a.obj"), &ReadOptions::default());
+    check("no material file", says, &import.expect("a scene"));
 }
 
 /// A room of BSP29 with a pane, model 1, and a crate behind it, model 2.
@@ -330,31 +371,183 @@ fn map(pane: &str, texture: &str) -> Vec<u8> {
 
 #[test]
 fn a_brush_entity_of_quake_hides_a_crate_only_if_it_stands_still_and_is_opaque() {
-    for (pane, texture, hides) in [
-        (r#""classname" "func_wall""#, "brick", true),
-        (r#""classname" "func_detail""#, "brick", true),
-        (r#""classname" "func_wall" "alpha" "1""#, "brick", true),
-        (r#""classname" "func_wall" "alpha" "0.3""#, "brick", false),
-        (r#""classname" "func_wall" "alpha" "0""#, "brick", false),
-        (r#""classname" "func_wall" "alpha" "a bit""#, "brick", false),
-        (r#""classname" "func_wall" "renderamt" "120""#, "brick", false),
-        (r#""classname" "func_wall" "rendermode" "2""#, "brick", false),
-        (r#""classname" "func_door""#, "brick", false),
-        (r#""classname" "func_train""#, "brick", false),
-        (r#""classname" "func_wall""#, "{grate", false),
-        (r#""classname" "func_wall""#, "*water1", false),
-        (r#""classname" "func_wall""#, "*slime0", false),
-        (r#""classname" "func_wall""#, "*lava1", false),
-        (r#""classname" "func_wall""#, "*teleport", false),
-        (r#""classname" "func_wall""#, "!water", false),
+    for (pane, texture, says) in [
+        (r#""classname" "func_wall""#, "brick", Hides),
+        (r#""classname" "func_detail""#, "brick", Hides),
+        (r#""classname" "func_wall" "alpha" "1""#, "brick", Hides),
+        (
+            r#""classname" "func_wall" "alpha" "0.3""#,
+            "brick",
+            HidesNothing(TranslucentBrush),
+        ),
+        (
+            r#""classname" "func_wall" "alpha" "0""#,
+            "brick",
+            HidesNothing(TranslucentBrush),
+        ),
+        (
+            r#""classname" "func_wall" "alpha" "a bit""#,
+            "brick",
+            HidesNothing(TranslucentBrush),
+        ),
+        (
+            r#""classname" "func_wall" "renderamt" "120""#,
+            "brick",
+            HidesNothing(TranslucentBrush),
+        ),
+        (
+            r#""classname" "func_wall" "rendermode" "2""#,
+            "brick",
+            HidesNothing(TranslucentBrush),
+        ),
+        (r#""classname" "func_door""#, "brick", HidesNothing(MovingBrush)),
+        (r#""classname" "func_train""#, "brick", HidesNothing(MovingBrush)),
+        (r#""classname" "func_wall""#, "{grate", HidesNothing(AlphaKey)),
+        (r#""classname" "func_wall""#, "*water1", HidesNothing(Liquid)),
+        (r#""classname" "func_wall""#, "*slime0", HidesNothing(Liquid)),
+        (r#""classname" "func_wall""#, "*lava1", HidesNothing(Liquid)),
+        (r#""classname" "func_wall""#, "*teleport", HidesNothing(Liquid)),
+        (r#""classname" "func_wall""#, "!water", HidesNothing(Liquid)),
     ] {
         let import = read_bytes(&map(pane, texture), None, &ReadOptions::default()).expect("a map");
         let visible = visible_from(&import, [-200.0, 0.0, 0.0], [3.0, 0.0, 0.0]);
         let is_seen = visible.iter().any(|name| name.contains("crate"));
-        assert_eq!(is_seen, !hides, "{pane} {texture}: {visible:?}");
-        assert!(
-            visible.len() > usize::from(is_seen),
-            "the pane is drawn: {visible:?}"
-        );
+        assert_eq!(is_seen, says != Hides, "{pane} {texture}: {visible:?}");
+        let mut others = visible.iter().filter(|name| !name.contains("crate"));
+        let pane = others.next().expect("the pane is drawn");
+        check_reason(pane, says, pane, &import);
     }
+}
+
+/// A room of Quake 3 with a pane between the eye and a crate; the texture of the pane is `textures/little/pane`.
+fn arena(surface: u32, content: u32) -> Vec<u8> {
+    let mut little = Little::new(Format::Ibsp46);
+    let entities = String::from_utf8_lossy(&little.lumps[0])
+        .replace("func_door", "func_static")
+        .replace("32 0 0", "16 0 0");
+    little.lumps[0] = entities.into_bytes();
+    let texture = &mut little.lumps[1][3 * 72..];
+    let name = b"textures/little/pane";
+    texture[..name.len()].copy_from_slice(name);
+    texture[64..68].copy_from_slice(&surface.to_le_bytes());
+    texture[68..72].copy_from_slice(&content.to_le_bytes());
+    // The crate, its last face, looks at the pane.
+    let start = little.lumps[11].len() - 24;
+    let turned: Vec<u8> = [0_u32, 2, 1, 0, 3, 2]
+        .iter()
+        .flat_map(|corner| corner.to_le_bytes())
+        .collect();
+    little.lumps[11][start..].copy_from_slice(&turned);
+    little.bytes()
+}
+
+fn check_arena(what: &str, says: Says, import: &Import) {
+    let visible = visible_from(import, [60.0, 0.0, 0.0], [0.0; 3]);
+    let is_seen = visible.iter().any(|name| name.contains("func_static"));
+    assert_eq!(is_seen, says != Hides, "{what}: {visible:?}");
+    let room = &import.rooms[0];
+    let mut items = (0..room.geometry.items().len() as u32).map(ItemIndex);
+    let item = items.find(|&item| room.geometry.name(item) == "cluster 1");
+    let mut reasons = room
+        .non_occluders
+        .of_item(&room.geometry, item.expect("the room"));
+    if let HidesNothing(why) = says {
+        assert!(reasons.remove(&why), "{what}: {reasons:?}");
+    }
+    // Its floor is lava.
+    reasons.remove(&Liquid);
+    assert!(reasons.is_empty(), "{what}: {reasons:?}");
+}
+
+#[test]
+fn a_pane_of_quake_3_hides_a_crate_only_if_its_flags_say_that_it_is_solid_and_opaque() {
+    for (surface, content, says) in [
+        (0, 1, Hides),
+        (0x20, 1, Hides),
+        (0, 0, HidesNothing(NotSolid)),
+        (0x4000, 1, HidesNothing(NotSolid)),
+        (0, 0x2000_0000, HidesNothing(Translucent)),
+        (0, 0x2000_0001, HidesNothing(Translucent)),
+        (0x4, 1, HidesNothing(Sky)),
+        (0, 0x20, HidesNothing(Liquid)),
+        (0, 0x10, HidesNothing(Liquid)),
+        (0, 0x8, HidesNothing(Liquid)),
+        (0, 0x21, HidesNothing(Liquid)),
+        (0x80, 1, NotDrawn),
+        (0x100, 1, NotDrawn),
+        (0x200, 1, NotDrawn),
+    ] {
+        let import = read_bytes(&arena(surface, content), None, &ReadOptions::default());
+        let what = format!("surface {surface:#x}, content {content:#x}");
+        check_arena(&what, says, &import.expect("a map"));
+    }
+}
+
+#[test]
+fn a_pane_of_quake_3_hides_a_crate_only_if_no_shader_file_says_that_one_sees_through_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::create_dir_all(folder.join("game/maps")).expect("folders");
+    std::fs::create_dir_all(folder.join("game/scripts")).expect("folders");
+    let map = folder.join("game/maps/arena.bsp");
+    std::fs::write(&map, arena(0, 1)).expect("written");
+    let places = ["game/maps/a.shader", "game/scripts/a.SHADER"];
+    for (directives, says) in [
+        ("{\nmap pane.tga\n}", Hides),
+        ("cull front", Hides),
+        ("surfaceparm nomarks", Hides),
+        ("// cull none", Hides),
+        ("{\nmap pane.tga\nblendFunc add\n}", HidesNothing(Blended)),
+        (
+            "{\nmap pane.tga\nblendfunc GL_SRC_ALPHA GL_ONE\n}",
+            HidesNothing(Blended),
+        ),
+        ("{\nmap pane.tga\nalphaFunc GE128\n}", HidesNothing(AlphaTested)),
+        ("surfaceparm trans", HidesNothing(Translucent)),
+        ("cull none", HidesNothing(DoubleSidedShader)),
+        ("cull disable", HidesNothing(DoubleSidedShader)),
+        ("cull back", HidesNothing(DoubleSidedShader)),
+        ("deformVertexes wave 100 sin 0 2 0 1", HidesNothing(Animated)),
+    ] {
+        for place in places {
+            let path = folder.join(place);
+            let text = format!("// A script.\ntextures/little/Pane\n{{\n{directives}\n}}\n");
+            std::fs::write(&path, text).expect("written");
+            let import = read(&map, &ReadOptions::default()).expect("a map");
+            check_arena(&format!("{place}: {directives}"), says, &import);
+            let named: Vec<_> = import
+                .files
+                .iter()
+                .filter_map(|file| file.canonicalize().ok())
+                .collect();
+            assert_eq!(named, [path.canonicalize().expect("it exists")]);
+            std::fs::remove_file(&path).expect("removed");
+        }
+    }
+}
+
+#[test]
+fn a_ridge_of_terrain_hides_the_valley_behind_it_unless_its_author_says_that_it_does_not() {
+    let mut grid = Grid::new([2, 70]);
+    for position in &mut grid.positions {
+        position[1] = if position[2] == 20.0 { 9.0 } else { 0.0 };
+    }
+    let mut file = grid.file();
+    let visible = |file: &File| {
+        let import = read_bytes(&file.glb(), None, &ReadOptions::default()).expect("a hill");
+        let view = View::new([0.5, 6.0, 1.0], [0.5, 5.0, 30.0], [640, 480]).expect("a view");
+        [
+            Method::ZBuffer,
+            Method::FloatingHorizon,
+            Method::Masked,
+            Method::Svbsp,
+        ]
+        .map(|method| {
+            let scene = import.scene(method, 1 << 30).expect("a scene");
+            Viewer::new().look(&scene, &view).names(&scene).count()
+        })
+    };
+    assert_eq!(visible(&file), [1; 4], "one of three blocks");
+    file.json["nodes"][0]["extras"] = json!({ "enfilade": { "occluder": false } });
+    assert_eq!(visible(&file), [3; 4], "all blocks");
 }

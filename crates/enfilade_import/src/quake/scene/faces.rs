@@ -189,7 +189,7 @@ pub(super) fn read(
         };
         let name = images.get(placing.image as usize).map_or("", |image| &image.name);
         let page = lit.as_ref().map(|_| light::number(0));
-        let material = looks.material(placing.image, name, kind, false, true, page);
+        let material = looks.material(placing.image, name, kind, false, kind.non_occluder(), page);
         let size = images
             .get(placing.image as usize)
             .map_or([64.0; 2], |image| image.size);
@@ -219,6 +219,7 @@ pub(super) fn read(
         surfaces.faces.push(Some(Face {
             triangles: start..surfaces.triangles.len(),
             material,
+            moves: false,
         }));
     }
     if let Some((texture, size)) = light.and_then(FaceLight::texture) {

@@ -7,13 +7,15 @@ use super::axes::turned;
 use super::light;
 use super::looks::{Kind, Looks};
 use super::patch::{STEPS, tessellate};
+use super::shaders::Shaders;
 use super::surfaces::{Face, Surfaces};
-use crate::BrokenRule;
 use crate::budget::Budget;
 use crate::quake::BspError;
 use crate::quake::bsp::{Map, in_range, int, number};
 use crate::warning::{WarningKind, Warnings};
+use crate::{BrokenRule, NonOccluder};
 use enfilade::{MaterialId, TextureId};
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Lumps that faces are made of, with record sizes in bytes.
@@ -58,6 +60,7 @@ struct Shape {
 /// Reads all faces.
 pub(super) fn read(
     map: &Map,
+    shaders: &Shaders,
     looks: &mut Looks,
     budget: &mut Budget,
     warnings: &mut Warnings,
@@ -97,9 +100,9 @@ pub(super) fn read(
         let page = usize::try_from(int(face, LIGHT)).ok();
         let page = page.filter(|&page| page < looks.light.len()).map(light::number);
         let drawn = (flat_or_mesh || shape.kind == PATCH)
-            .then(|| material(map, texture, page, looks))
+            .then(|| material(map, texture, page, shaders, looks))
             .flatten();
-        let Some((material, is_lit)) = drawn else {
+        let Some(drawn) = drawn else {
             surfaces.faces.push(None);
             continue;
         };
@@ -113,14 +116,14 @@ pub(super) fn read(
             let grid = tessellate(&patch, shape.size);
             grid.corners
                 .iter()
-                .for_each(|corner| surfaces.push(corner, is_lit));
+                .for_each(|corner| surfaces.push(corner, drawn.is_lit));
             let triangles = grid.triangles.iter();
             surfaces
                 .triangles
                 .extend(triangles.map(|corners| corners.map(|corner| first + corner)));
         } else {
             for number in shape.corners.clone() {
-                surfaces.push(&corner(map, number)?, is_lit);
+                surfaces.push(&corner(map, number)?, drawn.is_lit);
             }
             for place in shape.triangles.clone().step_by(3) {
                 // From clockwise to counter-clockwise.
@@ -135,7 +138,8 @@ pub(super) fn read(
         }
         surfaces.faces.push(Some(Face {
             triangles: start..surfaces.triangles.len(),
-            material,
+            material: drawn.material,
+            moves: drawn.moves,
         }));
     }
     surfaces.even_out_colors();
@@ -204,14 +208,34 @@ fn corner(map: &Map, at: usize) -> Result<Corner, BspError> {
     })
 }
 
-/// Returns the material of a face with its lightmap, and whether the lightmap is used; `None` if engines do not draw
-/// the face.
+/// Returns the names of the textures, in lower case.
+pub(super) fn names(map: &Map) -> Result<HashSet<String>, BspError> {
+    Ok(map.records(TEXTURES.0, TEXTURES.1)?.map(name).collect())
+}
+
+/// Returns the name of a texture, in lower case.
+fn name(texture: &[u8]) -> String {
+    let name = texture[..64].split(|&byte| byte == 0).next().unwrap_or(&[]);
+    String::from_utf8_lossy(name).to_lowercase()
+}
+
+/// How a face is drawn.
+struct Drawn {
+    material: MaterialId,
+    /// Whether its lightmap is used.
+    is_lit: bool,
+    /// Whether engines draw it elsewhere than where the map has it.
+    moves: bool,
+}
+
+/// Returns how a face is drawn; `None` if engines do not draw it.
 fn material(
     map: &Map,
     texture: u32,
     page: Option<TextureId>,
+    shaders: &Shaders,
     looks: &mut Looks,
-) -> Option<(MaterialId, bool)> {
+) -> Option<Drawn> {
     const TOOLS: [&str; 12] = [
         "caulk",
         "clip",
@@ -227,8 +251,7 @@ fn material(
         "antiportal",
     ];
     let bytes = &map.lump(TEXTURES.0)[texture as usize * TEXTURES.1..][..TEXTURES.1];
-    let name = bytes[..64].split(|&byte| byte == 0).next().unwrap_or(&[]);
-    let name = String::from_utf8_lossy(name).to_lowercase();
+    let name = name(bytes);
     let [surface, content] = [64, 68].map(|place| int(bytes, place));
     let mut path = name.rsplit('/');
     let end = path.next().unwrap_or("");
@@ -248,11 +271,26 @@ fn material(
         None => Kind::Wall,
     };
     // Liquids have a single face that is also visible from below.
-    let double_sided = matches!(kind, Kind::Water | Kind::Slime | Kind::Lava | Kind::Glass);
+    let shader = shaders.of(&name);
+    let double_sided =
+        shader.double_sided || matches!(kind, Kind::Water | Kind::Slime | Kind::Lava | Kind::Glass);
     let light = page.filter(|_| kind == Kind::Wall);
-    let is_solid = content & SOLID != 0 && content & SEEN_THROUGH == 0 && surface & (SKY | NOT_SOLID) == 0;
-    let material = looks.material(texture, &name, kind, double_sided, is_solid, light);
-    Some((material, light.is_some()))
+    let by_flags = [
+        (surface & SKY != 0, NonOccluder::Sky),
+        (content & SEEN_THROUGH != 0, NonOccluder::Translucent),
+        (
+            content & SOLID == 0 || surface & NOT_SOLID != 0,
+            NonOccluder::NotSolid,
+        ),
+    ];
+    let by_flags = by_flags.iter().find(|(holds, _)| *holds).map(|&(_, why)| why);
+    let why = kind.non_occluder().or(by_flags).or(shader.non_occluder);
+    let material = looks.material(texture, &name, kind, double_sided, why, light);
+    Some(Drawn {
+        material,
+        is_lit: light.is_some(),
+        moves: shader.moves,
+    })
 }
 
 impl Surfaces {

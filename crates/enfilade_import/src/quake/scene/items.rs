@@ -7,10 +7,10 @@
 use super::axes::placed;
 use super::entities::Entity;
 use super::surfaces::Surfaces;
-use crate::BrokenRule;
 use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::quake::bsp::{BspError, Map, Tree, in_range, int, word};
 use crate::warning::{WarningKind, Warnings};
+use crate::{BrokenRule, NonOccluder, NonOccluders};
 use enfilade::{GeometryBuilder, ItemOptions, MeshId, Transform};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -93,14 +93,22 @@ pub(super) fn add_world_items(
             why,
         })?;
         let mesh = geometry.mesh(mesh);
-        geometry.item(&name, mesh, Transform::IDENTITY);
+        let item = geometry.item(&name, mesh, Transform::IDENTITY);
+        if surfaces.any_moves(&faces) {
+            // Its box does not bound it.
+            let options = ItemOptions {
+                never_cull: true,
+                ..ItemOptions::default()
+            };
+            geometry.set_options(item, options);
+        }
     }
     Ok(())
 }
 
-/// Returns `true` if a brush entity is certainly drawn, opaque, where the map has it: doors and lifts move, and engines draw
-/// others as transparent as their keys say.
-fn hides(entity: &Entity) -> bool {
+/// Returns why a brush entity hides nothing; `None` if it is certainly drawn, opaque, where the map has it. Doors and lifts move, and
+/// engines draw others as transparent as their keys say.
+fn why_no_occluder(entity: &Entity) -> Option<NonOccluder> {
     const AT_REST: [&str; 7] = [
         "func_detail",
         "func_detail_illusionary",
@@ -120,7 +128,10 @@ fn hides(entity: &Entity) -> bool {
         ("rendermode", 0.0),
         ("renderfx", 0.0),
     ];
-    AT_REST.contains(&entity.class()) && plain.into_iter().all(is_plain)
+    if !plain.into_iter().all(is_plain) {
+        return Some(NonOccluder::TranslucentBrush);
+    }
+    (!AT_REST.contains(&entity.class())).then_some(NonOccluder::MovingBrush)
 }
 
 /// Returns pairs of a face and a leaf (or cluster) that lists it, sorted and unique.
@@ -181,10 +192,12 @@ pub(super) fn add_entity_items(
     models: &[Range<u32>],
     surfaces: &Surfaces,
     geometry: &mut GeometryBuilder,
+    non_occluders: &mut NonOccluders,
     budget: &mut Budget,
     warnings: &mut Warnings,
 ) -> Result<(), BrokenRule> {
-    let mut meshes: HashMap<u32, Option<MeshId>> = HashMap::new();
+    // Each with whether a face of it moves.
+    let mut meshes: HashMap<u32, Option<(MeshId, bool)>> = HashMap::new();
     let mut files = HashSet::new();
     for entity in &entities[entities.len().min(1)..] {
         let named = entity.get("model");
@@ -216,21 +229,24 @@ pub(super) fn add_entity_items(
                         place: entity.name(),
                         why,
                     })?
-                    .map(|mesh| geometry.mesh(mesh));
+                    .map(|mesh| (geometry.mesh(mesh), surfaces.any_moves(&faces)));
                 meshes.insert(model, mesh);
                 mesh
             }
         };
-        if let Some(mesh) = mesh {
+        if let Some((mesh, moves)) = mesh {
             let origin = entity.three("origin").unwrap_or_default();
             let item = geometry.item(&entity.name(), mesh, placed(origin));
-            geometry.set_options(
-                item,
-                ItemOptions {
-                    is_occluder: hides(entity),
-                    ..ItemOptions::default()
-                },
-            );
+            let why = why_no_occluder(entity);
+            let options = ItemOptions {
+                is_occluder: why.is_none(),
+                never_cull: moves,
+                ..ItemOptions::default()
+            };
+            geometry.set_options(item, options);
+            if let Some(why) = why {
+                non_occluders.add(item.index, why);
+            }
         }
     }
     Ok(())

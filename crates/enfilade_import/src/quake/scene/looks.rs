@@ -6,8 +6,8 @@
 
 use super::light::FULL;
 use super::pattern::{PATTERNS, Pattern};
-use crate::BrokenRule;
 use crate::budget::Budget;
+use crate::{BrokenRule, NonOccluder};
 use enfilade::{Alpha, Material, MaterialId, Texture, TextureId};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -28,11 +28,25 @@ pub(in crate::quake) enum Kind {
     Sky,
 }
 
+impl Kind {
+    /// Returns why such faces hide nothing, whatever the flags of their texture.
+    pub(super) fn non_occluder(self) -> Option<NonOccluder> {
+        match self {
+            Kind::Wall | Kind::Sky => None,
+            Kind::Fence => Some(NonOccluder::AlphaKey),
+            Kind::Glass => Some(NonOccluder::Blended),
+            Kind::Water | Kind::Slime | Kind::Lava | Kind::Gate => Some(NonOccluder::Liquid),
+        }
+    }
+}
+
 /// The materials of a map.
 #[derive(Debug, Default)]
 pub(super) struct Looks {
     pub(super) materials: Vec<Material>,
-    known: HashMap<(u32, Kind, Option<TextureId>, bool), MaterialId>,
+    /// Why each hides nothing, if it does not.
+    pub(super) non_occluders: Vec<Option<NonOccluder>>,
+    known: HashMap<(u32, Kind, Option<TextureId>, Option<NonOccluder>), MaterialId>,
     with_patterns: bool,
     /// Lightmaps; their ids follow those of the patterns.
     pub(super) light: Vec<Arc<Texture>>,
@@ -100,19 +114,19 @@ impl Looks {
     }
 
     /// Returns the material of a texture, given its index in the map and its name, which is empty if the map stores
-    /// none. With `light`, the lightmap replaces the pattern, and the material is unlit. It hides what is behind only if
-    /// `is_solid`, and never if it is a liquid, whose opacity is up to the player.
+    /// none. With `light`, the lightmap replaces the pattern, and the material is unlit. It hides nothing if there is a reason.
     pub(super) fn material(
         &mut self,
         texture: u32,
         name: &str,
         kind: Kind,
         double_sided: bool,
-        is_solid: bool,
+        non_occluder: Option<NonOccluder>,
         light: Option<TextureId>,
     ) -> MaterialId {
         let next = MaterialId(self.materials.len() as u32);
-        let id = *self.known.entry((texture, kind, light, is_solid)).or_insert(next);
+        let key = (texture, kind, light, non_occluder);
+        let id = *self.known.entry(key).or_insert(next);
         if id == next {
             let (material, pattern) = match kind {
                 Kind::Wall | Kind::Fence => wall(texture, name),
@@ -128,9 +142,9 @@ impl Looks {
                 Some(_) => bright([0, 1, 2].map(|part| (FULL * material.base_color[part]).min(1.0))),
                 None => material,
             };
-            let hides = is_solid && matches!(kind, Kind::Wall | Kind::Sky);
+            self.non_occluders.push(non_occluder);
             self.materials.push(Material {
-                alpha: if hides || material.alpha == Alpha::Blend {
+                alpha: if non_occluder.is_none() || material.alpha == Alpha::Blend {
                     material.alpha
                 } else {
                     Alpha::Mask
@@ -229,7 +243,7 @@ mod tests {
     fn one_name_has_one_color_in_each_map_and_others_have_others() {
         let mut looks = Looks::new(true);
         let mut color = |texture, name| {
-            let id = looks.material(texture, name, Kind::Wall, false, true, None);
+            let id = looks.material(texture, name, Kind::Wall, false, None, None);
             looks.materials[id.0 as usize].base_color
         };
         assert_eq!(color(0, "textures/a/metal_1"), color(7, "textures/a/metal_1"));
@@ -244,7 +258,7 @@ mod tests {
     fn without_images_the_colors_are_the_same() {
         let of = |with_patterns| {
             let mut looks = Looks::new(with_patterns);
-            looks.material(0, "floor2_1", Kind::Wall, true, true, None);
+            looks.material(0, "floor2_1", Kind::Wall, true, None, None);
             looks.materials[0]
         };
         assert!(of(true).texture.is_some());

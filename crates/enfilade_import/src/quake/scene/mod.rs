@@ -18,6 +18,7 @@ mod lights;
 mod looks;
 mod patch;
 mod pattern;
+mod shaders;
 mod starts;
 mod surfaces;
 
@@ -27,11 +28,12 @@ pub(super) use looks::Kind;
 use super::bsp::{Map, Tree};
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Import, ReadOptions, Room, SourceNodes};
+use crate::{BrokenRule, Import, NonOccluders, ReadOptions, Room};
 use enfilade::GeometryBuilder;
 use looks::Looks;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use shaders::Shaders;
+use std::path::Path;
 
 /// Statistics of a compiled map.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,9 +61,10 @@ pub(crate) fn begins_like_map(bytes: &[u8]) -> bool {
     begins.iter().any(|magic| bytes.starts_with(magic))
 }
 
-/// Reads the bytes of a map called `name`.
+/// Reads the bytes of a map called `name`; the shader files of Quake 3 are looked for around its folder.
 pub(crate) fn import(
     bytes: &[u8],
+    folder: Option<&Path>,
     name: &str,
     options: &ReadOptions,
     mut budget: Budget,
@@ -80,13 +83,21 @@ pub(crate) fn import(
 
     let mut warnings = Warnings::default();
     let mut looks = Looks::new(options.textures);
+    let mut files = Vec::new();
     let surfaces = if is_quake3 {
-        faces3::read(&map, &mut looks, &mut budget, &mut warnings)?
+        let shaders = match folder {
+            Some(folder) => Shaders::read(folder, &faces3::names(&map)?, &mut budget, &mut warnings),
+            None => Shaders::default(),
+        };
+        let surfaces = faces3::read(&map, &shaders, &mut looks, &mut budget, &mut warnings)?;
+        files = shaders.files;
+        surfaces
     } else {
         faces::read(&map, &tree, &mut looks, &mut budget, &mut warnings)?
     };
     let models = items::models(&map, surfaces.faces.len())?;
     let textures = looks.textures(&mut budget)?;
+    let mut non_occluders = NonOccluders::of_materials(looks.non_occluders.into());
     let mut geometry = GeometryBuilder::new(looks.materials);
     geometry.textures(textures);
     let world = models.first().cloned().unwrap_or_default();
@@ -104,6 +115,7 @@ pub(crate) fn import(
         &models,
         &surfaces,
         &mut geometry,
+        &mut non_occluders,
         &mut budget,
         &mut warnings,
     )?;
@@ -134,20 +146,15 @@ pub(crate) fn import(
     warnings.state(WarningKind::EmptyScene, geometry.triangle_count() == 0);
     let cameras = starts::cameras(&entities, is_quake3);
     Ok(Import {
-        rooms: vec![Room {
-            name: name.to_owned(),
-            geometry: Arc::new(geometry),
-            nodes: SourceNodes::default(),
-            method: None,
-            open_above: false,
-            large: None,
-        }],
-        portals: Vec::new(),
         orthographic_heights: vec![None; cameras.len()],
         cameras,
         lights: lights::lights(&entities, is_quake3),
         map: Some(summary),
         warnings: warnings.into_list(),
-        files: Vec::new(),
+        files,
+        ..Import::of_rooms(vec![Room {
+            non_occluders,
+            ..Room::new(name, geometry)
+        }])
     })
 }

@@ -27,6 +27,8 @@ pub(super) struct Surfaces {
 pub(super) struct Face {
     pub(super) triangles: Range<usize>,
     pub(super) material: MaterialId,
+    /// Whether engines draw it elsewhere than where the map has it.
+    pub(super) moves: bool,
 }
 
 /// Memory of a vertex while the map is read, in bytes: here, in the mesh of its item, and while that mesh is built.
@@ -62,6 +64,12 @@ impl Surfaces {
             .iter()
             .filter_map(|&face| self.faces[face as usize].as_ref());
         drawn.map(|face| face.triangles.len()).sum()
+    }
+
+    /// Returns `true` if engines draw one of some faces elsewhere than where the map has it.
+    pub(super) fn any_moves(&self, faces: &[u32]) -> bool {
+        let face = |&face: &u32| self.faces[face as usize].as_ref();
+        faces.iter().filter_map(face).any(|face| face.moves)
     }
 
     /// Builds a mesh of some faces, ordered by material; without triangles if none of them is drawn.

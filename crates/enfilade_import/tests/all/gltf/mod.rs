@@ -8,7 +8,7 @@ mod compressed_damage;
 mod containers;
 pub(crate) mod file;
 mod fixtures;
-mod grid;
+pub(crate) mod grid;
 mod hostile;
 mod hostile_images;
 mod hostile_look;

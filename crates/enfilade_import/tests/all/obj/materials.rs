@@ -66,9 +66,9 @@ fn d_and_tr_make_glass() {
     for lines in ["d 1", "Tr 0", "d 1.0\nTr 0.0"] {
         assert_eq!(quietly(lines), both_sides([1.0; 3]), "{lines}");
     }
-    // Some write 1 for both.
+    // Some write 1 for both; others draw it as transparent as `Tr` says.
     let odd = made_of("d 1\nTr 1");
-    assert_eq!(material(&odd).alpha, Alpha::Opaque);
+    assert_eq!(material(&odd).alpha, Alpha::Mask);
     assert_eq!(
         warnings(&odd),
         ["unknown statements in material files are ignored (a: Tr contradicts d, which is used)"]
@@ -99,13 +99,18 @@ fn faces_of_several_materials_are_one_item() {
 fn a_file_of_materials_that_is_not_there_is_a_warning_and_grey() {
     let text = format!("mtllib house.mtl\nusemtl oak\n{LEAF}f 1 2 3");
     let import = reads_among(&[("a.obj", text.as_bytes())]);
-    assert_eq!(material(&import), both_sides([0.215_860_5; 3]));
+    let grey = Material {
+        alpha: Alpha::Mask,
+        cutoff: 0.0,
+        ..both_sides([0.215_860_5; 3])
+    };
+    assert_eq!(material(&import), grey);
     let said = warnings(&import);
     assert!(
         said[0].starts_with("material files cannot be read (house.mtl: cannot be read: "),
         "{said:?}"
     );
-    assert_eq!(said[1], "undefined materials are grey (oak)");
+    assert_eq!(said[1], "undefined materials are grey, and hide nothing (oak)");
     let said = warnings(&reads(&text));
     assert_eq!(
         said[0],
@@ -126,7 +131,7 @@ fn materials_that_are_not_defined_are_named() {
     let import = reads_among(&[("a.obj", text.as_bytes()), ("a.mtl", b"newmtl Oak\n")]);
     assert_eq!(
         warnings(&import),
-        ["undefined materials are grey (oak, (no name))"]
+        ["undefined materials are grey, and hide nothing (oak, (no name))"]
     );
 }
 

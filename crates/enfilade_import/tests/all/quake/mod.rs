@@ -5,7 +5,7 @@ mod broken;
 mod carved;
 mod formats;
 mod light;
-mod little;
+pub(crate) mod little;
 mod located;
 mod lumps;
 mod maps;

@@ -1,0 +1,246 @@
+//! The `.shader` files of a Quake 3 map: which surfaces are not opaque, or not where the map has them.
+//!
+//! Engines read them from `scripts`, beside `maps`. They are looked for there, and in the folder of the map. Texture names
+//! without a shader are judged by the flags of the map alone.
+//! Source: the *Quake III Arena Shader Manual*, id Software, 1999; the engine's `tr_shader.c`.
+//! Cost: one pass over the text; only the shaders that the map names are kept.
+
+use crate::budget::Budget;
+use crate::warning::{WarningKind, Warnings};
+use crate::{NonOccluder, read_regular_file};
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+/// What the shaders say about the textures of a map, by name in lower case.
+#[derive(Debug, Default)]
+pub(super) struct Shaders {
+    known: HashMap<String, Shader>,
+    /// The files that were found.
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// What a shader says about its surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Shader {
+    /// Why they hide nothing.
+    pub(super) non_occluder: Option<NonOccluder>,
+    /// `cull none` or `cull back`: seen from behind as well.
+    pub(super) double_sided: bool,
+    /// `deformVertexes`: not where the map has them.
+    pub(super) moves: bool,
+}
+
+impl Shaders {
+    /// Reads the files around a map in `folder`, as far as they are about `wanted`, names in lower case.
+    pub(super) fn read(
+        folder: &Path,
+        wanted: &HashSet<String>,
+        budget: &mut Budget,
+        warnings: &mut Warnings,
+    ) -> Shaders {
+        let mut shaders = Shaders::default();
+        for folder in [
+            folder.to_owned(),
+            folder.join("scripts"),
+            folder.join("../scripts"),
+        ] {
+            let Ok(entries) = folder.read_dir() else { continue };
+            let paths = entries.flatten().map(|entry| entry.path());
+            let is_shader = |path: &PathBuf| {
+                let ending = path.extension();
+                ending.is_some_and(|ending| ending.eq_ignore_ascii_case("shader"))
+            };
+            let mut paths: Vec<PathBuf> = paths.filter(is_shader).take(MOST_FILES).collect();
+            paths.sort();
+            for path in paths {
+                match read_regular_file(&path, None, &|| "its shader files".to_owned(), budget) {
+                    Ok(text) => shaders.add(&String::from_utf8_lossy(&text), wanted),
+                    Err(why) => warnings.name(WarningKind::MaterialFiles, || {
+                        format!("{}: {why}", path.file_name().unwrap_or_default().display())
+                    }),
+                }
+                shaders.files.push(path);
+            }
+        }
+        shaders
+    }
+
+    /// Returns what the shader of a texture says; nothing if it has none.
+    pub(super) fn of(&self, name: &str) -> Shader {
+        self.known.get(name).copied().unwrap_or_default()
+    }
+
+    /// Adds the shaders of a text. What any of several with one name says holds: which of them counts is up to the game.
+    fn add(&mut self, text: &str, wanted: &HashSet<String>) {
+        let mut lines = Tokens { rest: text };
+        let (mut depth, mut name) = (0_u32, String::new());
+        while let Some(token) = lines.next_in_any_line() {
+            match token {
+                "{" => depth += 1,
+                "}" => depth = depth.saturating_sub(1),
+                _ if depth == 0 => name = token.to_ascii_lowercase(),
+                keyword if wanted.contains(&name) => {
+                    let value = lines.next_in_line().unwrap_or("");
+                    lines.skip_line();
+                    self.known.entry(name.clone()).or_default().read(keyword, value);
+                }
+                _ => lines.skip_line(),
+            }
+        }
+    }
+}
+
+/// Files of a folder that are read.
+const MOST_FILES: usize = 4096;
+
+impl Shader {
+    /// Reads a directive of the shader or of one of its stages.
+    fn read(&mut self, keyword: &str, value: &str) {
+        let is = |word: &str| keyword.eq_ignore_ascii_case(word);
+        let value_is = |words: &[&str]| words.iter().any(|word| value.eq_ignore_ascii_case(word));
+        let why = if is("blendFunc") {
+            NonOccluder::Blended
+        } else if is("alphaFunc") {
+            NonOccluder::AlphaTested
+        } else if is("surfaceparm") && value_is(&["trans", "alphashadow"]) {
+            NonOccluder::Translucent
+        } else if is("deformVertexes") {
+            self.moves = true;
+            NonOccluder::Animated
+        } else if is("cull") && value_is(&["none", "twosided", "disable", "back", "backside", "backsided"]) {
+            self.double_sided = true;
+            NonOccluder::DoubleSidedShader
+        } else {
+            return;
+        };
+        self.non_occluder.get_or_insert(why);
+    }
+}
+
+/// The words of a shader file. Comments are `// …` and `/* … */`; braces are words of their own at the start of a line only, as for
+/// engines.
+struct Tokens<'t> {
+    rest: &'t str,
+}
+
+impl<'t> Tokens<'t> {
+    /// Returns the next word, on whatever line.
+    fn next_in_any_line(&mut self) -> Option<&'t str> {
+        loop {
+            if let Some(word) = self.next_in_line() {
+                return Some(word);
+            }
+            self.rest = self.rest.strip_prefix(['\n', '\r'])?;
+        }
+    }
+
+    /// Returns the next word of the line.
+    fn next_in_line(&mut self) -> Option<&'t str> {
+        self.skip_space();
+        if let Some(quoted) = self.rest.strip_prefix('"') {
+            let end = quoted.find(['"', '\n']).unwrap_or(quoted.len());
+            let (word, rest) = quoted.split_at(end);
+            self.rest = rest.strip_prefix('"').unwrap_or(rest);
+            return Some(word);
+        }
+        let brace = self.rest.starts_with(['{', '}']);
+        let end = if brace {
+            1
+        } else {
+            self.rest
+                .find(|letter: char| letter.is_whitespace() || matches!(letter, '{' | '}' | '"'))
+                .unwrap_or(self.rest.len())
+        };
+        let (word, rest) = self.rest.split_at(end);
+        self.rest = rest;
+        (!word.is_empty()).then_some(word)
+    }
+
+    /// Skips spaces and comments, but no end of a line that is not in a comment.
+    fn skip_space(&mut self) {
+        loop {
+            self.rest = self
+                .rest
+                .trim_start_matches(|letter: char| letter.is_whitespace() && !matches!(letter, '\n' | '\r'));
+            if self.rest.starts_with("//") {
+                let end = self.rest.find(['\n', '\r']).unwrap_or(self.rest.len());
+                self.rest = &self.rest[end..];
+            } else if let Some(comment) = self.rest.strip_prefix("/*") {
+                self.rest = comment.split_once("*/").map_or("", |(_, rest)| rest);
+            } else {
+                return;
+            }
+        }
+    }
+
+    /// Skips the rest of the line, but no brace.
+    fn skip_line(&mut self) {
+        while !self.rest.is_empty() {
+            self.skip_space();
+            if self.rest.starts_with(['\n', '\r', '{', '}']) || self.next_in_line().is_none() {
+                return;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> Shader {
+        let mut shaders = Shaders::default();
+        shaders.add(text, &HashSet::from(["textures/a/b".to_owned()]));
+        shaders.of("textures/a/b")
+    }
+
+    #[test]
+    fn what_a_shader_says_counts_wherever_it_stands() {
+        for (text, why) in [
+            ("", None),
+            ("textures/a/b\n{\n{\nmap a.tga\nrgbGen identity\n}\n}\n", None),
+            ("textures/a/b { { map a.tga } }", None),
+            (
+                "textures/a/b\n{\n{\nmap a.tga\nblendFunc add\n}\n}\n",
+                Some(NonOccluder::Blended),
+            ),
+            (
+                "Textures/A/B\r\n{\r\n\t{\r\n\t\tBLENDFUNC GL_ONE GL_ONE\r\n}}",
+                Some(NonOccluder::Blended),
+            ),
+            (
+                "textures/a/b{{map a.tga\nalphaFunc GE128}}",
+                Some(NonOccluder::AlphaTested),
+            ),
+            (
+                "textures/a/b\n{\nsurfaceparm trans\n}",
+                Some(NonOccluder::Translucent),
+            ),
+            ("textures/a/b\n{\nsurfaceparm metalsteps\n}", None),
+            (
+                "textures/a/b\n{\ncull none // seen from behind\n}",
+                Some(NonOccluder::DoubleSidedShader),
+            ),
+            (
+                "textures/a/b\n{\ncull \"back\"\n}",
+                Some(NonOccluder::DoubleSidedShader),
+            ),
+            ("textures/a/b\n{\ncull front\n}", None),
+            ("// textures/a/b\ntextures/c\n{\nblendFunc add\n}", None),
+            ("textures/a/b\n{\n/* blendFunc add */\n// cull none\n}", None),
+            (
+                "textures/c\n{\n}\ntextures/a/b\n{\ndeformVertexes wave 1 sin 0 1 0 1\n}",
+                Some(NonOccluder::Animated),
+            ),
+            (
+                "textures/a/b\n{\n}\ntextures/a/b\n{\n{\nblendFunc filter",
+                Some(NonOccluder::Blended),
+            ),
+            ("}}} textures/a/b {{{", None),
+        ] {
+            assert_eq!(of(text).non_occluder, why, "{text:?}");
+        }
+        assert!(of("textures/a/b { cull none\n }").double_sided);
+        assert!(of("textures/a/b { deformVertexes autosprite\n }").moves);
+    }
+}

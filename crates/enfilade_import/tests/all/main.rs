@@ -6,4 +6,5 @@ mod hides;
 mod mixed;
 mod obj;
 mod quake;
+mod surely_visible;
 mod terrain;

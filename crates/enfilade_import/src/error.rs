@@ -235,7 +235,7 @@ pub enum BrokenRule {
         /// Remedy.
         remedy: &'static str,
     },
-    /// The number of normals, texture coordinates or colors differs from the number of positions.
+    /// The number of normals, texture coordinates, colors, joints or changes by a morph target differs from the number of positions.
     #[error("{place} has {count} {what}, but {positions} positions; export it again with one for each")]
     AttributeCount {
         /// The primitive.
@@ -295,6 +295,27 @@ pub enum BrokenRule {
         second: u64,
         /// Name of that attribute.
         second_what: &'static str,
+    },
+    /// A skin cannot be applied.
+    #[error("{place} {why}; export it again")]
+    BadSkin {
+        /// The skin, or the primitive that it should move.
+        place: String,
+        /// The error in it.
+        why: String,
+    },
+    /// A mesh has too many morph targets and joints for its size.
+    #[error(
+        "{place} takes the sum of {terms} values to deform, above the limit of {most}; remove morph targets, or apply them \
+         to the mesh"
+    )]
+    PoseTooCostly {
+        /// The mesh.
+        place: String,
+        /// Number of values: vertices times morph targets and sets of joints.
+        terms: u64,
+        /// The limit.
+        most: u64,
     },
     /// A sampler has a filter or wrap mode that glTF does not define.
     #[error("{place} has {what} {value}, which glTF does not define; export it again")]

@@ -31,7 +31,7 @@
 //!
 //! | format | hides nothing |
 //! |---|---|
-//! | glTF | skinned and morphed meshes (which are never culled either, because their poses are not applied); nodes that an animation moves or shows, with those below them; nodes with levels of detail; alpha test and blend; transmission, volume, diffuse transmission, dispersion; materials that an animation changes; meshes with a variant that is not opaque |
+//! | glTF | skinned and morphed meshes, which are drawn in the pose that the file stores; nodes that an animation moves or shows, with those below them; nodes with levels of detail; alpha test and blend; transmission, volume, diffuse transmission, dispersion; materials that an animation changes; meshes with a variant that is not opaque |
 //! | OBJ | `d` below 1, `Tr` above 0, `d` and `Tr` that contradict each other, `d -halo`, `map_d`, a filter color `Tf`, `illum` 4, 6, 7 and 9, lines about opacity that cannot be read, materials that are not defined |
 //! | Quake | liquids and teleporters, which engines may draw translucent; textures `{…`; brush entities that may move or vanish, or have `alpha`, `renderamt`, `rendermode` or `renderfx` |
 //! | Quake 3 | liquids, glass, sky; textures whose contents are not solid or are translucent, or whose surface is not solid; shaders with `blendFunc`, `alphaFunc`, `deformVertexes` (such items are never culled either), `surfaceparm trans`, `cull none` or `cull back` in the `.shader` files beside the map, in `scripts` there, or in `scripts` beside its folder |
@@ -39,7 +39,7 @@
 //! [`Room::non_occluders`] says why each of them hides nothing; so do `enfilade info` and `enfilade look --non-occluders`.
 //!
 //! `extras.enfilade` of a glTF node says `{"occluder": false}` for what shall hide nothing, with all nodes below it, and
-//! `{"occluder": true}` for an animated, skinned or morphed mesh that may hide as it is in the file; never for alpha.
+//! `{"occluder": true}` for an animated, skinned or morphed mesh that may hide in the pose that the file stores; never for alpha.
 //!
 //! # glTF
 //!
@@ -115,7 +115,14 @@
 //!
 //! Base color and emissive textures (PNG and JPEG; embedded, in separate files, or data URIs), samplers, alpha test and
 //! alpha blend, emission, vertex normals and colors, lights, and perspective and orthographic cameras ([`Camera`]).
-//! Accessors may be sparse, quantized or compressed. Supported extensions:
+//! Accessors may be sparse, quantized or compressed.
+//!
+//! Skins and morph targets are applied in the pose that the file stores: the transforms of the joints' nodes, and the `weights` of
+//! the node or else of its mesh; first the targets, then the joints, of any number of sets. A skinned mesh is where its joints
+//! are, whatever the transform of its node. Nodes with different skins or weights get copies of their mesh. Weights of joints are
+//! divided by their sum; a vertex without any follows its first joint.
+//!
+//! Supported extensions:
 //!
 //! | extension | result |
 //! |---|---|
@@ -134,7 +141,7 @@
 //!
 //! Extensions of textures, shading and metadata are ignored with a warning, also if a file requires them. A file that requires one
 //! without which shapes would be wrong, or an unknown one, is an error; a file that only uses one is read, with a warning.
-//! [`Import::warnings`] names everything that is not drawn or not supported yet (skins, animations, metallic-roughness
+//! [`Import::warnings`] names everything that is not drawn or not supported yet (animations, metallic-roughness
 //! textures). An image that cannot be read becomes grey, with a warning that gives the reason. A file that violates a
 //! rule returns an [`ImportError`] that names the element and the rule.
 // `deny`, not `forbid`: one function in `map.rs` needs an exception to map a file into memory.

@@ -81,10 +81,12 @@ pub enum WarningKind {
     BadLights,
     /// Portals and mirrors with instances.
     InstancedOpenings,
-    /// Meshes with morph targets.
-    MorphTargets,
-    /// Nodes with a skin.
-    Skins,
+    /// Skinned meshes with instances.
+    InstancedSkins,
+    /// Morph weights that are not as many as the targets.
+    MorphWeights,
+    /// Vertices of skinned meshes without valid joint weights.
+    JointWeights,
     /// Animations.
     Animations,
     /// What breaks a rule of the format, but has a plain meaning.
@@ -155,11 +157,14 @@ impl WarningKind {
             WarningKind::InstancedOpenings => {
                 "instances of portals and mirrors are ignored: each is placed once, at its node"
             }
-            WarningKind::MorphTargets => {
-                "morph targets are not read yet: shapes are those before any morph, are never culled, and hide nothing"
+            WarningKind::InstancedSkins => {
+                "instances of skinned meshes are ignored: each mesh is drawn once, where its joints are"
             }
-            WarningKind::Skins => {
-                "skins are not read yet: meshes are drawn without a pose, are never culled, and hide nothing"
+            WarningKind::MorphWeights => {
+                "weights that are not as many as the morph targets of a mesh: missing ones are 0, others are ignored"
+            }
+            WarningKind::JointWeights => {
+                "vertices of skinned meshes without valid joint weights follow their first joint; meshes without joints follow their node"
             }
             WarningKind::Animations => "animations are not read yet: everything stands still",
             WarningKind::BadImages => "images that cannot be read are grey",
@@ -275,7 +280,7 @@ mod tests {
     fn a_warning_names_few_and_counts_all() {
         let mut warnings = Warnings::default();
         warnings.count(WarningKind::OtherMaps, 21);
-        warnings.count(WarningKind::Skins, 0);
+        warnings.count(WarningKind::Animations, 0);
         (0..9).for_each(|n| warnings.name(WarningKind::Points, || format!("p{n}")));
         warnings.state(WarningKind::EmptyScene, true);
         let texts: Vec<String> = warnings.into_list().iter().map(Warning::to_string).collect();

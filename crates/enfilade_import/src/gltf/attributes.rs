@@ -6,7 +6,8 @@
 
 use super::accessor::{AccessorUse, Row};
 use super::buffers::Buffers;
-use super::document::{Document, Primitive, TextureInfo, TextureTransform};
+use super::deform::Morph;
+use super::document::{Document, Primitive, Semantic, TextureInfo, TextureTransform};
 use crate::BrokenRule;
 use crate::warning::{WarningKind, Warnings};
 use enfilade::{Attributes, Vertices};
@@ -58,6 +59,11 @@ pub(super) struct AttributePlan {
 }
 
 impl AttributePlan {
+    /// Returns the texture coordinate set that is read.
+    pub(super) fn texture_set(&self) -> Option<u32> {
+        self.texture.as_ref().map(|(_, coordinates)| coordinates.set)
+    }
+
     /// Checks the attributes of a primitive with `positions` vertices that its material uses.
     pub(super) fn new(
         document: &Document,
@@ -83,7 +89,7 @@ impl AttributePlan {
         };
         let texture = match coordinates {
             Some(coordinates) => {
-                let accessor = attributes.texture(coordinates.set);
+                let accessor = attributes.get(Semantic::TextureCoordinates(coordinates.set));
                 let row = row(accessor, AccessorUse::TextureCoordinates, "texture coordinates")?;
                 if row.is_none() {
                     warnings.name(WarningKind::NoTextureCoordinates, || {
@@ -95,9 +101,9 @@ impl AttributePlan {
             None => None,
         };
         Ok(AttributePlan {
-            normals: row(attributes.normal, AccessorUse::Normals, "normals")?,
+            normals: row(attributes.get(Semantic::Normal), AccessorUse::Normals, "normals")?,
             texture,
-            colors: row(attributes.color_0, AccessorUse::Colors, "colors")?,
+            colors: row(attributes.get(Semantic::Color), AccessorUse::Colors, "colors")?,
         })
     }
 
@@ -116,13 +122,15 @@ impl AttributePlan {
             + 16 * any(|plan| plan.colors.is_some())
     }
 
-    /// Reads the attributes of some of the vertices, in the given order.
-    pub(super) fn read(&self, positions: &[u32], buffers: &Buffers) -> VertexAttributes {
+    /// Reads the attributes of some of the vertices, in the given order, moved by morph targets.
+    pub(super) fn read(&self, positions: &[u32], buffers: &Buffers, morph: &Morph) -> VertexAttributes {
         let mut carried = VertexAttributes::default();
         if let Some(row) = &self.normals {
             let elements = row.elements(buffers);
             carried.normals = sound(
-                positions.iter().map(|&p| elements.floats(p as usize)),
+                positions
+                    .iter()
+                    .map(|&p| morph.normal(p, elements.floats(p as usize))),
                 [0.0; 3],
                 &mut carried.odd[0],
             );
@@ -131,14 +139,14 @@ impl AttributePlan {
             let elements = row.elements(buffers);
             let places = positions
                 .iter()
-                .map(|&p| coordinates.place(elements.floats(p as usize)));
+                .map(|&p| coordinates.place(morph.texture(p, elements.floats(p as usize))));
             carried.texture = sound(places, [0.0; 2], &mut carried.odd[1]);
         }
         if let Some(row) = &self.colors {
             let elements = row.elements(buffers);
             let has_coverage = row.parts() == 4;
             let color = |&p: &u32| {
-                let [r, g, b, a] = elements.floats(p as usize);
+                let [r, g, b, a] = morph.color(p, elements.floats(p as usize));
                 [r, g, b, if has_coverage { a } else { 1.0 }]
             };
             let colors = sound(positions.iter().map(color), [1.0; 4], &mut carried.odd[2]);
@@ -184,6 +192,13 @@ impl VertexAttributes {
             normals: Vertices::Packed(&self.normals),
             texture: Vertices::Packed(&self.texture),
             colors: Vertices::Packed(&self.colors),
+        }
+    }
+
+    /// Replaces the normal of each vertex that has one.
+    pub(super) fn turn_normals(&mut self, turned: impl Fn(usize, [f32; 3]) -> [f32; 3]) {
+        for (vertex, normal) in self.normals.iter_mut().enumerate() {
+            *normal = turned(vertex, *normal);
         }
     }
 

@@ -8,6 +8,7 @@ use super::accessor::{AccessorUse, Row};
 use super::buffers::Buffers;
 use super::document::Document;
 use super::plan::Plan;
+use super::poses::Poses;
 use crate::BrokenRule;
 use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
@@ -34,6 +35,7 @@ impl InstancePlan {
     pub(super) fn new(
         document: &Document,
         plan: &Plan,
+        poses: &Poses,
         budget: &mut Budget,
         warnings: &mut Warnings,
     ) -> Result<InstancePlan, BrokenRule> {
@@ -46,6 +48,11 @@ impl InstancePlan {
             let name = || document.node_name(placed.node);
             if !plan.is_item(placed) {
                 warnings.name(WarningKind::InstancedOpenings, name);
+                continue;
+            }
+            // Transforms of instances are relative to the node, whose transform a skin ignores.
+            if poses.of(placed.node).is_some_and(|posed| posed.skin.is_some()) {
+                warnings.name(WarningKind::InstancedSkins, name);
                 continue;
             }
             let row = |accessor: Option<u32>, wanted| {

@@ -7,20 +7,25 @@
 use super::accessor::{AccessorUse, Row};
 use super::attributes::{AttributePlan, VertexAttributes};
 use super::buffers::Buffers;
-use super::document::{Document, Primitive, find};
+use super::deform::{DeformPlan, Deformed};
+use super::document::{Document, Primitive, Semantic, find};
 use super::materials::{Surface, default_material};
+use super::poses::{PosedMesh, Skins};
 use super::topology::Topology;
 use crate::BrokenRule;
 use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::warning::{WarningKind, Warnings};
 use enfilade::{Indices, MaterialId, Mesh, Part, Vertices};
+use glam::DVec3;
 
-/// A mesh of the document, checked as far as possible without its bytes.
+/// A mesh of the document in a pose, checked as far as possible without its bytes.
 #[derive(Debug)]
 pub(super) struct MeshPlan {
-    mesh: u32,
+    posed: PosedMesh,
     parts: Vec<PartPlan>,
     triangles: u64,
+    /// Bytes per triangle to deform it.
+    deform_bytes: u64,
     /// Attribute bytes per vertex.
     carried_bytes: u64,
 }
@@ -28,6 +33,8 @@ pub(super) struct MeshPlan {
 /// A mesh and the warnings from its bytes.
 pub(super) struct BuiltMesh {
     pub(super) mesh: Mesh,
+    /// The point in the world that the positions of a skinned mesh are relative to.
+    pub(super) origin: Option<[f32; 3]>,
     /// Kind and primitive of each warning, in order.
     pub(super) oddities: Vec<(WarningKind, String)>,
 }
@@ -41,6 +48,7 @@ struct PartPlan {
     topology: Topology,
     material: MaterialId,
     attributes: AttributePlan,
+    deform: DeformPlan,
 }
 
 /// Maximum bytes per triangle of a mesh, if it shares no vertex, without attributes.
@@ -50,6 +58,11 @@ const BYTES_AT_WORK: u64 = 132;
 /// Maximum number of triangles of meshes that are built at the same time, unless a single mesh has more. So memory use
 /// does not grow with the number of threads.
 const BATCH_TRIANGLES: u64 = 1_000_000;
+/// Additional bytes per triangle while a mesh is deformed: positions in f64, and for a skin a matrix per vertex.
+const BYTES_TO_MORPH: u64 = 3 * size_of::<DVec3>() as u64;
+const BYTES_TO_SKIN: u64 = BYTES_TO_MORPH + 3 * size_of::<glam::DMat3>() as u64;
+/// Maximum number of values that are added up to deform one mesh, which takes some ten seconds.
+const MAX_TERMS: u64 = 1_000_000_000;
 
 /// Splits the meshes into batches that are built in parallel.
 pub(super) fn batches(plans: &[MeshPlan]) -> impl Iterator<Item = &[MeshPlan]> {
@@ -70,7 +83,7 @@ pub(super) fn batches(plans: &[MeshPlan]) -> impl Iterator<Item = &[MeshPlan]> {
 pub(super) fn bytes_to_build(plans: &[MeshPlan]) -> u64 {
     let bytes = |plan: &MeshPlan| {
         plan.triangles
-            .saturating_mul(BYTES_AT_WORK + 3 * plan.carried_bytes)
+            .saturating_mul(BYTES_AT_WORK + 3 * plan.carried_bytes + plan.deform_bytes)
     };
     let together = |batch: &[MeshPlan]| batch.iter().map(bytes).fold(0, u64::saturating_add);
     batches(plans).map(together).max().unwrap_or(0)
@@ -81,36 +94,46 @@ impl MeshPlan {
     pub(super) fn new(
         document: &Document,
         surfaces: &[Surface],
-        mesh: u32,
+        posed: PosedMesh,
         budget: &mut Budget,
         warnings: &mut Warnings,
     ) -> Result<MeshPlan, BrokenRule> {
         let mut parts = Vec::new();
-        let mut triangles = 0_u64;
-        for number in 0..document.meshes[mesh as usize].primitives.len() {
-            if let Some(part) = PartPlan::new(document, surfaces, mesh, number, warnings)? {
+        let (mut triangles, mut terms) = (0_u64, 0_u64);
+        for number in 0..document.meshes[posed.mesh as usize].primitives.len() {
+            if let Some(part) = PartPlan::new(document, surfaces, &posed, number, budget, warnings)? {
                 triangles = triangles.saturating_add(part.triangles());
+                terms = terms.saturating_add(part.terms());
                 parts.push(part);
             }
         }
-        let place = || format!("meshes[{mesh}]");
+        let place = || format!("meshes[{}]", posed.mesh);
+        if terms > MAX_TERMS {
+            return Err(BrokenRule::PoseTooCostly {
+                place: place(),
+                terms,
+                most: MAX_TERMS,
+            });
+        }
         let carried_bytes = AttributePlan::bytes_of_each(parts.iter().map(|part| &part.attributes));
         let bytes = triangles.saturating_mul(BYTES_KEPT + 3 * carried_bytes);
         budget.take(bytes.saturating_add(BYTES_PER_MESH), place)?;
         if triangles >= u64::from(u32::MAX / 3) {
             return Err(BrokenRule::TooManyCorners { place: place() });
         }
+        let deform_bytes = parts.iter().map(PartPlan::deform_bytes).max();
         Ok(MeshPlan {
-            mesh,
+            posed,
             parts,
             triangles,
+            deform_bytes: deform_bytes.unwrap_or(0),
             carried_bytes,
         })
     }
 
-    /// Returns the mesh's index in the document.
-    pub(super) fn number(&self) -> u32 {
-        self.mesh
+    /// Returns the mesh and its pose.
+    pub(super) fn posed(&self) -> PosedMesh {
+        self.posed
     }
 
     pub(super) fn triangles(&self) -> u64 {
@@ -133,7 +156,8 @@ impl MeshPlan {
     pub(super) fn rows(&self) -> impl Iterator<Item = &Row> {
         self.parts.iter().flat_map(|part| {
             let shape = [Some(&part.positions), part.indices.as_ref()];
-            shape.into_iter().flatten().chain(part.attributes.rows())
+            let shape = shape.into_iter().flatten();
+            shape.chain(part.attributes.rows()).chain(part.deform.rows())
         })
     }
 
@@ -142,13 +166,18 @@ impl MeshPlan {
         self.parts.iter().map(|part| part.material.0)
     }
 
-    /// Reads the triangles and builds the mesh.
-    pub(super) fn build(&self, buffers: &Buffers) -> Result<BuiltMesh, BrokenRule> {
-        let read: Vec<Triangles> = self
+    /// Reads the triangles, deforms them and builds the mesh.
+    pub(super) fn build(&self, buffers: &Buffers, skins: &Skins) -> Result<BuiltMesh, BrokenRule> {
+        let mut read: Vec<Triangles> = self
             .parts
             .iter()
-            .map(|part| part.read(self.mesh, buffers))
+            .map(|part| part.read(self.posed.mesh, buffers, skins))
             .collect::<Result<_, _>>()?;
+        let is_skinned = self.parts.iter().any(|part| part.deform.is_skinned());
+        let origin = is_skinned.then(|| origin(&read));
+        for triangles in &mut read {
+            triangles.move_to(origin.unwrap_or_default());
+        }
         let parts: Vec<Part> = read
             .iter()
             .zip(&self.parts)
@@ -161,16 +190,35 @@ impl MeshPlan {
             })
             .collect();
         let mesh = Mesh::new(&parts).map_err(|why| BrokenRule::Mesh {
-            place: format!("meshes[{}]", self.mesh),
+            place: format!("meshes[{}]", self.posed.mesh),
             why,
         })?;
         let odd = |(triangles, plan): (&Triangles, &PartPlan)| {
-            let place = place(self.mesh, plan.primitive);
-            let kinds: Vec<WarningKind> = triangles.carried.oddities().collect();
+            let place = place(self.posed.mesh, plan.primitive);
+            let kinds: Vec<WarningKind> = triangles.carried.oddities().chain(triangles.odd).collect();
             kinds.into_iter().map(move |kind| (kind, place.clone()))
         };
         let oddities = read.iter().zip(&self.parts).flat_map(odd).collect();
-        Ok(BuiltMesh { mesh, oddities })
+        Ok(BuiltMesh {
+            mesh,
+            origin,
+            oddities,
+        })
+    }
+}
+
+/// Returns the point that the positions of a skinned mesh are stored relative to: the world's origin, or the middle of
+/// the mesh if it is so far away that f32 would round its shape.
+fn origin(parts: &[Triangles]) -> [f32; 3] {
+    const FAR: f64 = 1024.0;
+    let positions = || parts.iter().flat_map(|part| &part.deformed);
+    let least = positions().fold(DVec3::INFINITY, |least, position| least.min(*position));
+    let most = positions().fold(DVec3::NEG_INFINITY, |most, position| most.max(*position));
+    let middle = (least + most) / 2.0;
+    if middle.is_finite() && middle.length() > FAR * (most - least).length() {
+        middle.as_vec3().into()
+    } else {
+        [0.0; 3]
     }
 }
 
@@ -179,12 +227,13 @@ impl PartPlan {
     fn new(
         document: &Document,
         surfaces: &[Surface],
-        mesh: u32,
+        posed: &PosedMesh,
         number: usize,
+        budget: &mut Budget,
         warnings: &mut Warnings,
     ) -> Result<Option<PartPlan>, BrokenRule> {
-        let primitive: &Primitive = &document.meshes[mesh as usize].primitives[number];
-        let place = || place(mesh, number);
+        let primitive: &Primitive = &document.meshes[posed.mesh as usize].primitives[number];
+        let place = || place(posed.mesh, number);
         let topology = match primitive.mode.unwrap_or(4) {
             0 => {
                 warnings.name(WarningKind::Points, place);
@@ -199,7 +248,7 @@ impl PartPlan {
             6 => Topology::Fan,
             mode => return Err(BrokenRule::BadMode { place: place(), mode }),
         };
-        let Some(positions) = primitive.attributes.position else {
+        let Some(positions) = primitive.attributes.get(Semantic::Position) else {
             warnings.name(WarningKind::NoPositions, place);
             return Ok(None);
         };
@@ -226,9 +275,6 @@ impl PartPlan {
             }
             None => default_material(document),
         };
-        if !primitive.targets.is_empty() {
-            warnings.name(WarningKind::MorphTargets, place);
-        }
         let attributes = AttributePlan::new(
             document,
             primitive,
@@ -237,6 +283,15 @@ impl PartPlan {
             &place,
             warnings,
         )?;
+        let deformed = Deformed {
+            document,
+            primitive,
+            positions: positions.count,
+            texture_set: attributes.texture_set(),
+            posed,
+            place: &place,
+        };
+        let deform = DeformPlan::new(&deformed, budget)?;
         let part = PartPlan {
             primitive: number,
             positions,
@@ -244,6 +299,7 @@ impl PartPlan {
             topology,
             material,
             attributes,
+            deform,
         };
         if topology == Topology::List && !part.corners().is_multiple_of(3) {
             warnings.name(WarningKind::CornersLeft, place);
@@ -260,8 +316,23 @@ impl PartPlan {
         self.topology.triangles(self.corners())
     }
 
-    /// Reads the triangles and the positions and attributes that they use.
-    fn read(&self, mesh: u32, buffers: &Buffers) -> Result<Triangles, BrokenRule> {
+    /// Returns the number of values that are added up to deform it.
+    fn terms(&self) -> u64 {
+        let vertices = self.corners().min(self.positions.count);
+        vertices.saturating_mul(self.deform.terms())
+    }
+
+    /// Returns the bytes per triangle to deform it.
+    fn deform_bytes(&self) -> u64 {
+        match self.deform.is_skinned() {
+            true => BYTES_TO_SKIN,
+            false if self.deform.terms() > 0 => BYTES_TO_MORPH,
+            false => 0,
+        }
+    }
+
+    /// Reads the triangles and the positions and attributes that they use, and deforms them.
+    fn read(&self, mesh: u32, buffers: &Buffers, skins: &Skins) -> Result<Triangles, BrokenRule> {
         let place = || place(mesh, self.primitive);
         let row = match &self.indices {
             Some(indices) => indices.indices(buffers),
@@ -290,10 +361,32 @@ impl PartPlan {
                 })
             }
         };
+        let mut positions: Vec<[f32; 3]> = used.iter().map(sound).collect::<Result<_, _>>()?;
+        let morph = self.deform.morph(buffers);
+        let mut carried = self.attributes.read(&used, buffers, &morph);
+        let (mut deformed, mut odd) = (Vec::new(), None);
+        if self.deform.terms() > 0 || self.deform.is_skinned() {
+            let read = positions.drain(..).zip(&used);
+            deformed = read
+                .map(|(position, &vertex)| morph.position(vertex, position))
+                .collect();
+            odd = self
+                .deform
+                .skin(&used, &mut deformed, &mut carried, (skins, buffers), &place)?;
+            let is_lost = |position: &DVec3| !position.as_vec3().is_finite();
+            if let Some(lost) = deformed.iter().position(is_lost) {
+                return Err(BrokenRule::PositionNotFinite {
+                    place: format!("{}, in its pose,", place()),
+                    position: used[lost],
+                });
+            }
+        }
         Ok(Triangles {
-            positions: used.iter().map(sound).collect::<Result<_, _>>()?,
+            positions,
+            deformed,
             corners,
-            carried: self.attributes.read(&used, buffers),
+            carried,
+            odd,
         })
     }
 }
@@ -305,8 +398,22 @@ fn place(mesh: u32, primitive: usize) -> String {
 /// Triangles, and the vertices that they use.
 struct Triangles {
     positions: Vec<[f32; 3]>,
+    /// The positions if they are deformed, until it is known what they are to be relative to; `positions` is then empty.
+    deformed: Vec<DVec3>,
     corners: Vec<u32>,
     carried: VertexAttributes,
+    /// A warning about its joints.
+    odd: Option<WarningKind>,
+}
+
+impl Triangles {
+    /// Rounds deformed positions, relative to a point.
+    fn move_to(&mut self, origin: [f32; 3]) {
+        let origin = DVec3::from(origin.map(f64::from));
+        let deformed = std::mem::take(&mut self.deformed).into_iter();
+        self.positions
+            .extend(deformed.map(|position| <[f32; 3]>::from((position - origin).as_vec3())));
+    }
 }
 
 /// Returns the positions that `corners` reference, each once, and renumbers the corners to match.
@@ -342,13 +449,19 @@ fn gather(corners: &mut [u32]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gltf::poses::Weights;
 
     #[test]
     fn meshes_are_built_in_crowds_that_are_not_too_large() {
         let plan = |triangles| MeshPlan {
-            mesh: 0,
+            posed: PosedMesh {
+                mesh: 0,
+                skin: None,
+                weights: Weights::Zero,
+            },
             parts: Vec::new(),
             triangles,
+            deform_bytes: 0,
             carried_bytes: 0,
         };
         for (triangles, batch_sizes) in [

@@ -13,6 +13,7 @@ mod buffers;
 mod camera;
 mod compressed;
 mod container;
+mod deform;
 mod document;
 mod extensions;
 mod hints;
@@ -27,6 +28,7 @@ mod names;
 mod nodes;
 mod pin;
 mod plan;
+mod poses;
 mod terrain;
 mod textures;
 mod topology;
@@ -43,13 +45,14 @@ use accessor::Row;
 use buffers::Buffers;
 use container::Container;
 use document::Document;
-use enfilade::{GeometryError, Material, Mesh, Texture};
+use enfilade::{GeometryError, Material, Mesh, Texture, Transform};
 use instances::{InstancePlan, Instances};
 use materials::Surface;
 use mesh::MeshPlan;
 use names::Names;
 use nodes::SceneNode;
 use plan::Plan;
+use poses::{PosedMesh, Poses, SkinPlan, Skins};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -99,28 +102,29 @@ fn import_with(
     })?;
     let mut surfaces = materials::read(&document, options.textures)?;
 
-    let used = used_meshes(&document, shown)?;
-    let mut plans = Vec::with_capacity(used.len());
-    for &mesh in &used {
-        plans.push(MeshPlan::new(
-            &document,
-            &surfaces,
-            mesh,
-            &mut budget,
-            &mut warnings,
-        )?);
-    }
+    let poses = Poses::new(&document, shown.iter().map(|placed| placed.node), &mut warnings)?;
+    let used = poses.used();
+    let skins = SkinPlan::new(&document, &used, &mut budget)?;
+    let plans = plan_meshes(&document, &surfaces, &used, &mut budget, &mut warnings)?;
     budget.take(mesh::bytes_to_build(&plans), || {
         "the building of meshes".to_owned()
     })?;
-    let terrains = TerrainPlan::new(&document, &plan, &plans, &mut budget, faults, &mut warnings)?;
-    let instances = InstancePlan::new(&document, &plan, &mut budget, &mut warnings)?;
+    let terrains = TerrainPlan::new(
+        &document,
+        &plan,
+        (&poses, &plans),
+        &mut budget,
+        faults,
+        &mut warnings,
+    )?;
+    let instances = InstancePlan::new(&document, &plan, &poses, &mut budget, &mut warnings)?;
     let ids = ids::read(&document, shown, &mut budget)?;
     let used_materials = plans.iter().flat_map(MeshPlan::materials).collect();
     let textures = TexturePlan::new(&document, &mut surfaces, &used_materials)?;
     warn_of_surfaces(&surfaces, &used_materials, &mut warnings);
 
-    let rows = || plans.iter().flat_map(MeshPlan::rows).chain(instances.rows());
+    let of_nodes = || instances.rows().chain(skins.rows());
+    let rows = || plans.iter().flat_map(MeshPlan::rows).chain(of_nodes());
     let sources = rows().flat_map(Row::sources).chain(textures.sources());
     let buffers = Buffers::load(&document, sources, container.binary, folder, &mut budget)?;
     let mut checked = BTreeSet::new();
@@ -134,10 +138,11 @@ fn import_with(
     }
     let instances = instances.read(&document, &buffers)?;
     let textures = textures.load(&buffers, folder, &mut budget, &mut warnings);
-    let built = build(&plans, &buffers, &mut warnings)?;
+    let skins = skins.read(&buffers)?;
+    let built = build(&plans, &buffers, &skins, &mut warnings)?;
     let non_occluders = surfaces.iter().map(|surface| surface.non_occluder).collect();
     let materials: Vec<Material> = surfaces.into_iter().map(|surface| surface.material).collect();
-    let meshes = Meshes { used, built };
+    let meshes = Meshes { poses, used, built };
     let assets = Assets {
         terrains: terrains.read(&document, &meshes, faults, &mut warnings),
         meshes,
@@ -191,22 +196,47 @@ fn files(document: &Document, folder: &Path, budget: &mut Budget) -> Result<Vec<
     affordable.collect()
 }
 
+/// Checks the used meshes and reserves their memory.
+fn plan_meshes(
+    document: &Document,
+    surfaces: &[Surface],
+    used: &[PosedMesh],
+    budget: &mut Budget,
+    warnings: &mut Warnings,
+) -> Result<Vec<MeshPlan>, BrokenRule> {
+    let mut plans: Vec<MeshPlan> = Vec::with_capacity(used.len());
+    for &posed in used {
+        // Of several poses of a mesh only the first is warned of.
+        let mut repeated = Warnings::default();
+        let is_first = plans
+            .last()
+            .is_none_or(|before| before.posed().mesh != posed.mesh);
+        let warnings = if is_first { &mut *warnings } else { &mut repeated };
+        plans.push(MeshPlan::new(document, surfaces, posed, budget, warnings)?);
+    }
+    Ok(plans)
+}
+
 /// Builds meshes in parallel.
 fn build(
     plans: &[MeshPlan],
     buffers: &Buffers,
+    skins: &Skins,
     warnings: &mut Warnings,
-) -> Result<Vec<Arc<Mesh>>, BrokenRule> {
+) -> Result<Vec<PlacedMesh>, BrokenRule> {
     let mut meshes = Vec::with_capacity(plans.len());
     for batch in mesh::batches(plans) {
-        let built: Vec<_> = batch.par_iter().map(|plan| plan.build(buffers)).collect();
+        let built: Vec<_> = batch.par_iter().map(|plan| plan.build(buffers, skins)).collect();
         // In order, so that of several broken meshes the first is named, whichever thread finishes first.
         for built in built {
             let built = built?;
             for (kind, place) in built.oddities {
                 warnings.name(kind, || place);
             }
-            meshes.push(Arc::new(built.mesh));
+            meshes.push(PlacedMesh {
+                mesh: Arc::new(built.mesh),
+                world: built.origin.map(Transform::translation),
+            });
         }
     }
     Ok(meshes)
@@ -227,15 +257,29 @@ struct Assets {
 
 /// The meshes that nodes of the scene use.
 struct Meshes {
-    /// Their indices in the document, increasing.
-    used: Vec<u32>,
-    built: Vec<Arc<Mesh>>,
+    /// The mesh of each node.
+    poses: Poses,
+    /// Meshes and their poses, increasing.
+    used: Vec<PosedMesh>,
+    built: Vec<PlacedMesh>,
+}
+
+/// A mesh in a pose.
+struct PlacedMesh {
+    mesh: Arc<Mesh>,
+    /// Its transform if it is skinned; otherwise it has that of its node.
+    world: Option<Transform>,
 }
 
 impl Meshes {
-    /// Returns a used mesh by its index in the document.
-    fn get(&self, mesh: u32) -> &Arc<Mesh> {
-        &self.built[self.used.partition_point(|&before| before < mesh)]
+    /// Returns a used mesh in its pose.
+    fn get(&self, posed: PosedMesh) -> &PlacedMesh {
+        &self.built[self.used.partition_point(|&before| before < posed)]
+    }
+
+    /// Returns the mesh of a node in its pose.
+    fn of(&self, node: u32) -> Option<PosedMesh> {
+        self.poses.of(node)
     }
 }
 
@@ -244,24 +288,9 @@ const BYTES_PER_NODE: u64 = 400;
 /// Approximate memory of a room, which is built twice, in bytes.
 const BYTES_PER_ROOM: u64 = 800;
 
-/// Returns the indices of the meshes that the nodes use, increasing and unique.
-fn used_meshes(document: &Document, placed: &[SceneNode]) -> Result<Vec<u32>, BrokenRule> {
-    let mut used = Vec::new();
-    for SceneNode { node, .. } in placed {
-        if let Some(mesh) = document.nodes[*node as usize].mesh {
-            document::find(&document.meshes, mesh, "mesh", || document.node_name(*node))?;
-            used.push(mesh);
-        }
-    }
-    used.sort_unstable();
-    used.dedup();
-    Ok(used)
-}
-
 /// Adds warnings for top-level elements of the document that are not read.
 fn warn_of_the_unread(document: &Document, warnings: &mut Warnings) {
     warnings.count(WarningKind::OtherScenes, document.scenes.len().saturating_sub(1));
-    warnings.count(WarningKind::Skins, document.skins.len());
     warnings.count(WarningKind::Animations, document.animations.len());
 }
 

@@ -5,9 +5,11 @@
 
 use super::document::{Document, Node, find};
 use crate::BrokenRule;
+use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
 use enfilade::Transform;
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
+use std::collections::{BTreeSet, HashMap};
 
 /// A node of the scene and its world transform.
 #[derive(Clone, Copy, Debug)]
@@ -88,6 +90,56 @@ pub(super) fn place(
     }
     placed.sort_unstable_by_key(|placed| placed.node);
     Ok(placed)
+}
+
+/// World transforms of nodes, also of those that are not drawn.
+pub(super) struct Worlds<'d> {
+    document: &'d Document<'d>,
+    parents: Vec<Option<u32>>,
+    roots: BTreeSet<u32>,
+    known: HashMap<u32, DAffine3>,
+}
+
+/// Memory of a known world transform, in a table that grows by doubling.
+const BYTES_PER_WORLD: u64 = 4 * size_of::<(u32, DAffine3)>() as u64;
+
+impl<'d> Worlds<'d> {
+    /// The nodes must have no cycle.
+    pub(super) fn new(document: &'d Document) -> Result<Worlds<'d>, BrokenRule> {
+        let parents = parents(document)?;
+        Ok(Worlds {
+            document,
+            roots: roots(document, &parents)?.into_iter().collect(),
+            parents,
+            known: HashMap::new(),
+        })
+    }
+
+    /// Returns the world transform of an existing node.
+    pub(super) fn of(&mut self, node: u32, budget: &mut Budget) -> Result<DAffine3, BrokenRule> {
+        // From the node up to the first one that is known.
+        let mut unknown = Vec::new();
+        let mut next = Some(node);
+        let mut world = DAffine3::IDENTITY;
+        while let Some(number) = next {
+            if let Some(known) = self.known.get(&number) {
+                world = *known;
+                break;
+            }
+            budget.take(BYTES_PER_WORLD, || self.document.node_name(number))?;
+            unknown.push(number);
+            let parent = self.parents[number as usize];
+            next = parent.filter(|_| !self.roots.contains(&number));
+        }
+        for &number in unknown.iter().rev() {
+            let node = &self.document.nodes[number as usize];
+            // Nodes of the scene were warned of when they were placed.
+            let parent_from_node = parent_from_node(self.document, number, node, &mut Warnings::default())?;
+            world = world * parent_from_node;
+            self.known.insert(number, world);
+        }
+        Ok(world)
+    }
 }
 
 /// Returns the root nodes of the scene.

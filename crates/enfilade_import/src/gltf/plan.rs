@@ -1,10 +1,11 @@
 //! Turns nodes and hints into rooms: assigns each node to a room, and decides whether it is an item or an opening.
 
-use super::Assets;
 use super::document::{Document, Primitive, short};
 use super::hints::{self, Hint, OpeningTarget};
 use super::names::Names;
 use super::nodes::{self, SceneNode};
+use super::poses::PosedMesh;
+use super::{Assets, PlacedMesh};
 use crate::budget::Budget;
 use crate::faults::{Faults, Subject};
 use crate::rooms::{self, Frame, MarkedMesh, Shell, Teleport};
@@ -94,7 +95,8 @@ impl<'d> Plan<'d> {
         };
         plan.check_rooms(faults, warnings);
         for placed in plan.placed.iter().filter(|placed| plan.is_item(placed)) {
-            if placed.world.inverse().is_none() {
+            let is_skinned = document.nodes[placed.node as usize].skin.is_some();
+            if !is_skinned && placed.world.inverse().is_none() {
                 warnings.name(WarningKind::Flattened, || document.node_name(placed.node));
             }
         }
@@ -315,10 +317,12 @@ impl<'d> Plan<'d> {
         let node = |placed: &SceneNode| &self.document.nodes[placed.node as usize];
         let terrain = |placed: &SceneNode| assets.terrains.of(placed.node);
         let copies = held.iter().filter(|placed| terrain(placed).is_none());
-        let own: BTreeSet<u32> = copies.filter_map(|placed| node(placed).mesh).collect();
-        let own: BTreeMap<u32, MeshId> = own
+        let own: BTreeSet<PosedMesh> = copies
+            .filter_map(|placed| assets.meshes.of(placed.node))
+            .collect();
+        let own: BTreeMap<PosedMesh, MeshId> = own
             .into_iter()
-            .map(|mesh| (mesh, builder.mesh(Arc::clone(assets.meshes.get(mesh)))))
+            .map(|posed| (posed, builder.mesh(Arc::clone(&assets.meshes.get(posed).mesh))))
             .collect();
         for placed in held {
             let id = assets.ids.get(&placed.node).map(String::as_str);
@@ -326,10 +330,11 @@ impl<'d> Plan<'d> {
                 nodes.add_movable(placed.node);
             }
             let node = node(placed);
-            if let (Some(field), Some(mesh)) = (terrain(placed), node.mesh) {
+            let posed = assets.meshes.of(placed.node);
+            if let (Some(field), Some(posed)) = (terrain(placed), posed) {
                 let name = names.name(placed.node, node);
                 let name = names.terrain(&name, placed.node);
-                let material = assets.meshes.get(mesh).clusters()[0].material;
+                let material = assets.meshes.get(posed).mesh.clusters()[0].material;
                 let blocks = builder
                     .terrain(&name, Arc::clone(field), material, placed.world)
                     .map_err(BrokenRule::Geometry)?;
@@ -346,15 +351,12 @@ impl<'d> Plan<'d> {
                 }
                 continue;
             }
-            let Some((number, mesh)) = node.mesh.and_then(|mesh| Some((mesh, own.get(&mesh)?))) else {
+            let Some((posed, mesh)) = posed.and_then(|posed| Some((posed, own.get(&posed)?))) else {
                 continue;
             };
-            let is_deformed = node.skin.is_some() || self.has_morph_targets(number);
-            let why = self.why_no_occluder(placed, number, &assets.materials);
+            let why = self.why_no_occluder(placed, posed.mesh, &assets.materials);
             let options = ItemOptions {
                 is_occluder: why.is_none(),
-                // Poses are not applied yet, so it may be outside its box.
-                never_cull: is_deformed,
                 ..ItemOptions::default()
             };
             let mut add = |name: &str, world: Transform| {
@@ -365,9 +367,10 @@ impl<'d> Plan<'d> {
                     non_occluders.add(item.index, why);
                 }
             };
+            let world = assets.meshes.get(posed).world.unwrap_or(placed.world);
             let name = names.name(placed.node, node);
             match assets.instances.of(placed.node) {
-                None => add(&name, placed.world),
+                None => add(&name, world),
                 Some(instances) => {
                     for (number, &node_from_instance) in instances.iter().enumerate() {
                         let name = names.instance(&name, placed.node, number);
@@ -409,13 +412,14 @@ impl<'d> Plan<'d> {
     ) -> Result<MarkedMesh, AuthoringError> {
         let node = &self.document.nodes[placed.node as usize];
         let spoken = self.document.node_name(placed.node);
-        let Some(mesh) = node.mesh else {
+        let Some(posed) = assets.meshes.of(placed.node) else {
             return Err(AuthoringError::NoMesh { node: spoken });
         };
+        let PlacedMesh { mesh, world } = assets.meshes.get(posed);
         Ok(MarkedMesh {
             name: names.name(placed.node, node).into_owned(),
-            mesh: Arc::clone(assets.meshes.get(mesh)),
-            world: placed.world,
+            mesh: Arc::clone(mesh),
+            world: world.unwrap_or(placed.world),
             owner: self.room(placed),
             way: self.way(placed, way, &spoken)?,
             spoken,

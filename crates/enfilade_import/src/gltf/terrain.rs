@@ -5,6 +5,7 @@
 use super::document::Document;
 use super::mesh::MeshPlan;
 use super::plan::Plan;
+use super::poses::{PosedMesh, Poses};
 use super::{BYTES_PER_NODE, Meshes};
 use crate::budget::Budget;
 use crate::faults::{Faults, Subject};
@@ -16,7 +17,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The terrain nodes and their meshes, checked as far as possible without their bytes.
-pub(super) struct TerrainPlan(Vec<(u32, u32)>);
+pub(super) struct TerrainPlan(Vec<(u32, PosedMesh)>);
 
 /// Height fields, by node index.
 pub(super) struct Terrains(BTreeMap<u32, Arc<HeightField>>);
@@ -28,12 +29,12 @@ const BYTES_PER_BLOCK: u64 = 2 * BYTES_PER_NODE;
 const TRIANGLES_PER_BLOCK: u64 = 64;
 
 impl TerrainPlan {
-    /// Checks the nodes and reserves the memory of their height fields and blocks. `plans` holds the plans of all used
-    /// meshes, by mesh index.
+    /// Checks the nodes and reserves the memory of their height fields and blocks. `meshes` holds the plans of all used
+    /// meshes, in order.
     pub(super) fn new(
         document: &Document,
         plan: &Plan,
-        plans: &[MeshPlan],
+        meshes: (&Poses, &[MeshPlan]),
         budget: &mut Budget,
         faults: &mut Faults,
         warnings: &mut Warnings,
@@ -42,7 +43,7 @@ impl TerrainPlan {
         for number in plan.terrains() {
             let node = &document.nodes[number as usize];
             let spoken = || document.node_name(number);
-            let planned = match mesh_of_terrain(document, number, plans) {
+            let planned = match mesh_of_terrain(document, number, meshes) {
                 Ok(planned) => planned,
                 Err(why) => {
                     faults.report(Subject::Terrain, why, warnings);
@@ -60,7 +61,7 @@ impl TerrainPlan {
             budget.take(bytes.into_iter().fold(0, u64::saturating_add), || {
                 format!("{}, which is terrain", spoken())
             })?;
-            terrains.push((number, planned.number()));
+            terrains.push((number, planned.posed()));
         }
         Ok(TerrainPlan(terrains))
     }
@@ -73,12 +74,12 @@ impl TerrainPlan {
         faults: &mut Faults,
         warnings: &mut Warnings,
     ) -> Terrains {
-        let mut fields: BTreeMap<u32, Result<Arc<HeightField>, GridError>> = BTreeMap::new();
+        let mut fields: BTreeMap<PosedMesh, Result<Arc<HeightField>, GridError>> = BTreeMap::new();
         let mut terrains = BTreeMap::new();
         for &(node, mesh) in &self.0 {
             let field = fields
                 .entry(mesh)
-                .or_insert_with(|| grid::field_of(meshes.get(mesh)).map(Arc::new));
+                .or_insert_with(|| grid::field_of(&meshes.get(mesh).mesh).map(Arc::new));
             match field {
                 Ok(field) => {
                     terrains.insert(node, Arc::clone(field));
@@ -97,16 +98,16 @@ impl TerrainPlan {
 fn mesh_of_terrain<'p>(
     document: &Document,
     number: u32,
-    plans: &'p [MeshPlan],
+    (poses, plans): (&Poses, &'p [MeshPlan]),
 ) -> Result<&'p MeshPlan, AuthoringError> {
     let node = &document.nodes[number as usize];
     let spoken = || document.node_name(number);
-    let planned = node.mesh.and_then(|mesh| {
-        let place = plans.binary_search_by_key(&mesh, MeshPlan::number).ok()?;
+    let planned = poses.of(number).and_then(|posed| {
+        let place = plans.binary_search_by_key(&posed, MeshPlan::posed).ok()?;
         Some(&plans[place]).filter(|plan| plan.triangles() > 0)
     });
     let planned = planned.ok_or_else(|| AuthoringError::TerrainWithoutMesh { node: spoken() })?;
-    let primitives = &document.meshes[planned.number() as usize].primitives;
+    let primitives = &document.meshes[planned.posed().mesh as usize].primitives;
     let moves = [
         ("a skeleton", node.skin.is_some()),
         (

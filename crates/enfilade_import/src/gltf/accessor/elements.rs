@@ -15,7 +15,7 @@ pub(super) enum Component {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Kind {
     pub(super) component: Component,
-    /// Components per element, 1 to 4.
+    /// Components per element, 1 to 4, or 16.
     pub(super) parts: u8,
     /// Whether integers are normalized to 0 to 1, or −1 to 1 if signed.
     pub(super) normalized: bool,
@@ -139,6 +139,18 @@ impl<'b> Elements<'b> {
                 _ => 0.0,
             }),
         }
+    }
+
+    /// Returns the first components of an element as joint indices; missing ones are 0.
+    pub(in crate::gltf) fn joints(&self, index: usize) -> [u32; 4] {
+        let Some(bytes) = self.at(index) else {
+            return [0; 4];
+        };
+        std::array::from_fn(|part| match self.kind.component {
+            Component::U8 => u32::from(bytes[part]),
+            Component::U16 => u32::from(u16::from_le_bytes(first(&bytes[2 * part..]))),
+            _ => u32::from_le_bytes(first(&bytes[4 * part..])),
+        })
     }
 
     pub(super) fn u8(&self, index: usize) -> u32 {

@@ -74,7 +74,7 @@ impl Row {
         self.base.is_none() && self.sparse.is_none()
     }
 
-    /// Returns the number of components per element, 1 to 4.
+    /// Returns the number of components per element, 1 to 4, or 16.
     pub(super) fn parts(&self) -> u8 {
         self.kind.parts
     }

@@ -12,6 +12,13 @@ pub(in crate::gltf) enum AccessorUse {
     TextureCoordinates,
     Colors,
     Indices,
+    /// Changes of colors by a morph target.
+    ColorDeltas,
+    /// Indices of joints.
+    Joints,
+    /// Weights of joints.
+    JointWeights,
+    InverseBindMatrices,
     /// Translations of instances.
     Translations,
     /// Rotations of instances.
@@ -34,18 +41,28 @@ impl AccessorUse {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
+            "MAT4" => 16,
             _ => 0,
         };
         match component {
             Some(component) if self.takes(component, parts, accessor.normalized) => Ok(Kind {
                 component,
                 parts,
-                // Integer colors are always normalized; otherwise they would be up to 65,535 times too bright.
-                normalized: (accessor.normalized || self == AccessorUse::Colors)
+                normalized: (accessor.normalized || self.is_normalized())
+                    && self != AccessorUse::Joints
                     && !matches!(component, Component::U32 | Component::F32),
             }),
             _ => Err(self.wrong_type(place(), accessor)),
         }
+    }
+
+    /// Whether integers are normalized even if the accessor does not say so. Colors would be up to 65,535 times too
+    /// bright otherwise, and of weights only the ratios matter.
+    fn is_normalized(self) -> bool {
+        matches!(
+            self,
+            AccessorUse::Colors | AccessorUse::ColorDeltas | AccessorUse::JointWeights
+        )
     }
 
     fn takes(self, component: Component, parts: u8, normalized: bool) -> bool {
@@ -55,6 +72,10 @@ impl AccessorUse {
             AccessorUse::Normals => parts == 3 && matches!(component, F32 | I8 | I16),
             AccessorUse::TextureCoordinates => parts == 2 && component != U32,
             AccessorUse::Colors => (parts == 3 || parts == 4) && matches!(component, F32 | U8 | U16),
+            AccessorUse::ColorDeltas => (parts == 3 || parts == 4) && component != U32,
+            AccessorUse::Joints => parts == 4 && matches!(component, U8 | U16 | U32),
+            AccessorUse::JointWeights => parts == 4 && matches!(component, F32 | U8 | U16),
+            AccessorUse::InverseBindMatrices => parts == 16 && component == F32,
             AccessorUse::Indices => parts == 1 && matches!(component, U8 | U16 | U32),
             AccessorUse::Translations | AccessorUse::Scales => parts == 3 && component == F32,
             AccessorUse::Rotations => {
@@ -83,6 +104,14 @@ impl AccessorUse {
                     "texture coordinates as VEC2 of FLOAT, or of bytes or shorts"
                 }
                 AccessorUse::Colors => "colors as VEC3 or VEC4 of FLOAT, UNSIGNED_BYTE or UNSIGNED_SHORT",
+                AccessorUse::ColorDeltas => {
+                    "changes of colors as VEC3 or VEC4 of FLOAT, or of bytes or shorts"
+                }
+                AccessorUse::Joints => "joints as VEC4 of UNSIGNED_BYTE or UNSIGNED_SHORT",
+                AccessorUse::JointWeights => {
+                    "joint weights as VEC4 of FLOAT, UNSIGNED_BYTE or UNSIGNED_SHORT"
+                }
+                AccessorUse::InverseBindMatrices => "inverse bind matrices as MAT4 of FLOAT",
                 AccessorUse::Indices => "indices as SCALAR of UNSIGNED_BYTE, UNSIGNED_SHORT or UNSIGNED_INT",
                 AccessorUse::Translations => "translations of instances as VEC3 of FLOAT",
                 AccessorUse::Rotations => {

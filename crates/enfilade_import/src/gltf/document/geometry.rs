@@ -1,5 +1,6 @@
 //! JSON of meshes, accessors, buffer views and buffers.
 
+use super::Attributes;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::borrow::Cow;
@@ -8,6 +9,8 @@ use std::borrow::Cow;
 pub(in crate::gltf) struct Mesh {
     #[serde(default)]
     pub(in crate::gltf) primitives: Vec<Primitive>,
+    /// Weights of the morph targets, for nodes without weights of their own.
+    pub(in crate::gltf) weights: Option<Box<[f64]>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -17,34 +20,9 @@ pub(in crate::gltf) struct Primitive {
     pub(in crate::gltf) material: Option<u32>,
     pub(in crate::gltf) mode: Option<u32>,
     #[serde(default)]
-    pub(in crate::gltf) targets: Vec<IgnoredAny>,
+    pub(in crate::gltf) targets: Vec<Attributes>,
     #[serde(default)]
     pub(in crate::gltf) extensions: PrimitiveExtensions,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "UPPERCASE")]
-pub(in crate::gltf) struct Attributes {
-    pub(in crate::gltf) position: Option<u32>,
-    pub(in crate::gltf) normal: Option<u32>,
-    pub(in crate::gltf) color_0: Option<u32>,
-    texcoord_0: Option<u32>,
-    texcoord_1: Option<u32>,
-    texcoord_2: Option<u32>,
-    texcoord_3: Option<u32>,
-}
-
-impl Attributes {
-    /// Returns the accessor of a texture coordinate set, if there is one.
-    pub(in crate::gltf) fn texture(&self, set: u32) -> Option<u32> {
-        match set {
-            0 => self.texcoord_0,
-            1 => self.texcoord_1,
-            2 => self.texcoord_2,
-            3 => self.texcoord_3,
-            _ => None,
-        }
-    }
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -2,9 +2,11 @@
 //!
 //! The crates `gltf` and `gltf-json` are not used: they panic on some hostile files, and hold node transforms in f32.
 
+mod attributes;
 mod geometry;
 mod surfaces;
 
+pub(in crate::gltf) use attributes::*;
 pub(in crate::gltf) use geometry::*;
 pub(in crate::gltf) use surfaces::*;
 
@@ -51,11 +53,21 @@ pub(in crate::gltf) struct Document<'a> {
     pub(in crate::gltf) samplers: Option<&'a RawValue>,
     #[serde(borrow)]
     pub(in crate::gltf) extensions: Option<&'a RawValue>,
-    // Only counted; `IgnoredAny` takes no memory.
-    #[serde(default)]
-    pub(in crate::gltf) skins: Vec<IgnoredAny>,
+    // Parsed only if a mesh uses them.
+    #[serde(borrow, default)]
+    pub(in crate::gltf) skins: Vec<&'a RawValue>,
     #[serde(borrow, default)]
     pub(in crate::gltf) animations: Vec<&'a RawValue>,
+}
+
+/// A skin: the nodes that move the vertices of a mesh.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(in crate::gltf) struct Skin<'a> {
+    #[serde(borrow, default)]
+    name: Cow<'a, str>,
+    pub(in crate::gltf) inverse_bind_matrices: Option<u32>,
+    pub(in crate::gltf) joints: Vec<u32>,
 }
 
 impl Document<'_> {
@@ -144,10 +156,12 @@ pub(in crate::gltf) struct Node<'a> {
     #[serde(borrow, default)]
     pub(in crate::gltf) name: Cow<'a, str>,
     #[serde(default)]
-    pub(in crate::gltf) children: Vec<u32>,
+    pub(in crate::gltf) children: Box<[u32]>,
     pub(in crate::gltf) mesh: Option<u32>,
     pub(in crate::gltf) camera: Option<u32>,
     pub(in crate::gltf) skin: Option<u32>,
+    /// Weights of the morph targets of its mesh.
+    weights: Option<Box<Weights>>,
     // Boxed, because most nodes have few of them and there may be millions of nodes.
     pub(in crate::gltf) matrix: Option<Box<[f64; 16]>>,
     pub(in crate::gltf) translation: Option<Box<[f64; 3]>>,
@@ -158,6 +172,10 @@ pub(in crate::gltf) struct Node<'a> {
     #[serde(borrow)]
     pub(in crate::gltf) extras: Option<&'a RawValue>,
 }
+
+/// Weights of morph targets, behind one pointer, because few nodes have any.
+#[derive(Debug, Deserialize)]
+struct Weights(Box<[f64]>);
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -203,6 +221,11 @@ pub(in crate::gltf) struct InstanceAttributes {
 }
 
 impl Node<'_> {
+    /// Returns the weights of the morph targets, if the node has weights of its own.
+    pub(in crate::gltf) fn weights(&self) -> Option<&[f64]> {
+        self.weights.as_ref().map(|weights| &*weights.0)
+    }
+
     /// Returns the index of the node's light.
     pub(in crate::gltf) fn light(&self) -> Option<u32> {
         Some(self.extensions.as_ref()?.light?.light)
@@ -328,12 +351,31 @@ impl<'a> Document<'a> {
         Ok(extensions.lights.map_or_else(Vec::new, |lights| lights.lights))
     }
 
+    /// Parses an existing skin.
+    pub(in crate::gltf) fn skin(&self, number: u32) -> Result<Skin<'_>, BrokenRule> {
+        let raw = self.skins[number as usize];
+        serde_json::from_str(raw.get()).map_err(|why| within(&format!("skins[{number}]"), &why))
+    }
+
     /// Returns the name of a node in messages: `node 7 "Door"`.
     pub(in crate::gltf) fn node_name(&self, node: u32) -> String {
-        match self.nodes.get(node as usize).map(|node| &*node.name) {
-            Some(name) if !name.is_empty() => format!("node {node} {:?}", short(name)),
-            _ => format!("node {node}"),
-        }
+        let name = self.nodes.get(node as usize).map_or("", |node| &*node.name);
+        spoken("node", node, name)
+    }
+}
+
+impl Skin<'_> {
+    /// Returns the name of the skin in messages: `skin 0 "Armature"`.
+    pub(in crate::gltf) fn spoken(&self, number: u32) -> String {
+        spoken("skin", number, &self.name)
+    }
+}
+
+/// Returns the kind and index of an element, and its name if it has one.
+fn spoken(kind: &str, number: u32, name: &str) -> String {
+    match name {
+        "" => format!("{kind} {number}"),
+        name => format!("{kind} {number} {:?}", short(name)),
     }
 }
 
@@ -416,7 +458,9 @@ mod tests {
         let sizes = [
             size_of::<Scene>(),
             size_of::<Node>(),
+            size_of::<Mesh>(),
             size_of::<Primitive>(),
+            size_of::<Attributes>(),
             size_of::<Material>(),
             size_of::<Camera>(),
             size_of::<Accessor>(),

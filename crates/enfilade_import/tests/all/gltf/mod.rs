@@ -18,6 +18,7 @@ mod link;
 mod meshopt;
 mod nodes;
 mod pinned;
+mod poses;
 mod queries;
 mod real_laws;
 mod rooms;

@@ -78,8 +78,6 @@ fn what_changes_only_the_look_is_counted() {
             file.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }]);
         },
         &[
-            "morph targets are not read yet: shapes are those before any morph, are never culled, and hide nothing (meshes[0].primitives[0])",
-            "skins are not read yet: meshes are drawn without a pose, are never culled, and hide nothing (1)",
             "animations are not read yet: everything stands still (3)",
             "metallic-roughness, normal, occlusion and transmission textures are not drawn (2)",
         ],

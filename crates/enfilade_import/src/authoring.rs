@@ -61,11 +61,13 @@ pub enum AuthoringError {
     },
     /// A portal or mirror has no mesh.
     #[error(
-        "{node} has no faces for its opening; give it a flat convex mesh, or rename it if it is no portal or mirror"
+        "{node} has no faces for its opening: {found}; give it a flat convex mesh, or rename it if it is no portal or mirror"
     )]
     NoMesh {
         /// The portal or mirror.
         node: String,
+        /// The meshes that were found at it and below it.
+        found: String,
     },
     /// A portal or mirror has too many triangles.
     #[error(
@@ -255,11 +257,23 @@ pub enum AuthoringError {
     },
     /// Terrain has no mesh.
     #[error(
-        "{node} is terrain without triangles; give it a grid of heights, or rename it if it is no terrain"
+        "{node} is terrain without triangles: {found}; give it a grid of heights, or rename it if it is no terrain"
     )]
     TerrainWithoutMesh {
         /// The terrain.
         node: String,
+        /// The meshes that were found at it and below it.
+        found: String,
+    },
+    /// Terrain without a mesh has several nodes with meshes below it.
+    #[error(
+        "{node} is terrain of several meshes, those of {meshes}; join them into one grid, or rename the node"
+    )]
+    TerrainOfSeveral {
+        /// The terrain.
+        node: String,
+        /// The nodes with meshes.
+        meshes: String,
     },
     /// Terrain has a skin or morph targets.
     #[error(

@@ -384,16 +384,6 @@ pub enum BrokenRule {
     /// A node is its own ancestor.
     #[error("its nodes form a cycle: {0}; export it again")]
     NodeCycle(String),
-    /// A scene lists a node that is not a root.
-    #[error("{scene} names {node} as a root, but it is a child of {parent}; export it again")]
-    NotARoot {
-        /// The scene.
-        scene: String,
-        /// The node.
-        node: String,
-        /// The node's parent.
-        parent: String,
-    },
     /// A node matrix whose last row is not 0, 0, 0, 1.
     #[error("{0} has a matrix with perspective: its last row is not 0, 0, 0, 1; export it again")]
     NotAffine(String),

@@ -39,12 +39,12 @@ pub(super) fn fetch(
             uri: short(uri),
         }),
         None => {
-            let inside = inside_folder(uri, place)?;
+            inside_folder(uri, place)?;
             let folder = folder.ok_or_else(|| BrokenRule::NoFolder {
                 place: place(),
                 uri: short(uri),
             })?;
-            let path = folder.join(inside);
+            let path = path(uri, place, folder)?;
             read_regular_file(&path, Some(most), place, budget).map_err(|why| match why {
                 BrokenRule::TooLarge { .. } => why,
                 why => BrokenRule::BufferFile {
@@ -60,10 +60,25 @@ pub(super) fn fetch(
 /// Returns the file path of a URI, if it is a file in the folder.
 pub(super) fn file(uri: &str, folder: &Path) -> Option<PathBuf> {
     let is_file = !uri.is_empty() && scheme(uri).is_none();
-    let inside = is_file
-        .then(|| inside_folder(uri, &String::new))
-        .and_then(Result::ok);
-    Some(folder.join(inside?))
+    is_file
+        .then(|| path(uri, &String::new, folder))
+        .and_then(Result::ok)
+}
+
+/// Returns `true` if the path in a URI has the separators of Windows, which are read as `/`.
+pub(super) fn has_backslash(uri: &str) -> bool {
+    scheme(uri).is_none() && percent_decode_str(uri).any(|byte| byte == b'\\')
+}
+
+/// Returns the path of the file of a URI.
+fn path(uri: &str, place: &dyn Fn() -> String, folder: &Path) -> Result<PathBuf, BrokenRule> {
+    // Elsewhere than on Windows, the name of a file may have a backslash.
+    let literal = percent_decode_str(uri).decode_utf8_lossy();
+    let is_name = !literal.contains('/') && literal.contains('\\');
+    if is_name && !cfg!(windows) && folder.join(&*literal).is_file() {
+        return Ok(folder.join(&*literal));
+    }
+    Ok(folder.join(inside_folder(uri, place)?))
 }
 
 /// Returns the scheme of a URI, if it has one.
@@ -89,7 +104,7 @@ fn decode(uri: &str, place: &dyn Fn() -> String, budget: &mut Budget) -> Result<
         .map_err(|why| bad(format!("its data URI is not base64: {why}")))
 }
 
-/// Returns the path of a relative URI, which must not leave the folder.
+/// Returns the path of a relative URI, which must not leave the folder. A backslash separates folders, as on Windows.
 fn inside_folder(uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, BrokenRule> {
     let decoded = percent_decode_str(uri)
         .decode_utf8()
@@ -97,7 +112,7 @@ fn inside_folder(uri: &str, place: &dyn Fn() -> String) -> Result<PathBuf, Broke
             place: place(),
             why: format!("`{}` is not UTF-8", short(uri)),
         })?;
-    let path = PathBuf::from(&*decoded);
+    let path = PathBuf::from(decoded.replace('\\', "/"));
     if path
         .components()
         .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
@@ -122,6 +137,9 @@ mod tests {
             ("a.bin", "a.bin"),
             ("./b/a%20c.bin", "./b/a c.bin"),
             ("%C3%A9.bin", "é.bin"),
+            ("b\\c.bin", "b/c.bin"),
+            (".\\b\\a%20c.bin", "./b/a c.bin"),
+            ("b%5Cd/c.bin", "b/d/c.bin"),
         ] {
             assert_eq!(inside_folder(uri, &place).expect("inside"), Path::new(path));
         }
@@ -132,6 +150,10 @@ mod tests {
             "%2Fetc/passwd",
             "%2e%2e/a.bin",
             "//host/a.bin",
+            "..\\a.bin",
+            "b%5C..%5c..\\a.bin",
+            "\\\\host\\a.bin",
+            "\\a.bin",
         ] {
             assert!(
                 matches!(inside_folder(uri, &place), Err(BrokenRule::LeavesFolder { .. })),

@@ -18,7 +18,7 @@ pub(super) fn read(
     rooms: &[Room],
     warnings: &mut Warnings,
 ) -> Result<Vec<(Camera, Option<f32>)>, BrokenRule> {
-    let names = Names::of(document, |node| node.camera.is_some());
+    let names = Names::of(document, |_, node| node.camera.is_some());
     let mut cameras = Vec::new();
     for placed in plan.shown() {
         let number = placed.node;

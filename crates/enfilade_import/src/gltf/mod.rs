@@ -9,6 +9,7 @@
 mod accessor;
 mod address;
 mod attributes;
+mod below;
 mod buffers;
 mod camera;
 mod compressed;
@@ -91,7 +92,8 @@ fn import_with(
             "the header gives a length of 0".to_owned()
         });
     }
-    let document = Document::parse(container.json, &mut budget)?;
+    let json = document::repaired(container.json, &mut budget, &mut warnings)?;
+    let document = Document::parse(&json, &mut budget)?;
     extensions::check(&document, &mut warnings)?;
     warn_of_the_unread(&document, &mut warnings);
     let plan = Plan::new(&document, options.flat, faults, &mut warnings)?;
@@ -156,7 +158,7 @@ fn import_with(
         Some(folder) => files(&document, folder, &mut budget)?,
         None => Vec::new(),
     };
-    let names = Names::of(&document, |node| node.mesh.is_some());
+    let names = Names::of(&document, |node, _| plan.names_meshes(node));
     let (rooms, portals) = plan
         .rooms(name, &assets, &names, faults, &mut budget, &mut warnings)
         .map_err(|why| name_the_node(why, &document, plan.shown(), &names))?;
@@ -182,8 +184,7 @@ fn import_with(
 
 /// Returns the separate files that buffers and images reference.
 fn files(document: &Document, folder: &Path, budget: &mut Budget) -> Result<Vec<PathBuf>, BrokenRule> {
-    // If the image list is invalid, no image is read.
-    let images: Vec<document::Image> = document::list(document.images, "images").unwrap_or_default();
+    let images = images(document);
     let buffers = document.buffers.iter().map(|buffer| &buffer.uri);
     let named = buffers.chain(images.iter().map(|image| &image.uri));
     let files = named.filter_map(|uri| address::file(uri, folder));
@@ -215,6 +216,11 @@ fn plan_meshes(
         plans.push(MeshPlan::new(document, surfaces, posed, budget, warnings)?);
     }
     Ok(plans)
+}
+
+/// Returns the images of the document; none if the list is invalid, since then none is read.
+fn images<'a>(document: &Document<'a>) -> Vec<document::Image<'a>> {
+    document::list(document.images, "images").unwrap_or_default()
 }
 
 /// Builds meshes in parallel.
@@ -292,6 +298,17 @@ const BYTES_PER_ROOM: u64 = 800;
 fn warn_of_the_unread(document: &Document, warnings: &mut Warnings) {
     warnings.count(WarningKind::OtherScenes, document.scenes.len().saturating_sub(1));
     warnings.count(WarningKind::Animations, document.animations.len());
+    let images = images(document);
+    let buffers = document.buffers.iter().map(|buffer| &buffer.uri).enumerate();
+    let images = images.iter().map(|image| &image.uri).enumerate();
+    let named = buffers
+        .map(|uri| ("buffer", uri))
+        .chain(images.map(|uri| ("image", uri)));
+    for (kind, (number, _)) in named.filter(|(_, (_, uri))| address::has_backslash(uri)) {
+        warnings.name(WarningKind::Repaired, || {
+            format!("{kind} {number} has \\ for / in its uri")
+        });
+    }
 }
 
 /// Adds warnings for properties of used materials that are not drawn.

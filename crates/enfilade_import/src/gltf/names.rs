@@ -16,9 +16,10 @@ pub(super) struct Names<'d> {
 
 impl<'d> Names<'d> {
     /// Counts the names of the nodes that `meant` accepts.
-    pub(super) fn of(document: &'d Document, meant: impl Fn(&Node) -> bool) -> Names<'d> {
+    pub(super) fn of(document: &'d Document, meant: impl Fn(u32, &Node) -> bool) -> Names<'d> {
         let mut bearers: HashMap<&'d str, u32> = HashMap::new();
-        for node in document.nodes.iter().filter(|node| meant(node)) {
+        let nodes = (0..).zip(&document.nodes);
+        for (_, node) in nodes.filter(|&(number, node)| meant(number, node)) {
             *bearers.entry(&*node.name).or_default() += 1;
         }
         let like_blocks = bearers.keys().filter_map(|&name| before_two_numbers(name));

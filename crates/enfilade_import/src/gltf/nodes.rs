@@ -49,7 +49,7 @@ pub(super) fn place(
     }
     let mut placed = Vec::new();
     let mut entered = vec![false; document.nodes.len()];
-    let roots = roots(document, &parents)?;
+    let roots = roots(document, &parents, warnings)?;
     let mut roots = roots.iter();
     // A stack: the node to be visited first is pushed last.
     let mut waiting: Vec<(u32, DAffine3, Option<u32>, bool)> = Vec::new();
@@ -109,7 +109,9 @@ impl<'d> Worlds<'d> {
         let parents = parents(document)?;
         Ok(Worlds {
             document,
-            roots: roots(document, &parents)?.into_iter().collect(),
+            roots: roots(document, &parents, &mut Warnings::default())?
+                .into_iter()
+                .collect(),
             parents,
             known: HashMap::new(),
         })
@@ -142,15 +144,22 @@ impl<'d> Worlds<'d> {
     }
 }
 
-/// Returns the root nodes of the scene.
+/// Returns the root nodes of the scene. The nodes must have no cycle.
 pub(super) fn scene_roots(document: &Document) -> Result<Vec<u32>, BrokenRule> {
-    roots(document, &parents(document)?)
+    roots(document, &parents(document)?, &mut Warnings::default())
 }
 
 /// Returns the root nodes of the default scene, or of the first scene, or all nodes without a parent if there are no
 /// scenes.
-fn roots(document: &Document, parents: &[Option<u32>]) -> Result<Vec<u32>, BrokenRule> {
-    let Some(number) = document.scene.or((!document.scenes.is_empty()).then_some(0)) else {
+///
+/// A scene may list a node that is a child, against the specification: below another node that it lists, the node is only a
+/// child; otherwise it is a root, and its parent is in no scene.
+fn roots(
+    document: &Document,
+    parents: &[Option<u32>],
+    warnings: &mut Warnings,
+) -> Result<Vec<u32>, BrokenRule> {
+    let Some(number) = document.scene_number() else {
         return Ok((0_u32..)
             .zip(parents)
             .filter(|(_, parent)| parent.is_none())
@@ -162,14 +171,57 @@ fn roots(document: &Document, parents: &[Option<u32>]) -> Result<Vec<u32>, Broke
     for &root in &scene.nodes {
         find(&document.nodes, root, "node", place)?;
         if let Some(parent) = parents[root as usize] {
-            return Err(BrokenRule::NotARoot {
-                scene: place(),
-                node: document.node_name(root),
-                parent: document.node_name(parent),
+            warnings.name(WarningKind::Repaired, || {
+                let [node, parent] = [root, parent].map(|node| document.node_name(node));
+                format!("{} lists {node}, a child of {parent}", place())
             });
         }
     }
-    Ok(scene.nodes.clone())
+    let mut is_listed_above = ListedAbove::new(parents, &scene.nodes);
+    let roots = scene.nodes.iter().copied();
+    Ok(roots.filter(|&root| !is_listed_above.of(root)).collect())
+}
+
+/// Whether a scene lists a node above another.
+struct ListedAbove<'p> {
+    parents: &'p [Option<u32>],
+    is_listed: Vec<bool>,
+    /// For each node, if it is known, whether it or one above it is listed.
+    known: Vec<Option<bool>>,
+}
+
+impl<'p> ListedAbove<'p> {
+    fn new(parents: &'p [Option<u32>], listed: &[u32]) -> ListedAbove<'p> {
+        let mut is_listed = vec![false; parents.len()];
+        for &node in listed {
+            is_listed[node as usize] = true;
+        }
+        ListedAbove {
+            parents,
+            is_listed,
+            known: vec![None; parents.len()],
+        }
+    }
+
+    fn of(&mut self, node: u32) -> bool {
+        let mut next = self.parents[node as usize];
+        // Each climb stops at a node that an earlier one visited, so all together visit a node at most once.
+        let mut visited = Vec::new();
+        let mut found = false;
+        while let Some(above) = next {
+            let known = self.known[above as usize];
+            found = known.unwrap_or(self.is_listed[above as usize]);
+            if found || known.is_some() {
+                break;
+            }
+            visited.push(above);
+            next = self.parents[above as usize];
+        }
+        for node in visited {
+            self.known[node as usize] = Some(found);
+        }
+        found
+    }
 }
 
 /// Returns the parent of each node.

@@ -4,7 +4,7 @@
 //! keys may change order.
 
 use super::container::{Container, is_binary, joined};
-use super::document::Document;
+use super::document::{Document, repaired};
 use super::plan::Plan;
 use crate::budget::Budget;
 use crate::faults::Faults;
@@ -21,7 +21,8 @@ pub(crate) fn with_methods(
     mut budget: Budget,
 ) -> Result<Option<Vec<u8>>, BrokenRule> {
     let container = Container::split(bytes)?;
-    let document = Document::parse(container.json, &mut budget)?;
+    let plain = repaired(container.json, &mut budget, &mut Warnings::default())?;
+    let document = Document::parse(&plain, &mut budget)?;
     // Only rooms matter here. Invalid portals were accepted or rejected when the file was read.
     let mut faults = Faults::new(&ReadOptions {
         skip_bad_portals: true,

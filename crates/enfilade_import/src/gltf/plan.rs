@@ -1,5 +1,6 @@
 //! Turns nodes and hints into rooms: assigns each node to a room, and decides whether it is an item or an opening.
 
+use super::below::{self, Below};
 use super::document::{Document, Primitive, short};
 use super::hints::{self, Hint, OpeningTarget};
 use super::names::Names;
@@ -12,7 +13,8 @@ use crate::rooms::{self, Frame, MarkedMesh, Shell, Teleport};
 use crate::warning::{WarningKind, Warnings};
 use crate::{AuthoringError, BrokenRule, NonOccluder, Room, SourceNodes};
 use enfilade::{
-    Alpha, GeometryBuilder, ItemIndex, ItemOptions, Material, MeshId, Method, Portal, SectorId, Transform,
+    Alpha, GeometryBuilder, ItemIndex, ItemOptions, Material, Mesh, MeshId, Method, Portal, SectorId,
+    Transform,
 };
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -22,6 +24,8 @@ pub(super) struct Plan<'d> {
     document: &'d Document<'d>,
     placed: Vec<SceneNode>,
     hints: BTreeMap<u32, Hint>,
+    /// Meshes of marked nodes that are below them.
+    below: Below,
     /// Indices of the room nodes, increasing; empty if none is marked or the file is read as flat.
     rooms: Vec<u32>,
     /// For each name that a portal uses as an exit, the positions in `placed` of the first two nodes with that name.
@@ -82,6 +86,7 @@ impl<'d> Plan<'d> {
         let occluders = hints::occluders(document, faults, warnings);
         let mut plan = Plan {
             document,
+            below: Below::new(document, &hints),
             exits: called,
             placed,
             hints,
@@ -117,6 +122,21 @@ impl<'d> Plan<'d> {
     pub(super) fn terrains(&self) -> impl Iterator<Item = u32> {
         let nodes = self.placed.iter().map(|placed| placed.node);
         nodes.filter(|node| self.hints.get(node) == Some(&Hint::Terrain))
+    }
+
+    /// Returns the nodes whose meshes are terrain, for a terrain node.
+    pub(super) fn terrain_meshes<'p>(&'p self, terrain: &'p u32) -> &'p [u32] {
+        self.below.holders(terrain)
+    }
+
+    /// Returns the meshes that belong to a marked node, in words.
+    pub(super) fn found_below(&self, marked: u32) -> String {
+        self.below.found(self.document, &self.hints, marked)
+    }
+
+    /// Returns `true` if items or openings may be named after a node: it has a mesh, or meshes below it.
+    pub(super) fn names_meshes(&self, node: u32) -> bool {
+        self.document.nodes[node as usize].mesh.is_some() || self.below.lends_to(node)
     }
 
     /// Checks that room names are unique; if there are no rooms, removes all openings.
@@ -242,7 +262,7 @@ impl<'d> Plan<'d> {
         let has_mesh = self.document.nodes[placed.node as usize].mesh.is_some();
         has_mesh
             && placed.is_visible
-            && match self.hints.get(&placed.node) {
+            && match self.hints.get(&self.below.marked(placed.node)) {
                 Some(Hint::Opening { way, .. }) => self.flat && *way == OpeningTarget::Mirror,
                 Some(Hint::Hole) => false,
                 _ => true,
@@ -325,21 +345,23 @@ impl<'d> Plan<'d> {
             .map(|posed| (posed, builder.mesh(Arc::clone(&assets.meshes.get(posed).mesh))))
             .collect();
         for placed in held {
-            let id = assets.ids.get(&placed.node).map(String::as_str);
+            let marked = self.below.marked(placed.node);
+            let id = assets.ids.get(&placed.node).or_else(|| assets.ids.get(&marked));
+            let id = id.map(String::as_str);
             if self.movable.contains(&placed.node) {
                 nodes.add_movable(placed.node);
             }
             let node = node(placed);
             let posed = assets.meshes.of(placed.node);
             if let (Some(field), Some(posed)) = (terrain(placed), posed) {
-                let name = names.name(placed.node, node);
-                let name = names.terrain(&name, placed.node);
+                let name = names.name(marked, &self.document.nodes[marked as usize]);
+                let name = names.terrain(&name, marked);
                 let material = assets.meshes.get(posed).mesh.clusters()[0].material;
                 let blocks = builder
                     .terrain(&name, Arc::clone(field), material, placed.world)
                     .map_err(BrokenRule::Geometry)?;
                 nodes.add(blocks.start, placed.node, id);
-                if let Some(why) = self.why_no_occluder(placed, mesh, &assets.materials) {
+                if let Some(why) = self.why_no_occluder(placed, posed.mesh, &assets.materials) {
                     let options = ItemOptions {
                         is_occluder: false,
                         ..ItemOptions::default()
@@ -411,19 +433,37 @@ impl<'d> Plan<'d> {
         names: &Names<'d>,
     ) -> Result<MarkedMesh, AuthoringError> {
         let node = &self.document.nodes[placed.node as usize];
-        let spoken = self.document.node_name(placed.node);
-        let Some(posed) = assets.meshes.of(placed.node) else {
-            return Err(AuthoringError::NoMesh { node: spoken });
-        };
-        let PlacedMesh { mesh, world } = assets.meshes.get(posed);
+        let mut spoken = self.document.node_name(placed.node);
+        let holders = self.below.holders(&placed.node);
+        let faces: Vec<_> = holders
+            .iter()
+            .filter_map(|&holder| self.faces(holder, assets))
+            .collect();
+        if faces.iter().all(|(mesh, _)| mesh.face_count() == 0) {
+            return Err(AuthoringError::NoMesh {
+                node: spoken,
+                found: self.found_below(placed.node),
+            });
+        }
+        let way = self.way(placed, way, &spoken)?;
+        if self.below.lends_to(placed.node) {
+            spoken += &format!(" (with the mesh of {})", below::named(self.document, holders));
+        }
         Ok(MarkedMesh {
             name: names.name(placed.node, node).into_owned(),
-            mesh: Arc::clone(mesh),
-            world: world.unwrap_or(placed.world),
+            faces,
             owner: self.room(placed),
-            way: self.way(placed, way, &spoken)?,
+            way,
             spoken,
         })
+    }
+
+    /// Returns the mesh of a node and its transform.
+    fn faces(&self, node: u32, assets: &Assets) -> Option<(Arc<Mesh>, Transform)> {
+        let PlacedMesh { mesh, world } = assets.meshes.get(assets.meshes.of(node)?);
+        let at = self.placed.binary_search_by_key(&node, |placed| placed.node);
+        let world = world.unwrap_or(self.placed[at.ok()?].world);
+        Some((Arc::clone(mesh), world))
     }
 
     /// Resolves the target of an opening.

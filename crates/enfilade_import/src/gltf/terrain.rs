@@ -2,6 +2,7 @@
 //!
 //! Cost: O(corners · log corners) for each such mesh.
 
+use super::below::named;
 use super::document::Document;
 use super::mesh::MeshPlan;
 use super::plan::Plan;
@@ -17,9 +18,17 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The terrain nodes and their meshes, checked as far as possible without their bytes.
-pub(super) struct TerrainPlan(Vec<(u32, PosedMesh)>);
+pub(super) struct TerrainPlan(Vec<PlannedTerrain>);
 
-/// Height fields, by node index.
+struct PlannedTerrain {
+    /// The marked node.
+    terrain: u32,
+    /// The node that has its mesh: itself, or one below it.
+    holder: u32,
+    mesh: PosedMesh,
+}
+
+/// Height fields, by index of the node that has the mesh.
 pub(super) struct Terrains(BTreeMap<u32, Arc<HeightField>>);
 
 /// Approximate memory of a block without its triangles: an item and a mesh.
@@ -43,8 +52,8 @@ impl TerrainPlan {
         for number in plan.terrains() {
             let node = &document.nodes[number as usize];
             let spoken = || document.node_name(number);
-            let planned = match mesh_of_terrain(document, number, meshes) {
-                Ok(planned) => planned,
+            let (holder, planned) = match mesh_of_terrain(document, number, plan, meshes) {
+                Ok(found) => found,
                 Err(why) => {
                     faults.report(Subject::Terrain, why, warnings);
                     continue;
@@ -61,7 +70,11 @@ impl TerrainPlan {
             budget.take(bytes.into_iter().fold(0, u64::saturating_add), || {
                 format!("{}, which is terrain", spoken())
             })?;
-            terrains.push((number, planned.posed()));
+            terrains.push(PlannedTerrain {
+                terrain: number,
+                holder,
+                mesh: planned.posed(),
+            });
         }
         Ok(TerrainPlan(terrains))
     }
@@ -76,16 +89,16 @@ impl TerrainPlan {
     ) -> Terrains {
         let mut fields: BTreeMap<PosedMesh, Result<Arc<HeightField>, GridError>> = BTreeMap::new();
         let mut terrains = BTreeMap::new();
-        for &(node, mesh) in &self.0 {
+        for planned in &self.0 {
             let field = fields
-                .entry(mesh)
-                .or_insert_with(|| grid::field_of(&meshes.get(mesh).mesh).map(Arc::new));
+                .entry(planned.mesh)
+                .or_insert_with(|| grid::field_of(&meshes.get(planned.mesh).mesh).map(Arc::new));
             match field {
                 Ok(field) => {
-                    terrains.insert(node, Arc::clone(field));
+                    terrains.insert(planned.holder, Arc::clone(field));
                 }
                 Err(why) => {
-                    let (node, why) = (document.node_name(node), why.clone());
+                    let (node, why) = (document.node_name(planned.terrain), why.clone());
                     faults.report(Subject::Terrain, AuthoringError::NoGrid { node, why }, warnings);
                 }
             }
@@ -94,19 +107,34 @@ impl TerrainPlan {
     }
 }
 
-/// Returns the mesh of a terrain node, checked as far as possible without its bytes.
+/// Returns the node that has the mesh of a terrain node, and the mesh, checked as far as possible without its bytes.
 fn mesh_of_terrain<'p>(
     document: &Document,
     number: u32,
+    plan: &Plan,
     (poses, plans): (&Poses, &'p [MeshPlan]),
-) -> Result<&'p MeshPlan, AuthoringError> {
-    let node = &document.nodes[number as usize];
+) -> Result<(u32, &'p MeshPlan), AuthoringError> {
     let spoken = || document.node_name(number);
-    let planned = poses.of(number).and_then(|posed| {
+    let without_mesh = || AuthoringError::TerrainWithoutMesh {
+        node: spoken(),
+        found: plan.found_below(number),
+    };
+    let holder = match plan.terrain_meshes(&number) {
+        [only] => *only,
+        [] => return Err(without_mesh()),
+        several => {
+            return Err(AuthoringError::TerrainOfSeveral {
+                node: spoken(),
+                meshes: named(document, several),
+            });
+        }
+    };
+    let node = &document.nodes[holder as usize];
+    let planned = poses.of(holder).and_then(|posed| {
         let place = plans.binary_search_by_key(&posed, MeshPlan::posed).ok()?;
         Some(&plans[place]).filter(|plan| plan.triangles() > 0)
     });
-    let planned = planned.ok_or_else(|| AuthoringError::TerrainWithoutMesh { node: spoken() })?;
+    let planned = planned.ok_or_else(without_mesh)?;
     let primitives = &document.meshes[planned.posed().mesh as usize].primitives;
     let moves = [
         ("a skeleton", node.skin.is_some()),
@@ -131,7 +159,7 @@ fn mesh_of_terrain<'p>(
             primitives,
         });
     }
-    Ok(planned)
+    Ok((holder, planned))
 }
 
 impl Terrains {

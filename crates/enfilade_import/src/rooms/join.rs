@@ -38,8 +38,8 @@ pub(crate) fn join(
 ) -> Result<(Vec<Room>, Vec<Portal>), BrokenRule> {
     // Many may share a mesh, but each has an outline of its own.
     for marked in &marked {
-        let corners = marked.mesh.positions().len() as u64;
-        budget.take(corners * BYTES_PER_CORNER, || marked.spoken.clone())?;
+        let corners = marked.faces.iter().map(|(mesh, _)| mesh.positions().len() as u64);
+        budget.take(corners.sum::<u64>() * BYTES_PER_CORNER, || marked.spoken.clone())?;
     }
     // Most files are one room without openings, which needs no analysis.
     if shells.len() == 1 && marked.is_empty() {
@@ -89,7 +89,7 @@ struct Analysis {
 fn find(rooms: &[Geometry], spoken: &[&str], marked: &[MarkedMesh]) -> Analysis {
     let outlines: Vec<Result<ConvexPolygon, AuthoringError>> = marked
         .par_iter()
-        .map(|marked| outline(&marked.mesh, &marked.world, &marked.spoken))
+        .map(|marked| outline(&marked.faces, &marked.spoken))
         .collect();
     let lids: Vec<ConvexPolygon> = outlines.iter().flatten().cloned().collect();
     let open_above = open_above(rooms, &lids);

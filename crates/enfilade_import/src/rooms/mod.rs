@@ -32,13 +32,12 @@ pub(crate) struct Shell {
     pub(crate) non_occluders: NonOccluders,
 }
 
-/// A transformed mesh that the author marked as an opening.
+/// Transformed meshes that the author marked as an opening; together they are its polygon.
 pub(crate) struct MarkedMesh {
     pub(crate) name: String,
     /// Name of the opening in messages.
     pub(crate) spoken: String,
-    pub(crate) mesh: Arc<Mesh>,
-    pub(crate) world: Transform,
+    pub(crate) faces: Vec<(Arc<Mesh>, Transform)>,
     /// The room that contains its node.
     pub(crate) owner: Option<usize>,
     pub(crate) way: OpeningTarget,

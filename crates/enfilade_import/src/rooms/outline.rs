@@ -7,6 +7,7 @@ use crate::AuthoringError;
 use enfilade::geom::PolygonError;
 use enfilade::{ConvexPolygon, Mesh, Transform};
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
 /// Maximum distance of a corner from the plane, relative to the size of the outline: a millimetre on a door. Such
 /// corners are projected into the plane.
@@ -18,15 +19,23 @@ const COVERAGE: f64 = 2e-3;
 /// time.
 const MAX_TRIANGLES: u64 = 50_000;
 
-/// Returns the convex outline of a transformed mesh; its front is that of the largest triangle.
-pub(super) fn outline(mesh: &Mesh, world: &Transform, spoken: &str) -> Result<ConvexPolygon, AuthoringError> {
-    if mesh.triangle_count() > MAX_TRIANGLES {
+/// Returns the convex outline of transformed meshes; its front is that of the largest triangle.
+pub(super) fn outline(
+    faces: &[(Arc<Mesh>, Transform)],
+    spoken: &str,
+) -> Result<ConvexPolygon, AuthoringError> {
+    let count = faces.iter().map(|(mesh, _)| mesh.triangle_count()).sum();
+    if count > MAX_TRIANGLES {
         return Err(AuthoringError::TooFine {
             node: spoken.to_owned(),
-            triangles: mesh.triangle_count(),
+            triangles: count,
         });
     }
-    of_triangles(&triangles(mesh, world), spoken)
+    let all: Vec<[DVec3; 3]> = faces
+        .iter()
+        .flat_map(|(mesh, world)| triangles(mesh, world))
+        .collect();
+    of_triangles(&all, spoken)
 }
 
 /// Returns the transformed triangles of a mesh, which has no larger faces.
@@ -47,7 +56,10 @@ fn triangles(mesh: &Mesh, world: &Transform) -> Vec<[DVec3; 3]> {
 fn of_triangles(triangles: &[[DVec3; 3]], spoken: &str) -> Result<ConvexPolygon, AuthoringError> {
     let node = || spoken.to_owned();
     if triangles.is_empty() {
-        return Err(AuthoringError::NoMesh { node: node() });
+        return Err(AuthoringError::NoMesh {
+            node: node(),
+            found: "its mesh has no triangles".to_owned(),
+        });
     }
     let origin = triangles[0][0];
     let twice = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a);

@@ -4,6 +4,7 @@
 
 mod attributes;
 mod geometry;
+mod place;
 mod surfaces;
 
 pub(in crate::gltf) use attributes::*;
@@ -12,6 +13,7 @@ pub(in crate::gltf) use surfaces::*;
 
 use crate::BrokenRule;
 use crate::budget::Budget;
+use crate::warning::{WarningKind, Warnings};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
@@ -327,7 +329,7 @@ impl<'a> Document<'a> {
     /// Parses the JSON and checks that its version is 2.
     pub(in crate::gltf) fn parse(json: &'a [u8], budget: &mut Budget) -> Result<Document<'a>, BrokenRule> {
         budget.take(estimated_bytes(json), || "the JSON".to_owned())?;
-        let document: Document = serde_json::from_slice(json).map_err(json_error)?;
+        let document: Document = serde_json::from_slice(json).map_err(|why| json_error(json, &why))?;
         let Asset { version, min_version } = &document.asset;
         // A later 2.x is read as 2.0, unless `minVersion` requires more.
         for (wanted, is_read) in [
@@ -346,15 +348,20 @@ impl<'a> Document<'a> {
         let Some(extensions) = self.extensions else {
             return Ok(Vec::new());
         };
-        let extensions: DocumentExtensions =
-            serde_json::from_str(extensions.get()).map_err(|why| within("extensions", &why))?;
+        let extensions: DocumentExtensions = serde_json::from_str(extensions.get())
+            .map_err(|why| within("extensions", extensions.get(), &why))?;
         Ok(extensions.lights.map_or_else(Vec::new, |lights| lights.lights))
+    }
+
+    /// Returns the index of the scene that is read, if there are scenes.
+    pub(in crate::gltf) fn scene_number(&self) -> Option<u32> {
+        self.scene.or((!self.scenes.is_empty()).then_some(0))
     }
 
     /// Parses an existing skin.
     pub(in crate::gltf) fn skin(&self, number: u32) -> Result<Skin<'_>, BrokenRule> {
         let raw = self.skins[number as usize];
-        serde_json::from_str(raw.get()).map_err(|why| within(&format!("skins[{number}]"), &why))
+        serde_json::from_str(raw.get()).map_err(|why| within(&format!("skins[{number}]"), raw.get(), &why))
     }
 
     /// Returns the name of a node in messages: `node 7 "Door"`.
@@ -387,7 +394,7 @@ pub(in crate::gltf) fn list<'a, T: Deserialize<'a>>(
     let Some(raw) = raw else {
         return Ok(Vec::new());
     };
-    serde_json::from_str(raw.get()).map_err(|why| within(name, &why))
+    serde_json::from_str(raw.get()).map_err(|why| within(name, raw.get(), &why))
 }
 
 /// Estimates the memory of a parsed document and of data derived from its nodes, in bytes.
@@ -429,14 +436,39 @@ pub(in crate::gltf) fn short(text: &str) -> String {
     short
 }
 
-fn json_error(why: serde_json::Error) -> BrokenRule {
-    let (text, place) = parted(&why);
-    BrokenRule::Json(short(&text) + &place)
+fn json_error(json: &[u8], why: &serde_json::Error) -> BrokenRule {
+    let (text, position) = parted(why);
+    let place = place::of_error(json, why, 2);
+    let place = if place.is_empty() { place } else { place + ": " };
+    BrokenRule::Json(place + &short(&text) + &position)
 }
 
 /// Returns an error about a part of the document, without line and column, which would be relative to that part.
-fn within(part: &str, why: &serde_json::Error) -> BrokenRule {
-    BrokenRule::Json(format!("{part}: {}", short(&parted(why).0)))
+fn within(part: &str, json: &str, why: &serde_json::Error) -> BrokenRule {
+    let place = place::of_error(json.as_bytes(), why, 1);
+    let dot = if place.is_empty() || place.starts_with('[') {
+        ""
+    } else {
+        "."
+    };
+    BrokenRule::Json(format!("{part}{dot}{place}: {}", short(&parted(why).0)))
+}
+
+/// Returns the JSON without properties that are null, which mean the same as if they were not there, with a warning for
+/// each.
+pub(in crate::gltf) fn repaired<'j>(
+    json: &'j [u8],
+    budget: &mut Budget,
+    warnings: &mut Warnings,
+) -> Result<Cow<'j, [u8]>, BrokenRule> {
+    // Most files have none.
+    if !std::str::from_utf8(json).is_ok_and(|text| text.contains("null")) {
+        return Ok(Cow::Borrowed(json));
+    }
+    budget.take(json.len() as u64, || "the JSON without nulls".to_owned())?;
+    Ok(Cow::Owned(place::without_nulls(json, |place| {
+        warnings.name(WarningKind::Repaired, || format!("{} is null", place()));
+    })))
 }
 
 /// Splits a message of `serde_json` into its text and its position.

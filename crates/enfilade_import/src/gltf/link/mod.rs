@@ -18,7 +18,7 @@ pub use shape::Shape;
 use super::buffers::{Buffers, Source};
 use super::compressed::Compressed;
 use super::container::Container;
-use super::document::{BufferView, Document, estimated_bytes};
+use super::document::{BufferView, Document, estimated_bytes, repaired};
 use super::hints::{self, Hint};
 use super::{extensions, nodes};
 use crate::budget::Budget;
@@ -175,7 +175,8 @@ impl Linker {
         })?;
         let bytes = read_regular_file(path, None, &|| "the file".to_owned(), &mut budget)?;
         let container = Container::split(&bytes)?;
-        let document = Document::parse(container.json, &mut budget)?;
+        let plain = repaired(container.json, &mut budget, &mut unread)?;
+        let document = Document::parse(&plain, &mut budget)?;
         extensions::check(&document, &mut unread)?;
         let mut faults = Faults::new(&self.options);
         let hints = hints::read(&document, &mut faults, &mut unread);

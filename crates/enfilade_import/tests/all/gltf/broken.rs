@@ -177,7 +177,7 @@ fn accessors_of_another_type() {
         (
             "a sparse accessor that says nothing",
             &|j| j["accessors"][0]["sparse"] = json!({}),
-            "its JSON cannot be read: missing field `count`",
+            "its JSON cannot be read: accessors[0], in sparse: missing field `count`",
         ),
         (
             "compressed positions without a plain copy",

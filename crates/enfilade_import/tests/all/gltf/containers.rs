@@ -286,7 +286,7 @@ fn json_that_is_none() {
         ("{}".to_owned(), "its JSON cannot be read: missing field `asset`"),
         (
             "{\"asset\": 2}".to_owned(),
-            "its JSON cannot be read: invalid type: integer `2`",
+            "its JSON cannot be read: asset: invalid type: integer `2`",
         ),
         (deep("\"extras\":"), "its JSON cannot be read: "),
         (deep("\"nodes\":"), "its JSON cannot be read: "),
@@ -316,11 +316,7 @@ fn json_that_is_none() {
         .iter()
         .map(|&b| if b == 0x7f { 0xff } else { b })
         .collect::<Vec<u8>>();
-    assert!(
-        refusal(&not_text)
-            .expect("not UTF-8")
-            .contains("its JSON cannot be read: invalid unicode")
-    );
+    assert!(refusal(&not_text).expect("not UTF-8").contains("invalid unicode"));
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn numbers_that_name_no_texture_sampler_or_image_are_refused() {
         (
             "a number below zero",
             &|j| j["textures"][0]["source"] = json!(-1),
-            "its JSON cannot be read: textures: invalid value",
+            "its JSON cannot be read: textures[0], in source: invalid value",
         ),
     ];
     for (what, change, expected) in cases {

@@ -139,7 +139,10 @@ fn a_light_that_is_not_there_is_refused() {
     assert!(said.contains("names light 7, but there are only 0"), "{said}");
     file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": "many" } });
     let said = refusal(&file.glb()).expect("an error");
-    assert!(said.contains("its JSON cannot be read: extensions: "), "{said}");
+    assert!(
+        said.contains("its JSON cannot be read: extensions.KHR_lights_punctual.lights: "),
+        "{said}"
+    );
     // Without a node that has a light, the list of lights is not read.
     file.json["nodes"][1]["extensions"] = json!(null);
     assert_eq!(refusal(&file.glb()), None);

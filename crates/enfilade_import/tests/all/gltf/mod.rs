@@ -1,6 +1,7 @@
 //! Tests the glTF reader: results, warnings and errors. Every file is generated in code.
 
 mod authoring;
+mod below;
 mod broken;
 mod cameras;
 mod compressed;
@@ -21,6 +22,7 @@ mod pinned;
 mod poses;
 mod queries;
 mod real_laws;
+mod repaired;
 mod rooms;
 mod scenes;
 mod shapes;

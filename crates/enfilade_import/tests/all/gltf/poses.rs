@@ -572,7 +572,7 @@ fn skins_and_targets_that_cannot_be_applied_are_refused_with_their_names() {
     file = sound();
     file.json["skins"][0]["joints"] = json!("all");
     refuses(&file, &["skins[0]", "invalid type"]);
-    let mut matrices = |numbers: &[f32], count: usize| {
+    let matrices = |numbers: &[f32], count: usize| {
         let mut file = sound();
         let bytes = numbers.iter().flat_map(|value| value.to_le_bytes()).collect();
         let accessor = file.accessor(5126, "MAT4", count, bytes);

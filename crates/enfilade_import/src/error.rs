@@ -42,6 +42,14 @@ pub enum BrokenRule {
         /// First bytes of the file: "begins with `…`", or "is empty".
         begins: String,
     },
+    /// The file is of a known format that is not read.
+    #[error("is {format}, which is not read; {remedy}")]
+    OtherFormat {
+        /// The format, with an article.
+        format: &'static str,
+        /// The shortest way to a `.glb`.
+        remedy: &'static str,
+    },
     /// An OBJ file violates a rule.
     #[error("{0}")]
     Obj(Box<ObjError>),

@@ -160,6 +160,7 @@ mod levels;
 mod map;
 mod non_occluders;
 mod obj;
+mod other_format;
 mod pin;
 mod quake;
 mod room_items;
@@ -370,6 +371,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
 /// Reads a file that must be glTF.
 fn read_gltf(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     read_file(path, options, |bytes, name, budget| {
+        if let Some(refusal) = other_format::refusal(bytes) {
+            return Err(refusal);
+        }
         gltf::import(bytes, path.parent(), &name.to_string_lossy(), options, budget)
     })
 }
@@ -385,7 +389,12 @@ fn read_file<T>(
         rule,
     };
     let mut budget = Budget::new(options.limit_bytes);
-    let bytes = read_regular_file(path, None, &|| "the file".to_owned(), &mut budget).map_err(failed)?;
+    let bytes = read_regular_file(path, None, &|| "the file".to_owned(), &mut budget);
+    let bytes = bytes.map_err(|rule| match rule {
+        // More memory would not help a file that is not read anyway.
+        BrokenRule::TooLarge { .. } => failed(other_format::refusal_of_file(path).unwrap_or(rule)),
+        rule => failed(rule),
+    })?;
     let name = path.file_stem().unwrap_or(OsStr::new("scene"));
     import(&bytes, name, budget).map_err(failed)
 }
@@ -446,6 +455,9 @@ fn import(
     }
     if quake::begins_like_map(bytes) {
         return quake::import(bytes, folder, name, options, budget);
+    }
+    if let Some(refusal) = other_format::refusal(bytes) {
+        return Err(refusal);
     }
     let may_be_obj = !bytes.is_empty() && (is_called_obj || obj::begins_like_obj(bytes));
     if may_be_obj && let Some(import) = obj::import(bytes, folder, name, options, budget)? {

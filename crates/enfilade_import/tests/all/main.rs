@@ -5,6 +5,7 @@ mod golden;
 mod hides;
 mod mixed;
 mod obj;
+mod others;
 mod quake;
 mod surely_visible;
 mod terrain;

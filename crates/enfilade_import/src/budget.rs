@@ -6,6 +6,7 @@
 //! | reader | charged beside the bytes of the file |
 //! |---|---|
 //! | glTF | by brackets, commas and texts of the JSON; each node, room, mesh, triangle and vertex attribute; corners of openings; compressed views; instances; the paths of other files |
+//! | tiles | their feature table; a transform, the items and lights of each instance, beside what their glTF takes |
 //! | images | texels, and what decodes them at the same time |
 //! | OBJ | tables by the counts of a first pass; each group, material file and its materials; triangles, corners of long polygons |
 //! | Quake maps | planes, nodes and leafs by the length of the map; textures; faces, corners, items and entities; lightmaps; rows of the PVS |
@@ -20,7 +21,7 @@ use crate::BrokenRule;
 pub(crate) const BYTES_PER_MESH: u64 = 1600;
 
 /// Bytes of memory that a reader may still use. Estimates are subtracted before anything is allocated.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Budget {
     limit: u64,
     taken: u64,

@@ -1,7 +1,7 @@
 //! Errors of reading a file.
 
 use crate::spoken::{bytes, unreadable};
-use crate::{AuthoringErrors, BspError, EnfError, ObjError, PrtError, TerrainError};
+use crate::{AuthoringErrors, BspError, EnfError, ObjError, PrtError, TerrainError, TileError};
 use enfilade::{BakedCellsError, GeometryError, MAX_COORDINATE, MeshError};
 use std::io;
 use thiserror::Error;
@@ -56,6 +56,9 @@ pub enum BrokenRule {
     /// A terrain description, or its heights, violates a rule.
     #[error("{0}")]
     Terrain(Box<TerrainError>),
+    /// A tile of 3D Tiles violates a rule.
+    #[error("{0}")]
+    Tile(Box<TileError>),
     /// A baked scene (`.enf`) cannot be read.
     #[error("{0}")]
     Enf(EnfError),

@@ -1,7 +1,7 @@
 //! Reads 3D scenes from files as [`enfilade`] scenes, with their rooms, portals, materials, cameras and lights.
 //!
 //! Formats: glTF 2.0 (`.glb`, or `.gltf` with embedded or separate buffers); OBJ with its MTL files and images;
-//! compiled maps of Quake and Quake 3 (`.bsp`); terrain as a raw heightmap with a JSON description; baked scenes (`.enf`).
+//! tiles of 3D Tiles (`.b3dm`, `.i3dm`); compiled maps of Quake and Quake 3 (`.bsp`); terrain as a raw heightmap with a JSON description; baked scenes (`.enf`).
 //!
 //! ```
 //! use enfilade::{SectorId, Method};
@@ -81,6 +81,18 @@
 //! Polygons of any shape are triangulated. Materials are double-sided. `d` and `Tr` make a material alpha-blended; an
 //! image that is both `map_Kd` and `map_d` makes it alpha-tested. Material colors are read as linear, vertex colors as
 //! sRGB. Nothing outside the file's folder is read.
+//!
+//! # 3D Tiles
+//!
+//! Supported: Batched and Instanced 3D Models of 3D Tiles 1.0 (`.b3dm`, also with one of the two older headers, and `.i3dm`).
+//! A tile is one room, with the y up of its glTF: what the tile's feature table says with z up is turned, so x stays x, z
+//! becomes y, and y becomes −z. `RTC_CENTER` moves the model. Each instance of an `.i3dm` is an item for each item of its model,
+//! `NAME[7]`: `POSITION` or `POSITION_QUANTIZED`, `NORMAL_UP` and `NORMAL_RIGHT` (also `_OCT32P`) or `EAST_NORTH_UP`, `SCALE` and
+//! `SCALE_NON_UNIFORM` are applied. Batch tables, and the transforms of a tileset, are not read.
+//!
+//! Tiles are often at the surface of the Earth, with coordinates from its centre, where 32-bit floats are half a metre apart. A
+//! tile whose `RTC_CENTER` or first instance is more than 16,384 m from the origin is therefore placed relative to it, and
+//! [`WarningKind::FarOrigin`] names it.
 //!
 //! # Quake maps
 //!
@@ -168,6 +180,7 @@ mod rooms;
 mod source_nodes;
 mod spoken;
 mod terrain;
+mod tiles;
 mod warning;
 
 pub use authoring::AuthoringError;
@@ -188,6 +201,7 @@ pub use quake::{
 pub use room_items::{SceneRoomItems, authored_doors};
 pub use source_nodes::SourceNodes;
 pub use terrain::{GridError, GridPlace, TerrainError};
+pub use tiles::TileError;
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
@@ -455,6 +469,9 @@ fn import(
     }
     if quake::begins_like_map(bytes) {
         return quake::import(bytes, folder, name, options, budget);
+    }
+    if tiles::begins_like_tile(bytes) {
+        return tiles::import(bytes, folder, name, options, budget);
     }
     if let Some(refusal) = other_format::refusal(bytes) {
         return Err(refusal);

@@ -32,6 +32,15 @@ impl SourceNodes {
         }
     }
 
+    /// Records that `copy` comes from the node of an item of `others`.
+    pub(crate) fn add_copy(&mut self, copy: ItemIndex, others: &SourceNodes, item: ItemIndex) {
+        let Some(node) = others.node(item) else { return };
+        self.add(copy, node, others.ids.get(&node).map(|id| &**id));
+        if others.movable.contains(&node) {
+            self.movable.insert(node);
+        }
+    }
+
     /// Records that a node can move.
     pub(crate) fn add_movable(&mut self, node: u32) {
         self.movable.insert(node);

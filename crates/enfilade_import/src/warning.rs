@@ -31,6 +31,9 @@ pub enum WarningKind {
     MoreSkippedPortals,
     /// Authoring errors that do not matter because the file is read as [flat](crate::ReadOptions::flat).
     IgnoredMarks,
+    /// The file is so far from the origin that 32-bit floats would move its items, so coordinates are relative to a position
+    /// in it, which is named in the axes of the file.
+    FarOrigin,
     /// Nodes with meshes outside every room, in a file with rooms, that no portal leads to.
     InNoRoom,
     /// Rooms without faces.
@@ -116,6 +119,9 @@ impl WarningKind {
             WarningKind::MoreSkippedPortals => "more portals are skipped and become plain holes",
             WarningKind::IgnoredMarks => {
                 "errors in marked rooms and portals are ignored, since everything is read as one room"
+            }
+            WarningKind::FarOrigin => {
+                "too far from the origin for 32-bit floats: coordinates are relative to this position in the axes of the file"
             }
             WarningKind::InNoRoom => {
                 "nodes outside every room and not reachable through a portal; visible only from inside that space"

@@ -15,7 +15,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 );
 
 /// Reads all bytes of a URI.
-pub(super) fn fetch_all(
+pub(crate) fn fetch_all(
     uri: &str,
     place: &str,
     folder: Option<&Path>,
@@ -58,7 +58,7 @@ pub(super) fn fetch(
 }
 
 /// Returns the file path of a URI, if it is a file in the folder.
-pub(super) fn file(uri: &str, folder: &Path) -> Option<PathBuf> {
+pub(crate) fn file(uri: &str, folder: &Path) -> Option<PathBuf> {
     let is_file = !uri.is_empty() && scheme(uri).is_none();
     is_file
         .then(|| path(uri, &String::new, folder))

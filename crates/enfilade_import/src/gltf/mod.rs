@@ -7,7 +7,7 @@
 //! Cost: O(bytes of the file + triangles + nodes), except for `Mesh::new`, which sorts.
 
 mod accessor;
-mod address;
+pub(crate) mod address;
 mod attributes;
 mod below;
 mod buffers;

@@ -9,3 +9,4 @@ mod others;
 mod quake;
 mod surely_visible;
 mod terrain;
+mod tiles;

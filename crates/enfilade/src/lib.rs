@@ -156,7 +156,7 @@ pub use occluders::{
 };
 pub use query::{
     BodyInSector, BoxVisibility, LightReach, Location, MoveResult, NearItem, NearItems, NearestItem, RayCast,
-    RayEnd, SightLine, Survey, SurveyView, survey, survey_hard, survey_in,
+    RayEnd, SightLine, Survey, SurveyOptions, SurveyView, survey, survey_hard, survey_in, survey_with,
 };
 pub use scene::{
     Edit, EditError, ErrorSubject, Light, LightShape, Portal, PortalEnd, Scene, SceneBuilder, SceneError,

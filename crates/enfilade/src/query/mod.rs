@@ -21,4 +21,4 @@ pub use near::{NearItem, NearItems};
 pub use nearest::NearestItem;
 pub use ray::{RayCast, RayEnd};
 pub use sees::SightLine;
-pub use survey::{Survey, SurveyView, survey, survey_hard, survey_in};
+pub use survey::{Survey, SurveyOptions, SurveyView, survey, survey_hard, survey_in, survey_with};

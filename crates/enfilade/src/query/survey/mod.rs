@@ -14,8 +14,10 @@ mod floating;
 mod floors;
 mod hard;
 mod rooms;
+mod turned;
 
 pub use hard::survey_hard;
+pub use turned::{SurveyOptions, survey_with};
 
 use super::cast::line_of;
 use super::ray::RayEnd;
@@ -77,14 +79,14 @@ pub struct Survey {
 #[doc(alias = "camera placement")]
 #[doc(alias = "viewpoint selection")]
 pub fn survey(scene: &Scene, count: usize) -> Survey {
-    let seed = 0x656E_6669_6C61_6465;
-    Surveyor::new(scene, scene.sectors(), seed).survey(count)
+    survey_with(scene, count, &SurveyOptions::default())
 }
 
 /// Returns positions like [`survey`], but in one sector only and with another seed.
 pub fn survey_in(scene: &Scene, sector: SectorId, count: usize) -> Survey {
-    let seed = u64::from(sector.0);
-    Surveyor::new(scene, std::iter::once(sector), seed).survey(count)
+    let mut options = SurveyOptions::default();
+    options.sector = Some(sector);
+    survey_with(scene, count, &options)
 }
 
 /// Eye height above the floor, in metres; lower under low ceilings.
@@ -132,6 +134,7 @@ struct Surveyor<'a> {
     scene: &'a Scene,
     geometries: Vec<(SectorId, &'a Geometry)>,
     metre: f64,
+    is_metre_given: bool,
     dice: SplitMix,
     budget: RayBudget,
 }
@@ -146,6 +149,7 @@ impl<'a> Surveyor<'a> {
             scene,
             geometries,
             metre: 1.0,
+            is_metre_given: false,
             dice: SplitMix(seed),
             budget: RayBudget::default(),
         }
@@ -158,7 +162,7 @@ impl<'a> Surveyor<'a> {
     /// Also returns the number of clusters tested.
     fn survey_and_met(mut self, count: usize) -> (Survey, u64) {
         let mut floors = self.floors();
-        if let Some(metre) = metre_of(&floors) {
+        if let Some(metre) = metre_of(&floors).filter(|_| !self.is_metre_given) {
             self.metre = metre;
             floors = self.floors();
         }

@@ -49,10 +49,10 @@ pub use cells::{Cells, CellsError, Portal};
 pub use line::{Witness, find_missing};
 pub use pairs::{PairsOptions, VisiblePairs};
 pub use rooms::{
-    AuthoredDoor, AuthoredRooms, Door, DoorId, DoorKind, DoorSuggestion, FoundRooms, Room, RoomChange,
-    RoomFileError, RoomGraph, RoomId, RoomItem, RoomMesh, RoomOptions, RoomPath, RoomTracker, RoomVoxels,
-    RoomsError, RoomsInput, SoundLoss, Up, detect_metres_per_unit, detect_up, find_rooms, find_rooms_among,
-    is_door_name,
+    AuthoredDoor, AuthoredRooms, Door, DoorId, DoorKind, DoorSuggestion, FaceAreas, FoundRooms, Room,
+    RoomChange, RoomFileError, RoomGraph, RoomId, RoomItem, RoomMesh, RoomOptions, RoomPath, RoomTracker,
+    RoomVoxels, RoomsError, RoomsInput, SoundLoss, Up, detect_metres_per_unit, detect_up, find_rooms,
+    find_rooms_among, is_door_name, metres_per_unit_of,
 };
 pub use saved::ResumeError;
 pub use shards::{FlowPart, PartError, Shard};

@@ -78,7 +78,8 @@
 //! # OBJ
 //!
 //! Each `o` or `g` that has faces becomes an item, all in one room: OBJ has no node hierarchy, so it cannot mark rooms.
-//! Polygons of any shape are triangulated. Materials are double-sided. `d` and `Tr` make a material alpha-blended; an
+//! OBJ tells neither its up axis nor its unit, and coordinates stay as they are in the file; [`detect_scene_up`] and
+//! [`detect_scene_unit`] find them from the floors. Polygons of any shape are triangulated. Materials are double-sided. `d` and `Tr` make a material alpha-blended; an
 //! image that is both `map_Kd` and `map_d` makes it alpha-tested. Material colors are read as linear, vertex colors as
 //! sRGB. Nothing outside the file's folder is read.
 //!
@@ -181,6 +182,7 @@ mod source_nodes;
 mod spoken;
 mod terrain;
 mod tiles;
+mod upright;
 mod warning;
 
 pub use authoring::AuthoringError;
@@ -202,10 +204,13 @@ pub use room_items::{SceneRoomItems, authored_doors};
 pub use source_nodes::SourceNodes;
 pub use terrain::{GridError, GridPlace, TerrainError};
 pub use tiles::TileError;
+pub use upright::{detect_scene_unit, detect_scene_up, survey_options};
 pub use warning::{Warning, WarningKind};
 
 use budget::Budget;
-use enfilade::{Camera, Geometry, LargeTerrain, Light, Method, Portal, Scene, SceneBuilder, SceneError};
+use enfilade::{
+    Camera, Geometry, ItemIndex, LargeTerrain, Light, Method, Portal, Scene, SceneBuilder, SceneError,
+};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
@@ -294,6 +299,15 @@ impl Import {
             warnings: Vec::new(),
             files: Vec::new(),
         }
+    }
+
+    /// Returns `true` if the format says which way is up: y, once read. OBJ does not, nor do scenes baked from it; their
+    /// coordinates are those of the file, and [`detect_scene_up`] finds the axis from the floors.
+    pub fn tells_up(&self) -> bool {
+        let has_nodes = |room: &Room| room.nodes.node(ItemIndex(0)).is_some();
+        let is_terrain = |room: &Room| room.large.is_some() || !room.geometry.terrains().is_empty();
+        let mut rooms = self.rooms.iter();
+        self.map.is_some() || rooms.any(|room| has_nodes(room) || is_terrain(room))
     }
 
     /// Builds a scene from the rooms and their portals. Rooms without a chosen method use `method`. The data structures

@@ -96,6 +96,7 @@ fn no_file_takes_more_than_twice_the_limit() {
     for Bomb(name, bytes) in gltf()
         .into_iter()
         .chain(obj())
+        .chain(tiles())
         .chain(quake())
         .chain(terrain())
         .chain(baked())
@@ -229,6 +230,47 @@ fn glb(mut json: Vec<u8>, mut binary: Vec<u8>) -> Vec<u8> {
         binary,
     ]
     .concat()
+}
+
+fn tiles() -> Vec<Bomb> {
+    let leaf = || {
+        let json = r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+            "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}],
+            "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36}]}"#;
+        let corners = [0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        glb(
+            json.into(),
+            corners.iter().flat_map(|part| part.to_le_bytes()).collect(),
+        )
+    };
+    let tile = |features: String, numbers: Vec<u8>| {
+        let model = leaf();
+        let length = 32 + features.len() + numbers.len() + model.len();
+        let fields = [1, length, features.len(), numbers.len(), 0, 0, 1];
+        let mut bytes = b"i3dm".to_vec();
+        bytes.extend(fields.iter().flat_map(|&field| (field as u32).to_le_bytes()));
+        bytes.extend(features.bytes().chain(numbers).chain(model));
+        bytes
+    };
+    let count = 300_000;
+    let packed = format!(
+        "{{\"INSTANCES_LENGTH\":{count},\"POSITION_QUANTIZED\":{{\"byteOffset\":0}},\
+        \"QUANTIZED_VOLUME_OFFSET\":[0,0,0],\"QUANTIZED_VOLUME_SCALE\":[1,1,1]}}"
+    );
+    let listed = format!(
+        "{{\"INSTANCES_LENGTH\":{count},\"POSITION\":[{}]}}",
+        list(3 * count, |_| "0".to_owned())
+    );
+    let other = format!(
+        "{{\"INSTANCES_LENGTH\":0,\"POSITION\":[{}]}}",
+        list(3_000_000, |_| "0".to_owned())
+    );
+    vec![
+        Bomb("packed.i3dm", tile(packed, vec![0; 6 * count])),
+        Bomb("listed.i3dm", tile(listed, Vec::new())),
+        Bomb("other.i3dm", tile(other, Vec::new())),
+    ]
 }
 
 fn obj() -> Vec<Bomb> {

@@ -31,7 +31,7 @@ pub use graph::{
 };
 pub use input::{RoomItem, RoomMesh, RoomsInput, Up, is_door_name};
 pub use suggest::DoorSuggestion;
-pub use units::{detect_metres_per_unit, detect_up};
+pub use units::{FaceAreas, detect_metres_per_unit, detect_up, metres_per_unit_of};
 pub use voxels::RoomVoxels;
 
 use grid::{Grid, VoxelSet};

@@ -44,8 +44,8 @@ pub(super) enum Numbers {
     },
 }
 
-/// Memory per byte of JSON: a number of a list takes two bytes, and up to 48 while it is read.
-const TIMES_ITS_LENGTH: u64 = 24;
+/// Memory per byte of JSON: a number of a list takes two bytes, and up to 104 while the list grows.
+const TIMES_ITS_LENGTH: u64 = 32;
 
 /// Type of the numbers in the binary part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,3 +10,4 @@ mod quake;
 mod surely_visible;
 mod terrain;
 mod tiles;
+mod upright;

@@ -196,9 +196,9 @@ pub use non_occluders::{NonOccluder, NonOccluders};
 pub use obj::ObjError;
 pub use pin::{PinError, with_methods};
 pub use quake::{
-    AmbientLeafs, AmbientSounds, BspError, ClustersFrom, MapSummary, PlacedPortals, PortalFile, PrtError,
-    PrtKind, RebuiltPortals, place_portals, read_portals, rebuild_portals, rebuild_portals_bytes,
-    visibility_bytes, with_ambient_sounds, with_visibility,
+    AmbientLeafs, AmbientSounds, BspError, ClustersFrom, Leak, MapSummary, PlacedPortals, PortalFile,
+    PrtError, PrtKind, RebuiltPortals, find_leak, place_portals, read_portals, rebuild_portals,
+    rebuild_portals_bytes, visibility_bytes, with_ambient_sounds, with_visibility,
 };
 pub use room_items::{SceneRoomItems, authored_doors};
 pub use source_nodes::SourceNodes;

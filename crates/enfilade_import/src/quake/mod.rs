@@ -11,7 +11,7 @@ mod scene;
 pub use ambient::{AmbientLeafs, AmbientSounds, with_ambient_sounds};
 pub use bsp::{BspError, PlacedPortals, place_portals, visibility_bytes, with_visibility};
 pub use error::PrtError;
-pub use portals::{ClustersFrom, RebuiltPortals, rebuild_portals, rebuild_portals_bytes};
+pub use portals::{ClustersFrom, Leak, RebuiltPortals, find_leak, rebuild_portals, rebuild_portals_bytes};
 pub use prt::{PortalFile, PrtKind};
 pub use scene::MapSummary;
 pub(crate) use scene::{begins_like_map, import};

@@ -15,9 +15,12 @@
 //! an error.
 
 mod clusters;
+mod leak;
 mod outline;
 mod polygon;
 mod region;
+
+pub use leak::{Leak, find_leak};
 
 use super::bsp::{Child, Map, Tree, int};
 use super::{BspError, PortalFile, PrtKind};

@@ -46,6 +46,15 @@ impl Side {
         }
     }
 
+    /// Returns the front side of the plane through a point, with a normal of unit length.
+    pub(super) fn across(normal: DVec3, point: DVec3) -> Side {
+        Side {
+            normal,
+            offset: normal.dot(point),
+            axis: None,
+        }
+    }
+
     /// Returns the opposite side.
     pub(super) fn behind(&self) -> Side {
         Side {

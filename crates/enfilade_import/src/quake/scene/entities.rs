@@ -8,17 +8,17 @@ use crate::quake::BspError;
 
 /// An entity of a map: the world, a light, a door, a player start.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Entity<'t> {
+pub(in crate::quake) struct Entity<'t> {
     /// Index in the map's list; 0 is the world.
-    pub(super) number: usize,
+    pub(in crate::quake) number: usize,
     pairs: Vec<(&'t str, &'t str)>,
 }
 
 /// Maximum memory per byte of entity text: one pair per four quotes.
-pub(super) const TIMES_ITS_LENGTH: u64 = 24;
+pub(in crate::quake) const TIMES_ITS_LENGTH: u64 = 24;
 
 /// Parses the entity text of a map.
-pub(super) fn parse(text: &str) -> Result<Vec<Entity<'_>>, BspError> {
+pub(in crate::quake) fn parse(text: &str) -> Result<Vec<Entity<'_>>, BspError> {
     let mut words = Words { rest: text, line: 1 };
     let mut entities = Vec::new();
     while let Some(word) = words.next()? {
@@ -47,28 +47,28 @@ pub(super) fn parse(text: &str) -> Result<Vec<Entity<'_>>, BspError> {
 
 impl<'t> Entity<'t> {
     /// Returns the value of a key; empty if there is none.
-    pub(super) fn get(&self, key: &str) -> &'t str {
+    pub(in crate::quake) fn get(&self, key: &str) -> &'t str {
         let named = self.pairs.iter().rev().find(|pair| pair.0 == key);
         named.map_or("", |pair| pair.1)
     }
 
     /// Returns the class name, such as `func_door`.
-    pub(super) fn class(&self) -> &'t str {
+    pub(in crate::quake) fn class(&self) -> &'t str {
         self.get("classname")
     }
 
     /// Returns the value of a key, if it is a finite number.
-    pub(super) fn number(&self, key: &str) -> Option<f32> {
+    pub(in crate::quake) fn number(&self, key: &str) -> Option<f32> {
         finite(self.get(key))
     }
 
     /// Returns the first finite number of several keys.
-    pub(super) fn number_of_any(&self, keys: &[&str]) -> Option<f32> {
+    pub(in crate::quake) fn number_of_any(&self, keys: &[&str]) -> Option<f32> {
         keys.iter().find_map(|key| self.number(key))
     }
 
     /// Returns the value of a key, if it is three finite numbers.
-    pub(super) fn three(&self, key: &str) -> Option<[f32; 3]> {
+    pub(in crate::quake) fn three(&self, key: &str) -> Option<[f32; 3]> {
         let mut words = self.get(key).split_whitespace().map(finite);
         let mut next = || words.next().flatten();
         let three = [next()?, next()?, next()?];
@@ -76,7 +76,7 @@ impl<'t> Entity<'t> {
     }
 
     /// Returns the unique name: class, target name, and index.
-    pub(super) fn name(&self) -> String {
+    pub(in crate::quake) fn name(&self) -> String {
         let called = ["targetname", "target"].map(|key| self.get(key));
         let called = called.into_iter().find(|name| !name.is_empty());
         let class = match self.class() {

@@ -9,7 +9,7 @@
 
 mod axes;
 mod cells;
-mod entities;
+pub(super) mod entities;
 mod faces;
 mod faces3;
 mod items;

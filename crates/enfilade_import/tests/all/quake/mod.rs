@@ -4,6 +4,7 @@ mod ambient;
 mod broken;
 mod carved;
 mod formats;
+mod leaks;
 mod light;
 pub(crate) mod little;
 mod located;

@@ -148,6 +148,9 @@ fn turned_geometry(geometry: &Geometry, turn: Transform) -> Option<Geometry> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Material;
+    use crate::ids::MaterialId;
+    use crate::mesh::Mesh;
 
     #[test]
     fn axes_turn_to_axes_and_any_vector_to_y() {
@@ -171,5 +174,59 @@ mod tests {
                 "{up:?}"
             );
         }
+    }
+
+    /// Boxes that are a floor, two walls and a table, with y up.
+    fn room() -> Scene {
+        let mut builder = GeometryBuilder::new([Material::opaque([0.5; 3])]);
+        for (low, high) in [
+            ([-6.0, -0.2, -5.0], [6.0, 0.0, 5.0]),
+            ([-6.0, 0.0, -5.2], [6.0, 3.0, -5.0]),
+            ([-6.2, 0.0, -5.0], [-6.0, 3.0, 5.0]),
+            ([1.0, 0.0, 1.0], [2.0, 0.8, 2.0]),
+        ] {
+            let mesh = Mesh::cuboid(low, high, MaterialId(0)).expect("a box");
+            let mesh = builder.mesh(mesh);
+            builder.item("box", mesh, Transform::IDENTITY);
+        }
+        Scene::single(builder.build().expect("boxes"), Method::ZBuffer).expect("a room")
+    }
+
+    #[test]
+    fn a_room_with_another_up_axis_has_the_same_places() {
+        let upright = room();
+        let expected = super::super::survey(&upright, 6).views;
+        assert_eq!(expected.len(), 6);
+        for up in [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]] {
+            let scene_from_upright = Transform(DAffine3::from_mat3(rotation_to_y(up.into()).transpose()));
+            let lying = turned(&upright, scene_from_upright).expect("a room");
+            let mut options = SurveyOptions::default();
+            options.up = up.map(|part| part as f32);
+            let found = survey_with(&lying, 6, &options).views;
+            let places = expected.iter().map(|view| scene_from_upright.point(view.eye));
+            assert!(found.iter().map(|view| view.eye).eq(places), "{up:?}");
+        }
+    }
+
+    #[test]
+    fn eyes_are_as_high_as_the_given_metre_makes_them() {
+        let mut options = SurveyOptions::default();
+        options.metre = Some(0.5);
+        let found = survey_with(&room(), 6, &options);
+        assert_eq!(found.metre, 0.5);
+        assert!(
+            found.views.iter().any(|view| (view.eye[1] - 0.8).abs() < 0.01),
+            "{found:?}"
+        );
+        for metre in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            options.metre = Some(metre);
+            assert_eq!(
+                survey_with(&room(), 6, &options).views,
+                super::super::survey(&room(), 6).views
+            );
+        }
+        options = SurveyOptions::default();
+        options.up = [0.0; 3];
+        assert_eq!(survey_with(&room(), 6, &options).views.len(), 6);
     }
 }

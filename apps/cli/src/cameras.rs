@@ -7,10 +7,11 @@ use crate::progress::Progress;
 use crate::read::read_file;
 use crate::report::single;
 use crate::text::{plural, short};
+use crate::upright::{Source, Upright, up_for_people};
 use crate::values::among;
 use anyhow::{Context, Result, anyhow, bail};
-use enfilade::{Camera, Ray, Scene, Survey, SurveyView, View, ViewError, Viewer, survey_hard};
-use glam::DVec3;
+use enfilade::{Camera, Ray, Scene, Survey, SurveyView, View, ViewError, Viewer, survey_hard, survey_with};
+use glam::{DQuat, DVec3};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -18,14 +19,14 @@ use std::path::Path;
 /// Returns the selected views, all valid. Empty only if the survey finds no open space.
 pub(crate) fn views(args: &CameraArgs, opened: &OpenedScene) -> Result<Vec<View>> {
     let views = if let (Some(eye), Some(toward)) = (args.eye, args.toward) {
-        let view = projected(&camera(args, eye, toward), args);
+        let view = projected(&camera(args, opened, eye, toward), args);
         vec![view.context("--eye and --toward")?]
     } else if let Some(path) = &args.path {
-        read_path(path, args)?
+        read_path(path, args, opened)?
     } else if let Some(count) = args.survey {
-        return surveyed(args, &opened.scene, count as usize);
+        return surveyed(args, opened, count as usize);
     } else if let Some(count) = args.survey_hard {
-        return hard(args, &opened.scene, count as usize);
+        return hard(args, opened, count as usize);
     } else if let Some(name) = &args.camera {
         vec![named(name, args, opened)?]
     } else if let Some(camera) = opened.cameras.first() {
@@ -47,7 +48,7 @@ fn warn_of_solids(opened: &OpenedScene, views: &[View]) {
     if inside_solids.is_empty() {
         return;
     }
-    if survey(&opened.scene, 0).seems_inverted {
+    if survey(opened, 0).seems_inverted {
         out::warn(format_args!(
             "{}: the winding seems inverted: floors show their back faces, which single-sided materials cull",
             opened.file
@@ -62,15 +63,19 @@ fn warn_of_solids(opened: &OpenedScene, views: &[View]) {
     }
 }
 
-/// Returns a camera with `--fov` and `--up` of the command line.
-fn camera(args: &CameraArgs, eye: [f32; 3], toward: [f32; 3]) -> Camera {
-    with_options(args, Camera::new(eye, toward))
+/// Returns a camera with the up vector of the scene, and `--fov` of the command line.
+fn camera(args: &CameraArgs, opened: &OpenedScene, eye: [f32; 3], toward: [f32; 3]) -> Camera {
+    let camera = Camera {
+        up: opened.upright.up_f64().into(),
+        ..Camera::new(eye, toward)
+    };
+    with_options(args, camera)
 }
 
 /// Returns the same camera with `--fov` and `--up` of the command line.
 fn with_options(args: &CameraArgs, camera: Camera) -> Camera {
     Camera {
-        up: args.up.map_or(camera.up, |up| up.map(f64::from)),
+        up: args.upright.up.map_or(camera.up, |up| up.map(f64::from)),
         fov_y: args.fov.map_or(camera.fov_y, f32::to_radians),
         ..camera
     }
@@ -110,8 +115,8 @@ fn named(name: &str, args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
     view_of(camera, args, opened)
 }
 
-fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
-    let found = survey(scene, count);
+fn surveyed(args: &CameraArgs, opened: &OpenedScene, count: usize) -> Result<Vec<View>> {
+    let found = survey(opened, count);
     match found.views.len() {
         0 => out::warn("the survey found no open space for a camera; use --eye and --toward"),
         fewer if fewer < count => out::warn(format_args!(
@@ -120,16 +125,23 @@ fn surveyed(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>>
         _ => {}
     }
     if !found.views.is_empty() {
-        out::note(describe(&found));
+        out::note(describe(&found, &opened.upright));
     }
-    views_at(args, &found.views)
+    views_at(args, opened, &found.views)
 }
 
 /// Describes the views of a survey, and the scale it assumed.
-fn describe(found: &Survey) -> String {
+fn describe(found: &Survey, upright: &Upright) -> String {
     let views = plural(found.views.len(), "view");
+    let up = match upright.up_from {
+        Source::Floors if upright.up != Upright::default().up => {
+            let axis = up_for_people(upright.up);
+            format!("; {axis} is up, by the floors (--up sets it)")
+        }
+        _ => String::new(),
+    };
     if found.rooms == 0 {
-        return format!("survey: {views} in open space; no rooms found");
+        return format!("survey: {views} in open space; no rooms found{up}");
     }
     let metre = if found.metre == 1.0 {
         String::new()
@@ -151,11 +163,11 @@ fn describe(found: &Survey) -> String {
         ""
     };
     let rooms = plural(found.rooms, "room");
-    format!("survey: {views} 1.6 m above the floors of {rooms} and streets{roofs}{metre}{inverted}")
+    format!("survey: {views} 1.6 m above the floors of {rooms} and streets{roofs}{metre}{inverted}{up}")
 }
 
-fn hard(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
-    let found = survey_hard(scene, count);
+fn hard(args: &CameraArgs, opened: &OpenedScene, count: usize) -> Result<Vec<View>> {
+    let found = survey_hard(&opened.scene, count);
     match found.len() {
         0 => out::warn("the survey found no faces or openings; use --eye and --toward"),
         fewer if fewer < count => out::warn(format_args!(
@@ -163,18 +175,18 @@ fn hard(args: &CameraArgs, scene: &Scene, count: usize) -> Result<Vec<View>> {
         )),
         _ => {}
     }
-    views_at(args, &found)
+    views_at(args, opened, &found)
 }
 
-fn views_at(args: &CameraArgs, found: &[SurveyView]) -> Result<Vec<View>> {
+fn views_at(args: &CameraArgs, opened: &OpenedScene, found: &[SurveyView]) -> Result<Vec<View>> {
     let views = found
         .iter()
-        .map(|survey_view| projected(&at(args, survey_view), args));
+        .map(|survey_view| projected(&at(args, opened, survey_view), args));
     Ok(views.collect::<Result<_, _>>()?)
 }
 
-fn at(args: &CameraArgs, survey_view: &SurveyView) -> Camera {
-    camera(args, survey_view.eye, survey_view.toward)
+fn at(args: &CameraArgs, opened: &OpenedScene, survey_view: &SurveyView) -> Camera {
+    camera(args, opened, survey_view.eye, survey_view.toward)
 }
 
 /// Returns the default view of a scene without cameras: outdoors the whole scene from outside, else the survey view
@@ -183,22 +195,22 @@ fn first_picture(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
     const CANDIDATES: usize = 24;
     const OTHERS: &str = "others: --survey 8, or --eye and --toward";
     let (scene, file) = (&opened.scene, &opened.file);
-    let found = survey(scene, CANDIDATES);
+    let found = survey(opened, CANDIDATES);
     if found.views.is_empty() {
         out::warn(
             "the survey found no open space, so the camera is outside the scene; use --eye and --toward",
         );
-        return from_outside(args, scene);
+        return from_outside(args, opened);
     }
     let under_sky = found
         .views
         .iter()
-        .filter(|survey_view| is_under_sky(scene, survey_view));
+        .filter(|survey_view| is_under_sky(opened, survey_view));
     if 4 * under_sky.count() >= 3 * found.views.len() {
         out::note(format_args!(
             "{file}: it has no camera and is mostly outdoors; showing all of it from outside ({OTHERS})"
         ));
-        return from_outside(args, scene);
+        return from_outside(args, opened);
     }
     out::note(format_args!(
         "{file}: it has no camera; showing the survey view that shows most ({OTHERS})"
@@ -206,7 +218,7 @@ fn first_picture(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
     let mut viewer = Viewer::new();
     let (mut best, mut best_shown) = (&found.views[0], -1.0);
     for survey_view in &found.views {
-        let view = at(args, survey_view).view([160, 90])?;
+        let view = at(args, opened, survey_view).view([160, 90])?;
         // Weighted by the square root of their size: neither one large wall nor a hundred specks should win.
         let items = viewer.look(scene, &view).items().iter();
         let shown: f64 = items.map(|item| f64::from(item.size_px).sqrt()).sum();
@@ -214,37 +226,39 @@ fn first_picture(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
             (best, best_shown) = (survey_view, shown);
         }
     }
-    Ok(projected(&at(args, best), args)?)
+    Ok(projected(&at(args, opened, best), args)?)
 }
 
 /// Whether a ray straight up from a view hits nothing.
-fn is_under_sky(scene: &Scene, survey_view: &SurveyView) -> bool {
+fn is_under_sky(opened: &OpenedScene, survey_view: &SurveyView) -> bool {
     let up = Ray {
         origin: survey_view.eye,
-        direction: [0.0, 1.0, 0.0],
+        direction: opened.upright.up,
     };
-    scene.sector(survey_view.sector).cast(&up).is_none()
+    opened.scene.sector(survey_view.sector).cast(&up).is_none()
 }
 
-fn survey(scene: &Scene, count: usize) -> Survey {
+fn survey(opened: &OpenedScene, count: usize) -> Survey {
     let _progress = Progress::spinner("surveying");
-    enfilade::survey(scene, count)
+    survey_with(&opened.scene, count, &opened.upright.survey_options())
 }
 
 /// Returns a view of the whole scene, from the front and above.
-fn from_outside(args: &CameraArgs, scene: &Scene) -> Result<View> {
+fn from_outside(args: &CameraArgs, opened: &OpenedScene) -> Result<View> {
+    let scene = &opened.scene;
     let boxes = scene
         .sectors()
         .map(|id| scene.bounds(id))
         .filter(|bounds| !bounds.is_empty());
-    let lens = camera(args, [0.0; 3], [0.0, 0.0, -1.0]);
+    let lens = camera(args, opened, [0.0; 3], [0.0, 0.0, -1.0]);
     let nowhere = || Ok(projected(&lens, args)?);
     let Some(bounds) = boxes.reduce(|a, b| a.union(&b)) else {
         return nowhere();
     };
     let center = DVec3::from(bounds.center().map(f64::from));
-    let away = DVec3::new(0.35, 0.7, 0.8).normalize();
-    let right = DVec3::Y.cross(away).normalize();
+    let up = opened.upright.up_f64();
+    let away = DQuat::from_rotation_arc(DVec3::Y, up.normalize()) * DVec3::new(0.35, 0.7, 0.8).normalize();
+    let right = up.cross(away).normalize();
     let [width, height] = args.size.map(f64::from);
     let tan_y = (0.5 * f64::from(lens.fov_y)).tan();
     let tan_x = tan_y * width / height;
@@ -286,7 +300,12 @@ fn from_outside(args: &CameraArgs, scene: &Scene) -> Result<View> {
     };
     let center = center + middle(right) + middle(upward);
     let eye = center + away * distance;
-    let camera = camera(args, eye.as_vec3().to_array(), center.as_vec3().to_array());
+    let camera = camera(
+        args,
+        opened,
+        eye.as_vec3().to_array(),
+        center.as_vec3().to_array(),
+    );
     let view = projected(&camera, args);
     // With huge coordinates the step away may be lost in rounding.
     view.or_else(|_| nowhere())
@@ -309,7 +328,7 @@ const MAX_PATH_BYTES: u64 = 64 << 20;
 /// Maximum length of a line. Unknown keys are parsed into values that take much more memory than their text.
 const MAX_LINE_BYTES: usize = 1 << 16;
 
-fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
+fn read_path(path: &Path, args: &CameraArgs, opened: &OpenedScene) -> Result<Vec<View>> {
     let name = path.display();
     let bytes = read_file(path, MAX_PATH_BYTES, "split it into several paths")?;
     let mut views = Vec::new();
@@ -326,7 +345,7 @@ fn read_path(path: &Path, args: &CameraArgs) -> Result<Vec<View>> {
         }
         let line: PathLine =
             serde_json::from_str(text).map_err(|error| anyhow!("{}: {error}; {wants}", location()))?;
-        let camera = camera(args, line.eye, line.toward);
+        let camera = camera(args, opened, line.eye, line.toward);
         let camera = Camera {
             up: line.up.map_or(camera.up, |up| up.map(f64::from)),
             fov_y: line.fov.map_or(camera.fov_y, f32::to_radians),

@@ -62,7 +62,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
     let sink = Sink::new(&args.json, &mut files)?;
     configure(&args.methods.how)?;
     let choice = args.methods.choice();
-    let opened = open(
+    let mut opened = open(
         &args.scene.scene,
         if args.show == Show::Image {
             Purpose::Pictures
@@ -74,6 +74,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
         &args.methods.how.limits,
         &mut files,
     )?;
+    opened.upright.set(&args.cameras.upright);
     let views = cameras::views(&args.cameras, &opened)?;
     let (mut prepared, mut skipped) = prepare(
         &opened,

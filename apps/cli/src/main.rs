@@ -33,6 +33,7 @@ mod run_files;
 mod save;
 mod shards;
 mod text;
+mod upright;
 mod values;
 mod view;
 mod vis;

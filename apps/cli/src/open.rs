@@ -4,6 +4,7 @@ use crate::args::{HowArgs, LimitArgs, PortalArgs};
 use crate::out;
 use crate::progress::Progress;
 use crate::run_files::RunFiles;
+use crate::upright::Upright;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use enfilade::{Camera, Method, Scene, SceneError, Unsuited};
@@ -34,6 +35,8 @@ pub(crate) struct OpenedScene {
     pub(crate) non_occluders: Vec<NonOccluders>,
     /// Summary of a compiled map; `None` for other files.
     pub(crate) map: Option<MapSummary>,
+    /// Which way is up, and how long a unit is.
+    pub(crate) upright: Upright,
     /// What a baked scene consists of; `None` for other files.
     pub(crate) sections: Option<BakedSections>,
     /// Warnings of the reader, one line each; already printed.
@@ -103,6 +106,7 @@ fn open_built_in(file: &str, name: &str) -> Result<OpenedScene> {
         nodes: Vec::new(),
         non_occluders: Vec::new(),
         map: None,
+        upright: Upright::default(),
         sections: None,
         warnings: Vec::new(),
         files: Vec::new(),
@@ -171,6 +175,11 @@ fn open_file(
     Ok(OpenedScene {
         file: file.to_owned(),
         format: format(path),
+        upright: if import.tells_up() {
+            Upright::default()
+        } else {
+            Upright::of_floors(&scene)
+        },
         scene,
         cameras: import.cameras,
         orthographic_heights: import.orthographic_heights,
@@ -274,6 +283,8 @@ fn format(path: &Path) -> &'static str {
             "heightmap with a description"
         }
         [b'{', ..] => "glTF 2.0",
+        [b'b', b'3', b'd', b'm', ..] => "b3dm, a tile of 3D Tiles",
+        [b'i', b'3', b'd', b'm', ..] => "i3dm, a tile of 3D Tiles",
         _ => "OBJ",
     }
 }

@@ -151,7 +151,7 @@ fn chosen(
     let scene = &opened.scene;
     let size = view.map_or([1280, 720], |view| view.size());
     let options = choose::auto_options(aim, !how.conservative, how.limits.memory());
-    let choices = choose::choose(scene, size, &options);
+    let choices = choose::choose(opened, size, &options);
     let mut with_choices = scene.clone();
     let start = Instant::now();
     choose::apply(&mut with_choices, &choices)?;

@@ -3,6 +3,7 @@
 use enfilade::{ChoiceGoal, Method, View};
 pub(crate) use enfilade_bake::Shard;
 use enfilade_draw::Show;
+use glam::DVec3;
 
 /// The methods selected by `--method`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -203,6 +204,38 @@ pub(crate) fn metres(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected a number of metres above 0, such as 0.1".to_owned())
 }
 
+/// Parses an up vector, `z`, `-y` or `X,Y,Z`; returns it with length 1.
+pub(crate) fn up(text: &str) -> Result<[f32; 3], String> {
+    let wants = || "expected x, y, z, -x, -y, -z or three numbers, such as 0,0,1".to_owned();
+    let vector = match text.trim_start_matches('+') {
+        "x" => [1.0, 0.0, 0.0],
+        "y" => [0.0, 1.0, 0.0],
+        "z" => [0.0, 0.0, 1.0],
+        "-x" => [-1.0, 0.0, 0.0],
+        "-y" => [0.0, -1.0, 0.0],
+        "-z" => [0.0, 0.0, -1.0],
+        _ => point(text).map_err(|_| wants())?,
+    };
+    let unit = DVec3::from(vector.map(f64::from)).try_normalize();
+    unit.map(|unit| unit.as_vec3().to_array())
+        .ok_or_else(|| "an up vector needs a length above 0, such as 0,0,1".to_owned())
+}
+
+/// Parses a unit of length: its name, or metres, above 0 and at most 10⁶.
+pub(crate) fn unit(text: &str) -> Result<f64, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "m" => Ok(1.0),
+        "cm" => Ok(0.01),
+        "mm" => Ok(0.001),
+        "km" => Ok(1000.0),
+        "in" => Ok(0.0254),
+        "ft" => Ok(0.3048),
+        _ => metres(text).map_err(|_| {
+            "expected a number of metres above 0, such as 0.1, or m, cm, mm, ft or in".to_owned()
+        }),
+    }
+}
+
 /// Parses bytes, plain or with a unit: `2GB`, `500MB`, `1.5 GiB`.
 pub(crate) fn bytes(text: &str) -> Result<u64, String> {
     let wants = || "expected a number of bytes, such as 2GB, 500MB, 1.5GiB or 1000000".to_owned();
@@ -299,6 +332,21 @@ mod tests {
             ["all", "z-buffer"].map(method),
             [Ok(Choice::All), Ok(Choice::One(Method::ZBuffer))]
         );
+        assert_eq!(
+            ["z", "-y", "+x", "0,0,2", "-0,-3,0"].map(up),
+            [
+                [0.0, 0.0, 1.0],
+                [0.0, -1.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0],
+                [0.0, -1.0, 0.0]
+            ]
+            .map(Ok)
+        );
+        assert_eq!(
+            ["m", "mm", "cm", "FT", "in", "0.5"].map(unit),
+            [1.0, 0.001, 0.01, 0.3048, 0.0254, 0.5].map(Ok)
+        );
         assert_eq!(check("1"), Ok(1));
         assert_eq!(shard("3/4").map(|shard| shard.to_string()).as_deref(), Ok("3/4"));
         let best = enfilade::simd_level();
@@ -316,6 +364,13 @@ mod tests {
         }
         for text in ["0x0", "100000x100000", "12x99999999999999999"] {
             says(size(text).map(drop), "from 1 to 16384");
+        }
+        for text in ["w", "1,2", "", "nan,0,1"] {
+            says(up(text).map(drop), "-z or three numbers");
+        }
+        says(up("0,0,0").map(drop), "above 0");
+        for text in ["miles", "0", "-1", "inf", ""] {
+            says(unit(text).map(drop), "a number of metres");
         }
         says(size("-1x5").map(drop), "such as 1280x720");
         says(size("12").map(drop), "such as 1280x720");

@@ -25,7 +25,7 @@ Examples:
   enfilade bench @two-rooms --survey 2 --size 64x36
   enfilade bench scene.glb --method masked --path views.jsonl --size 160x90 --json bench.json")]
 pub(crate) struct BenchArgs {
-    /// A .glb, .gltf, .obj, .bsp or .enf file, a .json that describes a heightmap, or @NAME for a built-in scene [default: @enfilade]
+    /// A .glb, .gltf, .obj, .b3dm, .i3dm, .bsp or .enf file, a .json that describes a heightmap, or @NAME for a built-in scene [default: @enfilade]
     #[arg(value_name = "SCENE")]
     pub(crate) scene: Option<OsString>,
     #[command(flatten)]

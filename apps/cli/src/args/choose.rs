@@ -1,6 +1,6 @@
 //! The command line of `choose`.
 
-use super::{BadPortalArgs, JsonArg, LimitArgs, SceneArg};
+use super::{BadPortalArgs, JsonArg, LimitArgs, SceneArg, UprightArgs};
 use crate::values;
 use enfilade::ChoiceGoal;
 use std::path::PathBuf;
@@ -45,6 +45,8 @@ pub(crate) struct ChooseArgs {
     /// Set the screen size, in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = values::size)]
     pub(crate) size: [u32; 2],
+    #[command(flatten)]
+    pub(crate) upright: UprightArgs,
     #[arg(long, value_name = "LEVEL", help = values::simd_help(), value_parser = values::simd)]
     pub(crate) simd: Option<String>,
     #[command(flatten)]

@@ -99,7 +99,7 @@ Examples:
 #[command(mut_arg("shard", |arg| arg.conflicts_with("output")))]
 #[command(mut_arg("merge", |arg| arg.requires("output")))]
 pub(crate) struct BakeArgs {
-    /// Scenes: .glb, .gltf, .obj, .bsp or .enf files, .json that describe heightmaps, or @NAME for a built-in scene
+    /// Scenes: .glb, .gltf, .obj, .b3dm, .i3dm, .bsp or .enf files, .json that describe heightmaps, or @NAME for a built-in scene
     #[arg(value_name = "SCENE", required = true)]
     pub(crate) scenes: Vec<OsString>,
     /// Write the baked scene to this file (atomically)
@@ -342,6 +342,8 @@ pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) json: JsonArg,
     #[command(flatten)]
+    pub(crate) upright: UprightArgs,
+    #[command(flatten)]
     pub(crate) portals: PortalArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
@@ -350,7 +352,7 @@ pub(crate) struct InfoArgs {
 /// Selects the scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SceneArg {
-    /// A .glb, .gltf, .obj, .bsp or .enf file, a .json that describes a heightmap, or @NAME for a built-in scene
+    /// A .glb, .gltf, .obj, .b3dm, .i3dm, .bsp or .enf file, a .json that describes a heightmap, or @NAME for a built-in scene
     #[arg(value_name = "SCENE", default_value = "@enfilade")]
     pub(crate) scene: OsString,
 }
@@ -404,9 +406,21 @@ pub(crate) struct CameraArgs {
     /// Use a parallel (orthographic) projection that shows HEIGHT scene units from bottom to top; its near plane contains the eye
     #[arg(long, value_name = "HEIGHT", value_parser = values::height, conflicts_with = "fov")]
     pub(crate) parallel: Option<f64>,
-    /// Set the up vector [default: the camera's, else 0,1,0]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::point, allow_hyphen_values = true)]
+    #[command(flatten)]
+    pub(crate) upright: UprightArgs,
+}
+
+/// Says which way is up, and how long a unit is.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub(crate) struct UprightArgs {
+    /// Take this direction as up, for cameras and the survey: x, y, z, -x, -y, -z or X,Y,Z [default: the camera's, else the
+    /// axis that the floors of an OBJ file face, else y]
+    #[arg(long, value_name = "AXIS", value_parser = values::up, allow_hyphen_values = true)]
     pub(crate) up: Option<[f32; 3]>,
+    /// Take a scene unit as m, cm, mm, ft, in or a number of metres, for the survey [default: 1 m, or what makes rooms as high
+    /// as rooms are]
+    #[arg(long, value_name = "UNIT", value_parser = values::unit)]
+    pub(crate) unit: Option<f64>,
 }
 
 impl CameraArgs {

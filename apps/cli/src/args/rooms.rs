@@ -42,7 +42,7 @@ pub(crate) struct RoomsArgs {
     pub(crate) up: Option<UpArg>,
     /// Take a scene unit as this many metres [default: 0.0254 in Quake maps, otherwise 1, or what makes rooms as high as rooms
     /// are]
-    #[arg(long, value_name = "METRES", value_parser = values::metres)]
+    #[arg(long, alias = "unit", value_name = "METRES", value_parser = values::unit)]
     pub(crate) scale: Option<f64>,
     /// Let items be doors whose names contain one of these words [default: door, gate and so on, in five languages]
     #[arg(long, value_name = "WORD,..", value_delimiter = ',')]

@@ -26,7 +26,7 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
     let mut files = RunFiles::of(scene, args.cameras.path.as_deref())?;
     let sink = Sink::new(&args.json, &mut files)?;
     configure(&args.how)?;
-    let opened = open(
+    let mut opened = open(
         scene,
         Purpose::Pictures,
         args.method,
@@ -34,6 +34,7 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
         &args.how.limits,
         &mut files,
     )?;
+    opened.upright.set(&args.cameras.upright);
     args.cameras.survey_by_default(VIEWS);
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, ChoiceGoal::Look, &args.how, views.first())?;

@@ -11,7 +11,10 @@ use crate::progress::Progress;
 use crate::run_files::RunFiles;
 use crate::values::{Choice, among};
 use anyhow::{Context, Result, anyhow, ensure};
-use enfilade::{ChoiceGoal, ChoiceOptions, MethodChoice, Scene, SectorId, View, choose_methods, survey_in};
+use enfilade::{
+    Camera, ChoiceGoal, ChoiceOptions, MethodChoice, Scene, SectorId, SurveyView, View, choose_methods,
+    survey_with,
+};
 use std::path::Path;
 use std::time::Instant;
 
@@ -29,7 +32,7 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     let destination = output.map(|output| files.writes(output)).transpose()?;
     configure_with(&args.limits, args.simd.as_deref())?;
     // With `Choice::Auto` the file's methods are ignored, so that pinned ones do not influence the measurement.
-    let opened = open(
+    let mut opened = open(
         &args.scene.scene,
         Purpose::Visibility,
         Choice::Auto,
@@ -40,6 +43,7 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
         &args.limits,
         &mut files,
     )?;
+    opened.upright.set(&args.upright);
     let file = Path::new(&args.scene.scene);
     stays_visible(&opened, None)?;
     if let Some(output) = output {
@@ -55,9 +59,9 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
     options.exact = !args.conservative;
     options.limit_bytes = args.limits.memory();
     options.moving = named(&args.moving, &opened)?;
-    let choices = choose(&opened.scene, args.size, &options);
+    let choices = choose(&opened, args.size, &options);
     let held_back = args.check.then(|| {
-        let views = views(&opened.scene, args.size, 1);
+        let views = views(&opened, args.size, 1);
         let again = measured(&opened.scene, &views, &options, "measuring again");
         HeldOut::new(&choices, &again, views.len())
     });
@@ -76,20 +80,32 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
 }
 
 /// Chooses the methods of a scene's sectors, by views from positions all over them.
-pub(crate) fn choose(scene: &Scene, size: [u32; 2], options: &ChoiceOptions) -> Vec<MethodChoice> {
-    measured(scene, &views(scene, size, 0), options, "measuring methods")
+pub(crate) fn choose(opened: &OpenedScene, size: [u32; 2], options: &ChoiceOptions) -> Vec<MethodChoice> {
+    measured(
+        &opened.scene,
+        &views(opened, size, 0),
+        options,
+        "measuring methods",
+    )
 }
 
 /// Returns views from every second survey position of each sector: for `from` 0 those that methods are chosen by, for 1
 /// those that `--check` uses.
-fn views(scene: &Scene, size: [u32; 2], from: usize) -> Vec<View> {
-    let positions = scene.sectors().flat_map(|sector| {
-        let positions = survey_in(scene, sector, 2 * VIEWS_PER_SECTOR).views;
+fn views(opened: &OpenedScene, size: [u32; 2], from: usize) -> Vec<View> {
+    let mut options = opened.upright.survey_options();
+    let positions = opened.scene.sectors().flat_map(|sector| {
+        options.sector = Some(sector);
+        let positions = survey_with(&opened.scene, 2 * VIEWS_PER_SECTOR, &options).views;
         positions.into_iter().skip(from).step_by(2)
     });
-    positions
-        .map(|position| View::new(position.eye, position.toward, size).expect("a valid view"))
-        .collect()
+    let view = |position: SurveyView| {
+        let camera = Camera {
+            up: opened.upright.up_f64().into(),
+            ..Camera::new(position.eye, position.toward)
+        };
+        camera.view(size).expect("a valid view")
+    };
+    positions.map(view).collect()
 }
 
 fn measured(scene: &Scene, views: &[View], options: &ChoiceOptions, label: &str) -> Vec<MethodChoice> {

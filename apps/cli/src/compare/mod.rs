@@ -48,7 +48,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
     let page = destination(&args.output, &mut files)?;
     let sink = Sink::new(&args.json, &mut files)?;
     configure(&args.how)?;
-    let opened = open(
+    let mut opened = open(
         &args.scene.scene,
         Purpose::Pictures,
         args.method,
@@ -56,6 +56,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
         &args.how.limits,
         &mut files,
     )?;
+    opened.upright.set(&args.cameras.upright);
     let views = cameras::views(&args.cameras, &opened)?;
     let (prepared, skipped) = prepare(&opened, args.method, ChoiceGoal::Draw, &args.how, views.first())?;
     let mut viewers: Vec<Viewer> = prepared.iter().map(PreparedScene::viewer).collect();

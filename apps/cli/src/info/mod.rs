@@ -12,7 +12,8 @@ use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
 use crate::report::single;
 use crate::run_files::RunFiles;
-use crate::text::{bytes, count, ms, plural, point};
+use crate::text::{bytes, count, ms, plural, point, short};
+use crate::upright::{Source, doubtful_up, up_for_people};
 use crate::values::Choice;
 use anyhow::Result;
 use enfilade::{Aabb, Alpha, Camera, Geometry, LightShape, Material, Portal, Scene, Transform};
@@ -28,6 +29,14 @@ use std::sync::Arc;
 struct Inventory {
     file: String,
     format: &'static str,
+    /// The up vector.
+    up: [f32; 3],
+    /// Where it comes from: `format`, `floors`, `option`, or `nothing`.
+    up_from: &'static str,
+    /// Metres per scene unit, if they are given or found.
+    metres_per_unit: Option<f64>,
+    /// For a format with y up: the axis that floors face, if that is another.
+    floors_face: Option<&'static str>,
     items: usize,
     meshes: usize,
     /// Triangles of all meshes, each mesh counted once.
@@ -119,7 +128,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
     let mut files = RunFiles::of(&args.scene.scene, None)?;
     let sink = Sink::new(&args.json, &mut files)?;
     allow_threads(&args.limits)?;
-    let opened = open(
+    let mut opened = open(
         &args.scene.scene,
         Purpose::Visibility,
         Choice::Own,
@@ -127,6 +136,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
         &args.limits,
         &mut files,
     )?;
+    opened.upright.set(&args.upright);
     let mut inventory = Inventory::of(opened);
     if args.portals.flat {
         // A built-in scene keeps its portals, but no verb follows them with --flat.
@@ -178,6 +188,10 @@ impl Inventory {
         let (non_occluders, triangles_occluding) = non_occluders::counts(&opened);
         Inventory {
             format: opened.format,
+            up: opened.upright.up,
+            up_from: opened.upright.up_from.name(),
+            metres_per_unit: opened.upright.metres_per_unit,
+            floors_face: floors_face(&opened),
             items: scene.item_count(),
             meshes: meshes.len(),
             triangles_unique: meshes.iter().map(|mesh| mesh.triangle_count()).sum(),
@@ -216,6 +230,10 @@ impl Inventory {
         let mut say = |label: &str, value: String| {
             let _ = writeln!(text, "  {label:<10} {value}");
         };
+        say("up", self.up_for_people());
+        if let Some(metres) = self.metres_per_unit {
+            say("unit", format!("{} m; --unit sets it", short(metres)));
+        }
         say("items", count(self.items as u64));
         say("meshes", count(self.meshes as u64));
         say(
@@ -351,6 +369,31 @@ impl Inventory {
         }
         text
     }
+}
+
+impl Inventory {
+    fn up_for_people(&self) -> String {
+        let up = up_for_people(self.up);
+        match (self.up_from, self.floors_face) {
+            ("floors", _) => format!("{up}, by the floors; --up sets it"),
+            ("nothing", _) => format!("{up}; the file does not tell, nor do its floors; --up sets it"),
+            ("option", _) => format!("{up}, by --up"),
+            (_, Some(other)) => {
+                format!(
+                    "{up}, but its floors seem to face {other}; --up {other} turns the survey and the cameras"
+                )
+            }
+            _ => up,
+        }
+    }
+}
+
+/// Returns the axis that floors face, if that is clearly another than the one that the format gives.
+fn floors_face(opened: &OpenedScene) -> Option<&'static str> {
+    if opened.upright.up_from != Source::Format {
+        return None;
+    }
+    doubtful_up(&opened.scene)
 }
 
 impl Lights {

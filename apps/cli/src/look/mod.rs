@@ -85,7 +85,7 @@ impl Opened {
     fn new(args: &LookArgs, choice: Choice, files: &mut RunFiles) -> Result<Opened> {
         let how = &args.methods.how;
         configure(how)?;
-        let scene = open(
+        let mut scene = open(
             &args.scene.scene,
             Purpose::Visibility,
             choice,
@@ -93,6 +93,7 @@ impl Opened {
             &how.limits,
             files,
         )?;
+        scene.upright.set(&args.cameras.upright);
         let views = cameras::views(&args.cameras, &scene)?;
         let (prepared, skipped) = prepare(&scene, choice, ChoiceGoal::Look, how, views.first())?;
         Ok(Opened {

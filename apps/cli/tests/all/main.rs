@@ -26,5 +26,6 @@ mod shards;
 mod simd;
 mod terrain;
 mod unread;
+mod upright;
 mod view;
 mod vis;

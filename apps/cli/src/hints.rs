@@ -3,6 +3,7 @@
 use crate::Outcome;
 use crate::args::HintsArgs;
 use crate::bake::{self, SectionEntry};
+use crate::invocation::program;
 use crate::json::{Sink, rounded};
 use crate::open::allow_threads;
 use crate::out;
@@ -108,7 +109,10 @@ impl<'a> HintsRun<'a> {
         let name = args.scene.display();
         let sections = BakedSections::read(&args.scene)?;
         let sections = sections.with_context(|| {
-            format!("{name}: not a baked scene; bake it first: enfilade bake {name} -o FILE.enf")
+            format!(
+                "{name}: not a baked scene; bake it first: {} bake {name} -o FILE.enf",
+                program()
+            )
         })?;
         let mut options = HintOptions::default();
         options.positions = args.positions;

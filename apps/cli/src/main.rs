@@ -12,7 +12,9 @@ mod draw;
 mod hints;
 mod html;
 mod info;
+mod invocation;
 mod json;
+mod leak;
 #[cfg(feature = "levels")]
 mod levels;
 mod link;
@@ -109,7 +111,8 @@ fn refuse(error: &clap::Error) -> ExitCode {
         && (word.starts_with('@') || Path::new(word).extension().is_some())
     {
         out::note(format_args!(
-            "error: `{word}` is a scene, not a verb; try `enfilade look {word}`"
+            "error: `{word}` is a scene, not a verb; try `{} look {word}`",
+            invocation::program()
         ));
         return ExitCode::from(2);
     }

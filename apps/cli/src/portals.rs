@@ -3,6 +3,7 @@
 use crate::Outcome;
 use crate::args::PortalsArgs;
 use crate::json::Sink;
+use crate::leak::{LeakEntry, leak_in};
 use crate::out;
 use crate::progress::Progress;
 use crate::run_files::RunFiles;
@@ -62,7 +63,19 @@ pub(crate) fn run(args: &PortalsArgs) -> Result<Outcome> {
     } = rebuild_portals(&args.map, &options)?;
     let text = file.to_text();
     let seconds = start.elapsed().as_secs_f64();
+    let leak = match clusters_from {
+        // A map with a PVS was sealed when it was computed.
+        ClustersFrom::Rows => None,
+        ClustersFrom::Map | ClustersFrom::Leafs => leak_in(&args.map, args.memory.bytes),
+    };
     drop(progress);
+    if let Some(leak) = leak {
+        let map = args.map.display();
+        let leak = LeakEntry::from(leak).for_people(&map.to_string());
+        out::warn(format_args!(
+            "{map}: {leak}; these portals lead into the void as well"
+        ));
+    }
     keep_existing(&output, args.force)?;
     destination.write(text.as_bytes())?;
     let made = PortalsReport {

@@ -3,6 +3,7 @@
 use crate::Outcome;
 use crate::args::{Args, LookArgs, Verb};
 use crate::cameras;
+use crate::invocation::suggested;
 use crate::json::SceneReport;
 use crate::measure::{self, PASSES};
 use crate::open::{Purpose, open};
@@ -113,7 +114,7 @@ pub(crate) fn run() -> Result<Outcome> {
         &rows,
     );
     text += &left_out(&skipped);
-    text += &format!("\nThe picture is in {PICTURE}. {NEXT}");
+    text += &format!("\nThe picture is in {PICTURE}. {}", suggested(NEXT));
     out::print(&text)?;
     Ok(Outcome::Done)
 }

@@ -1,6 +1,7 @@
 //! The part of `info` that only compiled maps have.
 
 use crate::json::rounded;
+use crate::leak::LeakEntry;
 use crate::text::{bytes, count, plural};
 use enfilade::{CellId, Geometry};
 use enfilade_import::MapSummary;
@@ -20,10 +21,12 @@ pub(super) struct MapEntry {
     visibility_bytes: usize,
     /// Mean share of all cells that is visible from a cell, 0 to 1; `None` without a PVS.
     visible_share: Option<f64>,
+    /// Why there is no PVS and no portal file beside the map, if that is a leak.
+    pub(super) leak: Option<LeakEntry>,
 }
 
 impl MapEntry {
-    pub(super) fn of(map: &MapSummary, geometries: &[&Geometry]) -> MapEntry {
+    pub(super) fn of(map: &MapSummary, geometries: &[&Geometry], leak: Option<LeakEntry>) -> MapEntry {
         let cells = geometries.iter().find_map(|geometry| geometry.cells());
         let visible_share = cells.filter(|cells| cells.cell_count() > 0).map(|cells| {
             let ids = || (0..cells.cell_count() as u32).map(CellId);
@@ -51,6 +54,7 @@ impl MapEntry {
             entities,
             visibility_bytes,
             visible_share,
+            leak,
         }
     }
 

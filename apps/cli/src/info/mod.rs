@@ -7,6 +7,7 @@ use crate::Outcome;
 use crate::args::InfoArgs;
 use crate::bake::{SectionEntry, entries};
 use crate::json::{Sink, rounded};
+use crate::leak::{LeakEntry, leak_of};
 use crate::non_occluders::{self, NonOccluderCount};
 use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
@@ -22,6 +23,7 @@ use occluders::Occluders;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt::Write;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Contents of a scene.
@@ -137,7 +139,8 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
         &mut files,
     )?;
     opened.upright.set(&args.upright);
-    let mut inventory = Inventory::of(opened);
+    let leak = leak(&opened, args);
+    let mut inventory = Inventory::of(opened, leak);
     if args.portals.flat {
         // A built-in scene keeps its portals, but no verb follows them with --flat.
         inventory.portals = 0;
@@ -151,7 +154,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
 }
 
 impl Inventory {
-    fn of(opened: OpenedScene) -> Inventory {
+    fn of(opened: OpenedScene, leak: Option<LeakEntry>) -> Inventory {
         let scene = &opened.scene;
         let geometries: Vec<&Geometry> = scene
             .sectors()
@@ -201,7 +204,10 @@ impl Inventory {
             bounds: boxes
                 .reduce(|a, b| a.union(&b))
                 .map(|Aabb { min, max, .. }| Bounds { min, max }),
-            map: opened.map.as_ref().map(|map| MapEntry::of(map, &geometries)),
+            map: opened
+                .map
+                .as_ref()
+                .map(|map| MapEntry::of(map, &geometries, leak)),
             sectors: sectors(scene),
             portals: scene.portals().len(),
             ways: ways(scene),
@@ -296,6 +302,9 @@ impl Inventory {
         if let Some(map) = &self.map {
             say("map", map.for_people());
             say("visible", map.visible_for_people());
+            if let Some(leak) = &map.leak {
+                say("leak", leak.for_people(&self.file));
+            }
         }
         for sector in &self.sectors {
             let SectorEntry {
@@ -369,6 +378,13 @@ impl Inventory {
         }
         text
     }
+}
+
+/// Returns the leak of a map without a PVS.
+fn leak(opened: &OpenedScene, args: &InfoArgs) -> Option<LeakEntry> {
+    let is_dark = opened.map.as_ref().is_some_and(|map| map.visibility_bytes == 0);
+    let leak = is_dark.then(|| leak_of(Path::new(&args.scene.scene), args.limits.memory()));
+    leak.flatten().map(LeakEntry::from)
 }
 
 impl Inventory {

@@ -7,6 +7,7 @@ mod plan;
 use crate::Outcome;
 use crate::args::{PortalArgs, RoomsArgs};
 use crate::json::{Sink, rounded};
+use crate::leak::{LeakEntry, leak_of};
 use crate::open::{OpenedScene, Purpose, allow_threads, open};
 use crate::out;
 use crate::progress::Progress;
@@ -21,6 +22,7 @@ use enfilade_bake::{
 };
 use enfilade_import::{SceneRoomItems, authored_doors};
 use serde::Serialize;
+use std::path::Path;
 use std::time::Instant;
 
 /// Memory for a voxel, with that of what is found in it.
@@ -99,7 +101,7 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
     let html = args.html.as_deref().map(|path| files.writes(path)).transpose()?;
     let sink = Sink::new(&args.json, &mut files)?;
     allow_threads(&args.limits)?;
-    let opened = open(
+    let mut opened = open(
         &args.scene.scene,
         Purpose::Visibility,
         Choice::All,
@@ -107,6 +109,7 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
         &args.limits,
         &mut files,
     )?;
+    warn_of_leak(&mut opened, args);
     let progress = Progress::spinner("finding rooms");
     let start = Instant::now();
     let name = |sector, item| {
@@ -158,6 +161,18 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
     }
     sink.write(&rooms.report)?;
     Ok(Outcome::Done)
+}
+
+/// Warns of a leak in a map without a PVS: its rooms may join the void.
+fn warn_of_leak(opened: &mut OpenedScene, args: &RoomsArgs) {
+    if !opened.map.as_ref().is_some_and(|map| map.visibility_bytes == 0) {
+        return;
+    }
+    if let Some(leak) = leak_of(Path::new(&args.scene.scene), args.limits.memory()) {
+        let warning = LeakEntry::from(leak).for_people(&opened.file);
+        out::warn(format_args!("{}: {warning}", opened.file));
+        opened.warnings.push(warning);
+    }
 }
 
 /// Returns `true` if an item is a door by its name.

@@ -11,14 +11,16 @@ mod unfinished;
 
 use crate::Outcome;
 use crate::args::VisArgs;
+use crate::invocation::program;
 use crate::json::Sink;
+use crate::leak::{leak_of, write_line};
 use crate::open::allow_threads;
 use crate::out;
 use crate::progress::Progress;
 use crate::read::read_file;
 use crate::run_files::{RunFiles, is_same, portals_beside};
 use crate::save::Destination;
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use backup::Backup;
 use differ::OtherPvs;
 use enfilade_bake::{PairsWork, Stage, VisiblePairs, find_missing};
@@ -76,7 +78,10 @@ pub(crate) fn run(mut args: VisArgs) -> Result<Outcome> {
     let start = Instant::now();
     let mut seconds = StageSeconds::default();
     let map = read_map(args)?;
-    let prt = prt?;
+    let prt = match prt {
+        Ok(prt) => prt,
+        Err(why) => return Err(without_portals(args, why, &mut files)?),
+    };
     let options = ReadOptions {
         limit_bytes: args.limits.memory(),
         ..ReadOptions::default()
@@ -240,12 +245,22 @@ fn portals_of(args: &VisArgs) -> Result<PathBuf> {
         .ok_or_else(|| {
             anyhow!(
                 "{}: there is no {} beside it; compile the map again, name its portals with --prt FILE, or rebuild them \
-                 from the map: enfilade portals {}",
+                 from the map: {} portals {}",
                 args.map.display(),
                 direct.file_name().unwrap_or_default().display(),
+                program(),
                 args.map.display()
             )
         })
+}
+
+/// Adds to the error about missing portals why a compiler wrote none: a leak, whose line is written.
+fn without_portals(args: &VisArgs, why: Error, files: &mut RunFiles) -> Result<Error> {
+    let leak = leak_of(&args.map, args.limits.memory());
+    Ok(match leak {
+        Some(leak) => anyhow!("{why}\n{}", write_line(&leak, &args.map, files)?),
+        None => why,
+    })
 }
 
 /// Returns the context of an error about portals that do not match the map.

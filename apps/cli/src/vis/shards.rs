@@ -3,7 +3,7 @@
 use super::report::{StageSeconds, peak_memory};
 use super::start::FlowStart;
 use super::unfinished::UnfinishedWork;
-use super::{ENDING, WorkPlan, begin, map_with_portals, portals_of, read_map, work};
+use super::{ENDING, WorkPlan, begin, map_with_portals, portals_of, read_map, without_portals, work};
 use crate::Outcome;
 use crate::args::VisArgs;
 use crate::json::Sink;
@@ -55,7 +55,10 @@ pub(super) fn run(args: &VisArgs) -> Result<Outcome> {
     let mut flow_start = FlowStart::new(args, &mut files)?;
     let target = shard.map_or(flow_start.path().to_owned(), |shard| parts.path(shard));
     let destination = shard.map(|_| files.writes(&target)).transpose()?;
-    let prt = portals_of(args)?;
+    let prt = match portals_of(args) {
+        Ok(prt) => prt,
+        Err(why) => return Err(without_portals(args, why, &mut files)?),
+    };
     [&args.map, &prt]
         .into_iter()
         .try_for_each(|input| files.reads(input))?;

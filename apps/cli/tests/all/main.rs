@@ -12,6 +12,7 @@ mod choose;
 mod compare;
 mod draw;
 mod help;
+mod leaks;
 mod link;
 mod look;
 mod look_report;

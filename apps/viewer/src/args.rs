@@ -29,6 +29,13 @@ pub struct Args {
     /// Look at this position
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
     pub toward: Option<[f64; 3]>,
+    /// Take this direction as up: x, y, z, -x, -y, -z or X,Y,Z [default: the camera's, else the axis that the floors of an OBJ
+    /// file face, else y]
+    #[arg(long, value_name = "AXIS", value_parser = up, allow_hyphen_values = true)]
+    pub up: Option<[f32; 3]>,
+    /// Take a scene unit as m, cm, mm, ft, in or a number of metres [default: 1 m, or what makes rooms as high as rooms are]
+    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    pub unit: Option<f64>,
     /// Replay this camera path: the JSON lines that `enfilade look --path` reads, and the viewer saves
     #[arg(long, value_name = "FILE.jsonl", conflicts_with_all = ["camera", "eye", "freeze"])]
     pub path: Option<PathBuf>,
@@ -124,6 +131,9 @@ impl Args {
         let Some(session) = &mut app.session else {
             return Ok(());
         };
+        if self.up.is_some() || self.unit.is_some() {
+            self.stand(session);
+        }
         if let Some(camera) = self.start(session)? {
             let world = &session.world;
             session.walker = Walker::new(&world.scene, &camera, world.metre);
@@ -153,9 +163,24 @@ impl Args {
         Ok(())
     }
 
+    /// Stands the scene on the floors that `--up` and `--unit` tell.
+    fn stand(&self, session: &mut Session) {
+        let world = &mut session.world;
+        let mut options = world.survey;
+        options.up = self.up.unwrap_or(options.up);
+        options.metre = self.unit.map(f64::recip).or(options.metre);
+        world.stand(options);
+        let mut camera = world.cameras[0].clone();
+        camera.up = self.up.map_or(camera.up, |up| up.map(f64::from));
+        session.walker = Walker::new(&world.scene, &camera, world.metre);
+    }
+
     fn start(&self, session: &Session) -> Result<Option<Camera>> {
         if let (Some(eye), Some(toward)) = (self.eye, self.toward) {
-            return Ok(Some(Camera::new(eye, toward)));
+            return Ok(Some(Camera {
+                up: session.world.survey.up.map(f64::from),
+                ..Camera::new(eye, toward)
+            }));
         }
         let Some(name) = &self.camera else { return Ok(None) };
         let cameras = &session.world.cameras;
@@ -199,6 +224,38 @@ fn scene(text: &str) -> Result<String> {
 
 fn point(text: &str) -> Result<[f64; 3]> {
     numbers(text)
+}
+
+fn up(text: &str) -> Result<[f32; 3]> {
+    let vector = match text.trim_start_matches('+') {
+        "x" => [1.0, 0.0, 0.0],
+        "y" => [0.0, 1.0, 0.0],
+        "z" => [0.0, 0.0, 1.0],
+        "-x" => [-1.0, 0.0, 0.0],
+        "-y" => [0.0, -1.0, 0.0],
+        "-z" => [0.0, 0.0, -1.0],
+        _ => numbers(text)?,
+    };
+    if vector == [0.0; 3] {
+        bail!("an up vector needs a length above 0, such as 0,0,1");
+    }
+    Ok(vector.map(|part| part as f32))
+}
+
+fn unit(text: &str) -> Result<f64> {
+    let metres = match text {
+        "m" => 1.0,
+        "cm" => 0.01,
+        "mm" => 0.001,
+        "in" => 0.0254,
+        "ft" => 0.3048,
+        _ => text.parse().unwrap_or(f64::NAN),
+    };
+    if metres > 0.0 && metres <= 1e6 {
+        Ok(metres)
+    } else {
+        bail!("expected m, cm, mm, ft, in or a number of metres, such as 0.01")
+    }
 }
 
 fn steps(text: &str) -> Result<usize> {

@@ -1,9 +1,9 @@
 //! A scene that is open in the viewer.
 
 use anyhow::{Context, Result, anyhow};
-use enfilade::{Camera, Method, Scene, survey, survey_in};
+use enfilade::{Camera, Method, Scene, SurveyOptions, survey_with};
 use enfilade_draw::{Stage, with_sun};
-use enfilade_import::ReadOptions;
+use enfilade_import::{ReadOptions, survey_options};
 use std::path::Path;
 
 /// Limit of the memory for reading a file, and for what a method builds, in bytes.
@@ -21,8 +21,12 @@ pub struct World {
     pub cameras: Vec<Camera>,
     /// Scene units per metre, as the survey of the scene estimates them.
     pub metre: f64,
+    /// The up vector and the unit of the scene.
+    pub survey: SurveyOptions,
     /// Warnings of the reader.
     pub warnings: Vec<String>,
+    /// Whether the cameras are those of the file.
+    has_cameras: bool,
 }
 
 impl World {
@@ -47,7 +51,15 @@ impl World {
                     .collect();
                 anyhow!("no built-in scene {name}; there are {}", names.join(", "))
             })?;
-            return Ok(World::new(name, found.scene, found.cameras, Vec::new(), say));
+            let options = SurveyOptions::default();
+            return Ok(World::new(
+                name,
+                found.scene,
+                found.cameras,
+                options,
+                Vec::new(),
+                say,
+            ));
         }
         say("reading the file");
         let import = enfilade_import::read(Path::new(name), &options())?;
@@ -70,7 +82,19 @@ impl World {
             .or_else(|_| import.scene(Method::FloatingHorizon, MEMORY))
             .with_context(|| name.to_owned())?;
         let warnings = import.warnings.iter().map(ToString::to_string).collect();
-        Ok(World::new(name, scene, import.cameras.clone(), warnings, say))
+        let options = if import.tells_up() {
+            SurveyOptions::default()
+        } else {
+            survey_options(&scene)
+        };
+        Ok(World::new(
+            name,
+            scene,
+            import.cameras.clone(),
+            options,
+            warnings,
+            say,
+        ))
     }
 
     /// Adds a sun to a scene without lights.
@@ -82,41 +106,55 @@ impl World {
     fn new(
         name: &str,
         scene: Scene,
-        mut cameras: Vec<Camera>,
+        cameras: Vec<Camera>,
+        options: SurveyOptions,
         warnings: Vec<String>,
         say: &dyn Fn(&'static str),
     ) -> World {
-        say("surveying the scene");
-        // For the length of a metre the sector of the first camera will do.
-        let here = cameras.first().and_then(|camera| {
-            let view = camera.view([1, 1]).ok()?;
-            camera.sector.or_else(|| scene.sector_of(&view))
-        });
-        let found = match here {
-            Some(sector) => survey_in(&scene, sector, 1),
-            None => survey(&scene, if cameras.is_empty() { 4 } else { 1 }),
-        };
-        if cameras.is_empty() {
-            cameras = (1..)
-                .zip(&found.views)
-                .map(|(number, view)| Camera {
-                    name: format!("survey {number}"),
-                    sector: Some(view.sector),
-                    ..Camera::new(view.eye, view.toward)
-                })
-                .collect();
-        }
-        if cameras.is_empty() {
-            cameras.push(outside(&scene));
-        }
         say("tracing its lights");
-        World {
+        let mut world = World {
             name: name.to_owned(),
             stage: Stage::new(&scene),
             scene,
+            has_cameras: !cameras.is_empty(),
             cameras,
-            metre: found.metre,
+            metre: 1.0,
+            survey: options,
             warnings,
+        };
+        say("surveying the scene");
+        world.stand(options);
+        world
+    }
+
+    /// Surveys the scene with these options: for the length of a metre, and for cameras if the file has none.
+    pub fn stand(&mut self, options: SurveyOptions) {
+        self.survey = options;
+        let mut options = options;
+        if self.has_cameras {
+            // For the length of a metre the sector of the first camera will do.
+            options.sector = self.cameras.first().and_then(|camera| {
+                let view = camera.view([1, 1]).ok()?;
+                camera.sector.or_else(|| self.scene.sector_of(&view))
+            });
+            self.metre = survey_with(&self.scene, 1, &options).metre;
+            return;
+        }
+        let found = survey_with(&self.scene, 4, &options);
+        self.metre = found.metre;
+        let up = options.up.map(f64::from);
+        let named = (1..).zip(&found.views).map(|(number, view)| Camera {
+            name: format!("survey {number}"),
+            sector: Some(view.sector),
+            up,
+            ..Camera::new(view.eye, view.toward)
+        });
+        self.cameras = named.collect();
+        if self.cameras.is_empty() {
+            self.cameras.push(Camera {
+                up,
+                ..outside(&self.scene)
+            });
         }
     }
 }

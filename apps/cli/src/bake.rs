@@ -211,7 +211,7 @@ fn join(
 }
 
 fn read(args: &BakeArgs, scene: &OsStr, files: &mut RunFiles) -> Result<Import> {
-    import_of(scene, args.flat, args.bad.skip, &args.limits, files)
+    import_of(scene, args, files)
 }
 
 /// Reads a scene, and hashes its files before they are read: if one changes meanwhile, the part is not up to date.
@@ -240,6 +240,10 @@ struct Source {
     program: String,
     flat: bool,
     skip_bad_portals: bool,
+    #[serde(default)]
+    scene: Option<String>,
+    #[serde(default)]
+    lenient: bool,
     files: BTreeMap<PathBuf, Option<String>>,
 }
 
@@ -264,6 +268,8 @@ impl Source {
             program: env!("CARGO_PKG_VERSION").to_owned(),
             flat: args.flat,
             skip_bad_portals: args.bad.skip,
+            scene: args.read.scene_of_file.clone(),
+            lenient: args.read.lenient,
             files: BTreeMap::new(),
         }
     }

@@ -70,7 +70,7 @@ pub(crate) fn run(args: &DrawArgs) -> Result<Outcome> {
             Purpose::Visibility
         },
         choice,
-        args.methods.how.portals,
+        &args.methods.how.portals,
         &args.methods.how.limits,
         &mut files,
     )?;

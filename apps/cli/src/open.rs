@@ -1,16 +1,17 @@
 //! Opens scenes: files, or built-in scenes by name. Configures threads and SIMD.
 
-use crate::args::{HowArgs, LimitArgs, PortalArgs};
+use crate::args::{BakeArgs, HowArgs, LimitArgs, PortalArgs};
 use crate::out;
 use crate::progress::Progress;
 use crate::run_files::RunFiles;
 use crate::upright::Upright;
-use crate::values::{Choice, among};
+use crate::values::{Choice, among, nearest};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use enfilade::{Camera, Method, Scene, SceneError, Unsuited};
 use enfilade_draw::Stage;
 use enfilade_import::{
-    BakedSections, BrokenRule, Import, ImportError, MapSummary, NonOccluders, ReadOptions, Room, SourceNodes,
+    BakedSections, BrokenRule, FileScene, Import, ImportError, MapSummary, NonOccluders, ReadOptions, Room,
+    SourceNodes,
 };
 use std::ffi::OsStr;
 use std::fs::File;
@@ -33,6 +34,8 @@ pub(crate) struct OpenedScene {
     pub(crate) nodes: Vec<SourceNodes>,
     /// Why items and materials hide nothing, by sector; empty for a built-in scene.
     pub(crate) non_occluders: Vec<NonOccluders>,
+    /// The scenes of the file, of which one is open.
+    pub(crate) scenes: Vec<FileScene>,
     /// Summary of a compiled map; `None` for other files.
     pub(crate) map: Option<MapSummary>,
     /// Which way is up, and how long a unit is.
@@ -66,7 +69,7 @@ pub(crate) fn open(
     scene: &OsStr,
     wanted: Purpose,
     choice: Choice,
-    portals: PortalArgs,
+    portals: &PortalArgs,
     limits: &LimitArgs,
     files: &mut RunFiles,
 ) -> Result<OpenedScene> {
@@ -74,7 +77,8 @@ pub(crate) fn open(
     let progress = Progress::spinner(&format!("loading {name}"));
     let start = Instant::now();
     let mut opened = match name.strip_prefix('@') {
-        Some(built_in) => open_built_in(name, built_in),
+        Some(built_in) => has_no_scenes(name, portals.file.scene_of_file.as_deref())
+            .and_then(|()| open_built_in(name, built_in)),
         None => open_file(Path::new(scene), wanted, choice, portals, limits, files),
     }?;
     opened.load_ms = start.elapsed().as_secs_f64() * 1e3;
@@ -84,6 +88,15 @@ pub(crate) fn open(
         .iter()
         .for_each(|warning| out::warn(format_args!("{name}: {warning}")));
     Ok(opened)
+}
+
+/// Refuses a choice among the scenes of a built-in one.
+fn has_no_scenes(name: &str, choice: Option<&str>) -> Result<()> {
+    ensure!(
+        choice.is_none(),
+        "{name}: a built-in scene has no scenes to choose from; leave out --scene"
+    );
+    Ok(())
 }
 
 fn open_built_in(file: &str, name: &str) -> Result<OpenedScene> {
@@ -105,6 +118,7 @@ fn open_built_in(file: &str, name: &str) -> Result<OpenedScene> {
         cameras: built.cameras,
         nodes: Vec::new(),
         non_occluders: Vec::new(),
+        scenes: Vec::new(),
         map: None,
         upright: Upright::default(),
         sections: None,
@@ -119,7 +133,7 @@ fn open_file(
     path: &Path,
     wanted: Purpose,
     choice: Choice,
-    portals: PortalArgs,
+    portals: &PortalArgs,
     limits: &LimitArgs,
     files: &mut RunFiles,
 ) -> Result<OpenedScene> {
@@ -129,7 +143,7 @@ fn open_file(
         flat: portals.flat && sections.is_none(),
         skip_bad_portals: portals.bad.skip,
         textures: wanted == Purpose::Pictures,
-        ..ReadOptions::default()
+        ..portals.file.options()
     };
     options.limit_bytes = limits.memory();
     if !path.exists() && enfilade_scenes::NAMES.contains(&file) {
@@ -185,6 +199,7 @@ fn open_file(
         orthographic_heights: import.orthographic_heights,
         nodes,
         non_occluders,
+        scenes: import.scenes,
         map: import.map,
         sections,
         warnings: import.warnings.iter().map(ToString::to_string).collect(),
@@ -194,30 +209,25 @@ fn open_file(
     })
 }
 
-/// Reads everything in a file, textures included; or a built-in scene as if it were read from a file. Adds the files that
+/// Reads everything in a file that is to be baked, textures included; or a built-in scene as if it were read from a file. Adds the files that
 /// belong to the scene to the inputs in `files`.
-pub(crate) fn import_of(
-    scene: &OsStr,
-    flat: bool,
-    skip_bad_portals: bool,
-    limits: &LimitArgs,
-    files: &mut RunFiles,
-) -> Result<Import> {
+pub(crate) fn import_of(scene: &OsStr, args: &BakeArgs, files: &mut RunFiles) -> Result<Import> {
     let name = &*scene.to_string_lossy();
     if let Some(built_in) = name.strip_prefix('@') {
+        has_no_scenes(name, args.read.scene_of_file.as_deref())?;
         let OpenedScene { scene, cameras, .. } = open_built_in(name, built_in)?;
         ensure!(
-            !flat,
+            !args.flat,
             "{name}: a built-in scene cannot be read as flat; leave --flat out"
         );
         return as_import(&scene, cameras).with_context(|| name.to_owned());
     }
     let mut options = ReadOptions {
-        flat,
-        skip_bad_portals,
-        ..ReadOptions::default()
+        flat: args.flat,
+        skip_bad_portals: args.bad.skip,
+        ..args.read.options()
     };
-    options.limit_bytes = limits.memory();
+    options.limit_bytes = args.limits.memory();
     let import = enfilade_import::read(Path::new(scene), &options).map_err(with_ways_on)?;
     import
         .files
@@ -248,8 +258,16 @@ fn as_import(scene: &Scene, cameras: Vec<Camera>) -> Result<Import> {
 
 /// Adds to an authoring error the options that open the file in spite of it.
 fn with_ways_on(why: ImportError) -> anyhow::Error {
-    let BrokenRule::Authoring(errors) = &why.rule else {
-        return why.into();
+    let errors = match &why.rule {
+        BrokenRule::Authoring(errors) => errors,
+        BrokenRule::NoSuchScene { scene, there } => {
+            let names = there.iter().map(String::as_str).filter(|name| !name.is_empty());
+            return match nearest(scene, names) {
+                Some(name) => anyhow!("{why}\ndid you mean {name}?"),
+                None => why.into(),
+            };
+        }
+        _ => return why.into(),
     };
     let mut ways = Vec::new();
     if errors.can_be_skipped() {

@@ -294,15 +294,19 @@ pub(crate) fn simd(text: &str) -> Result<String, String> {
     }
 }
 
+/// Returns the name that was probably meant, if one is similar.
+pub(crate) fn nearest<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let likeness = |name: &str| strsim::jaro_winkler(&mistyped.to_lowercase(), &name.to_lowercase());
+    names
+        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+        .filter(|name| likeness(name) > 0.7)
+}
+
 /// Lists the available names, after the one that the mistyped name resembles most, if any.
 pub(crate) fn among<'a>(mistyped: &str, names: impl Iterator<Item = &'a str>) -> String {
     const FEW: usize = 24;
     let names: Vec<&str> = names.collect();
-    let likeness = |name: &str| strsim::jaro_winkler(&mistyped.to_lowercase(), &name.to_lowercase());
-    let nearest = names
-        .iter()
-        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
-        .filter(|name| likeness(name) > 0.7);
+    let nearest = nearest(mistyped, names.iter().copied());
     let suggestion = nearest.map_or(String::new(), |name| format!("did you mean {name}? "));
     let more = if names.len() > FEW {
         format!(" and {} more", names.len() - FEW)

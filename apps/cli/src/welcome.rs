@@ -41,7 +41,7 @@ pub(crate) fn run() -> Result<Outcome> {
         &scene.scene,
         Purpose::Pictures,
         Choice::All,
-        methods.how.portals,
+        &methods.how.portals,
         &methods.how.limits,
         &mut files,
     )?;

@@ -103,13 +103,34 @@ pub enum BrokenRule {
         limit_bytes: u64,
     },
     /// The file requires an unsupported extension.
-    #[error("requires an unsupported extension: {extension}; {remedy}")]
+    #[error(
+        "requires an unsupported extension: {extension}; {remedy}, or read what is left without it (--lenient)"
+    )]
     ExtensionRequired {
         /// Name of the extension, or names of several.
         extension: String,
         /// Remedy.
         remedy: &'static str,
     },
+    /// A scene is requested that the file does not have.
+    #[error("has no scene `{scene}`; {}", scenes_there(.there))]
+    NoSuchScene {
+        /// The requested name or index.
+        scene: String,
+        /// Names of the scenes in order, empty without a name; the first 1,000.
+        there: Vec<String>,
+    },
+    /// A scene is requested by a name that several have.
+    #[error("has several scenes with the name `{scene}`, at the indices {indices}; name one by its index")]
+    ManyScenes {
+        /// The requested name.
+        scene: String,
+        /// Indices of the first few scenes with that name.
+        indices: String,
+    },
+    /// A scene is requested of a file whose format has no scenes.
+    #[error("has no scenes to choose from, since only glTF files have; leave out --scene")]
+    FormatWithoutScenes,
     /// A valid glTF feature that is not supported yet, and without which a shape would be wrong.
     #[error("{place} is {what}, which is not supported yet; {remedy}")]
     NotReadYet {
@@ -429,4 +450,23 @@ pub enum BrokenRule {
     /// All errors in rooms, portals and terrain.
     #[error("{0}")]
     Authoring(Box<AuthoringErrors>),
+}
+
+/// Returns the scenes of a file, in words.
+fn scenes_there(names: &[String]) -> String {
+    const FEW: usize = 24;
+    let named = names.iter().enumerate().take(FEW);
+    let mut all: Vec<String> = named
+        .map(|(number, name)| match &**name {
+            "" => number.to_string(),
+            name => format!("{number} {name:?}"),
+        })
+        .collect();
+    if names.len() > FEW {
+        all.push(format!("{} more", names.len() - FEW));
+    }
+    match &*all {
+        [] => "it lists none; leave out --scene".to_owned(),
+        all => format!("its scenes are {}", all.join(", ")),
+    }
 }

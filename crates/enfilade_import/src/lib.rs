@@ -56,6 +56,10 @@
 //! | `-terrain` | `{"kind": "terrain"}` | a heightfield mesh (regular grid) for the method `floating-horizon` |
 //! | | `{"kind": "door"}` | the leaf of a door: it can move, which only [`SceneRoomItems`] cares about |
 //!
+//! A portal, mirror or terrain without a mesh has the meshes of all nodes below it, except those of other marked nodes and of what
+//! is below these: packers put a mesh one node below its name, and authors mark an empty. Together they must be one flat convex
+//! polygon; terrain must have one mesh. Room, direction and exit are those of the marked node.
+//!
 //! Either the name or the extras suffice. Blender's numeric suffix (`.001`) is ignored, and 1 counts as `true`. All
 //! rooms share world space. The importer finds the two rooms that a portal joins from the geometry on its two sides,
 //! unless `to` names one; if the portal's parent room is among the candidates, or is around the portal and `to` names
@@ -153,7 +157,10 @@
 //! | `MSFT_lod` | the finest level is drawn, and hides nothing |
 //!
 //! Extensions of textures, shading and metadata are ignored with a warning, also if a file requires them. A file that requires one
-//! without which shapes would be wrong, or an unknown one, is an error; a file that only uses one is read, with a warning.
+//! without which shapes would be wrong, or an unknown one, is an error, unless it is read as [lenient](ReadOptions::lenient). If it
+//! is, or the file only uses the extension, there is a warning, and what the extension may change hides nothing: the nodes, meshes
+//! and materials that carry it, with all below such nodes; or everything, if nothing carries it, or something else does than
+//! nodes, meshes, materials, textures, cameras and lights.
 //! [`Import::warnings`] names everything that is not drawn or not supported yet (animations, metallic-roughness
 //! textures). An image that cannot be read becomes grey, with a warning that gives the reason. A file that violates a
 //! rule returns an [`ImportError`] that names the element and the rule.
@@ -240,6 +247,8 @@ pub struct Import {
     /// The lights, each with the room that contains it. Colors keep the units of the file; the renderer chooses an
     /// exposure.
     pub lights: Vec<Light>,
+    /// The scenes of the file, in file order; empty if the format has none, or the file lists none.
+    pub scenes: Vec<FileScene>,
     /// Data that only compiled maps have; `None` for other formats.
     pub map: Option<MapSummary>,
     /// Everything in the file that was not read or looks wrong: one warning per kind, worst first, but one for each
@@ -248,6 +257,17 @@ pub struct Import {
     /// The other files that this file references, read or not: buffers, images, materials, heights. Check output paths
     /// against this list to avoid overwriting a source.
     pub files: Vec<PathBuf>,
+}
+
+/// A scene of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileScene {
+    /// Its name; empty if it has none.
+    pub name: String,
+    /// Whether the file names it as its default scene.
+    pub is_default: bool,
+    /// Whether it was read.
+    pub is_read: bool,
 }
 
 /// A room of a file; it becomes a sector of the scene.
@@ -295,6 +315,7 @@ impl Import {
             cameras: Vec::new(),
             orthographic_heights: Vec::new(),
             lights: Vec::new(),
+            scenes: Vec::new(),
             map: None,
             warnings: Vec::new(),
             files: Vec::new(),
@@ -359,6 +380,13 @@ pub struct ReadOptions {
     /// Skip invalid portals and mirrors, each with a warning; they become plain holes. Otherwise such a file is an
     /// error. Default: `false`.
     pub skip_bad_portals: bool,
+    /// The scene of a glTF file to read, by name or index; a name goes before an index. Default: `None`, the file's default
+    /// scene. Other formats have no scenes, so it is an error there.
+    pub scene: Option<String>,
+    /// Read glTF files that require unsupported extensions, as far as possible: primitives whose compression is not
+    /// supported are left out, with a warning, and what the extensions may change hides nothing. Default: `false`, an
+    /// error.
+    pub lenient: bool,
     /// Whether to read textures. Visibility queries need none, and reading is faster without them. Default: `true`.
     pub textures: bool,
 }
@@ -369,6 +397,8 @@ impl Default for ReadOptions {
             limit_bytes: 1 << 30,
             flat: false,
             skip_bad_portals: false,
+            scene: None,
+            lenient: false,
             textures: true,
         }
     }
@@ -383,6 +413,7 @@ impl Default for ReadOptions {
 /// collected and returned together ([`AuthoringErrors`]).
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Import, ImportError> {
     if let Some(baked) = enf::read(path, options) {
+        let baked = without_scenes(options).and(baked);
         return baked.map_err(|rule| ImportError {
             file: path.display().to_string(),
             rule,
@@ -468,6 +499,11 @@ fn import(
     options: &ReadOptions,
     budget: Budget,
 ) -> Result<Import, BrokenRule> {
+    if gltf::begins_like_gltf(bytes) && !terrain::describes_terrain(bytes) {
+        let name = &*name.to_string_lossy();
+        return gltf::import(bytes, folder, name, options, budget);
+    }
+    without_scenes(options)?;
     if terrain::describes_terrain(bytes) {
         return terrain::import(bytes, folder, name, options, budget);
     }
@@ -478,9 +514,6 @@ fn import(
         return enf::import(bytes.to_vec().into(), options, budget);
     }
     let name = &*name.to_string_lossy();
-    if gltf::begins_like_gltf(bytes) {
-        return gltf::import(bytes, folder, name, options, budget);
-    }
     if quake::begins_like_map(bytes) {
         return quake::import(bytes, folder, name, options, budget);
     }
@@ -497,6 +530,14 @@ fn import(
     Err(BrokenRule::UnknownFormat {
         begins: gltf::beginning(bytes),
     })
+}
+
+/// Returns an error if a scene of a format without scenes is requested.
+fn without_scenes(options: &ReadOptions) -> Result<(), BrokenRule> {
+    options
+        .scene
+        .as_ref()
+        .map_or(Ok(()), |_| Err(BrokenRule::FormatWithoutScenes))
 }
 
 /// Reads the first `most` bytes of a file, or all of it. Never blocks on a pipe, and never reads more than the budget

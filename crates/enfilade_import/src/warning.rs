@@ -22,7 +22,7 @@ pub struct Warning {
 pub enum WarningKind {
     /// The scene has no triangles.
     EmptyScene,
-    /// The file has more scenes than the one that was read.
+    /// The file has more scenes than the one that was read ([`ReadOptions::scene`](crate::ReadOptions::scene)).
     OtherScenes,
     /// A portal or mirror is invalid and was skipped because of
     /// [`ReadOptions::skip_bad_portals`](crate::ReadOptions::skip_bad_portals). Each has a separate warning, up to 20.
@@ -44,6 +44,9 @@ pub enum WarningKind {
     UnreadNotes,
     /// Unsupported extensions that the file uses but does not require.
     Extensions,
+    /// Primitives whose compression or storage is not supported, in a file that is read as
+    /// [lenient](crate::ReadOptions::lenient).
+    LeftOut,
     /// Point primitives.
     Points,
     /// Line primitives.
@@ -114,7 +117,7 @@ impl WarningKind {
     fn text(self) -> &'static str {
         match self {
             WarningKind::EmptyScene => "the scene is empty: it has no triangle",
-            WarningKind::OtherScenes => "only the default scene is read, others are not",
+            WarningKind::OtherScenes => "only one scene is read, others are not",
             WarningKind::SkippedPortal => "a portal is skipped and becomes a plain hole",
             WarningKind::MoreSkippedPortals => "more portals are skipped and become plain holes",
             WarningKind::IgnoredMarks => {
@@ -133,6 +136,7 @@ impl WarningKind {
             WarningKind::UnreadNotes => "extras.enfilade has unknown keys, which are ignored",
             WarningKind::Extensions => "unknown extensions are ignored",
             WarningKind::Repaired => "what breaks a rule of the format, but has a plain meaning, is read",
+            WarningKind::LeftOut => "primitives whose compression or storage is not supported are left out",
             WarningKind::Points => "points are not drawn",
             WarningKind::Lines => "lines are not drawn",
             WarningKind::NoRoomsInObj => {

@@ -18,6 +18,7 @@ use crate::values::{self, Choice};
 use clap::{ArgGroup, Parser, Subcommand};
 use enfilade::Tightness;
 use enfilade_draw::Show;
+use enfilade_import::ReadOptions;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -114,6 +115,8 @@ pub(crate) struct BakeArgs {
     pub(crate) flat: bool,
     #[command(flatten)]
     pub(crate) bad: BadPortalArgs,
+    #[command(flatten)]
+    pub(crate) read: FileArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
 }
@@ -323,6 +326,8 @@ pub(crate) struct LinkArgs {
     #[command(flatten)]
     pub(crate) json: JsonArg,
     #[command(flatten)]
+    pub(crate) read: FileArgs,
+    #[command(flatten)]
     pub(crate) limits: LimitArgs,
 }
 
@@ -485,8 +490,8 @@ impl From<TightnessArg> for Tightness {
     }
 }
 
-/// Controls how portals are followed.
-#[derive(Clone, Copy, Debug, Default, clap::Args)]
+/// Controls how a file is read, and how portals are followed.
+#[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct PortalArgs {
     /// Follow no portals: read a file as one room with plain holes for openings; in a built-in or baked scene, stay in the
     /// camera's room
@@ -494,6 +499,30 @@ pub(crate) struct PortalArgs {
     pub(crate) flat: bool,
     #[command(flatten)]
     pub(crate) bad: BadPortalArgs,
+    #[command(flatten)]
+    pub(crate) file: FileArgs,
+}
+
+/// Controls what of a glTF file is read.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct FileArgs {
+    /// Read this scene of a glTF file, by name or index, instead of its default scene
+    #[arg(long = "scene", value_name = "NAME|INDEX")]
+    pub(crate) scene_of_file: Option<String>,
+    /// Read a glTF file that requires unsupported extensions, as far as possible; what these may change hides nothing
+    #[arg(long)]
+    pub(crate) lenient: bool,
+}
+
+impl FileArgs {
+    /// Returns the options to read a file with.
+    pub(crate) fn options(&self) -> ReadOptions {
+        ReadOptions {
+            scene: self.scene_of_file.clone(),
+            lenient: self.lenient,
+            ..ReadOptions::default()
+        }
+    }
 }
 
 /// Controls how invalid portals are handled.

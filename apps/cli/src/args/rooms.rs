@@ -1,6 +1,6 @@
 //! Options of `rooms`.
 
-use super::{JsonArg, LimitArgs, SceneArg};
+use super::{FileArgs, JsonArg, LimitArgs, SceneArg};
 use crate::values;
 use clap::ValueEnum;
 use enfilade_bake::Up;
@@ -56,6 +56,8 @@ pub(crate) struct RoomsArgs {
     /// Set the side of a voxel; walls and gaps smaller than this may be missed
     #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = values::metres)]
     pub(crate) voxel: f64,
+    #[command(flatten)]
+    pub(crate) read: FileArgs,
     #[command(flatten)]
     pub(crate) json: JsonArg,
     #[command(flatten)]

@@ -30,7 +30,7 @@ pub(crate) fn run(mut args: BenchArgs) -> Result<Outcome> {
         scene,
         Purpose::Pictures,
         args.method,
-        args.how.portals,
+        &args.how.portals,
         &args.how.limits,
         &mut files,
     )?;

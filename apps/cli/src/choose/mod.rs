@@ -36,9 +36,9 @@ pub(crate) fn run(args: &ChooseArgs) -> Result<Outcome> {
         &args.scene.scene,
         Purpose::Visibility,
         Choice::Auto,
-        PortalArgs {
-            flat: false,
+        &PortalArgs {
             bad: args.bad_portals,
+            ..PortalArgs::default()
         },
         &args.limits,
         &mut files,

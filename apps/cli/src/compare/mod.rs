@@ -52,7 +52,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<Outcome> {
         &args.scene.scene,
         Purpose::Pictures,
         args.method,
-        args.how.portals,
+        &args.how.portals,
         &args.how.limits,
         &mut files,
     )?;

@@ -51,6 +51,8 @@ struct Inventory {
     bounds: Option<Bounds>,
     cameras: Vec<CameraEntry>,
     lights: Lights,
+    /// The scenes of a glTF file.
+    scenes: Vec<SceneEntry>,
     /// Compiled maps only.
     map: Option<MapEntry>,
     sectors: Vec<SectorEntry>,
@@ -104,6 +106,16 @@ struct CameraEntry {
     height: Option<f32>,
 }
 
+/// A scene of a glTF file.
+#[derive(Debug, Serialize)]
+struct SceneEntry {
+    name: String,
+    /// Whether the file names it as its default scene.
+    is_default: bool,
+    /// Whether this is the inventory of it.
+    is_read: bool,
+}
+
 #[derive(Debug, Serialize)]
 struct SectorEntry {
     name: String,
@@ -134,7 +146,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
         &args.scene.scene,
         Purpose::Visibility,
         Choice::Own,
-        args.portals,
+        &args.portals,
         &args.limits,
         &mut files,
     )?;
@@ -204,6 +216,15 @@ impl Inventory {
             bounds: boxes
                 .reduce(|a, b| a.union(&b))
                 .map(|Aabb { min, max, .. }| Bounds { min, max }),
+            scenes: opened
+                .scenes
+                .into_iter()
+                .map(|scene| SceneEntry {
+                    name: scene.name,
+                    is_default: scene.is_default,
+                    is_read: scene.is_read,
+                })
+                .collect(),
             map: opened
                 .map
                 .as_ref()
@@ -236,6 +257,22 @@ impl Inventory {
         let mut say = |label: &str, value: String| {
             let _ = writeln!(text, "  {label:<10} {value}");
         };
+        for (number, scene) in self.scenes.iter().enumerate().filter(|_| self.scenes.len() > 1) {
+            let marks = [(scene.is_default, "default"), (scene.is_read, "read here")];
+            let marks = marks.iter().filter(|(is_so, _)| *is_so).map(|(_, mark)| *mark);
+            let marks: Vec<&str> = marks.collect();
+            let name = match &*scene.name {
+                "" => number.to_string(),
+                name => format!("{number} {name:?}"),
+            };
+            say(
+                "scene",
+                match &*marks {
+                    [] => name,
+                    marks => format!("{name}: {}", marks.join(", ")),
+                },
+            );
+        }
         say("up", self.up_for_people());
         if let Some(metres) = self.metres_per_unit {
             say("unit", format!("{} m; --unit sets it", short(metres)));

@@ -61,7 +61,7 @@ pub(crate) fn run(args: &LinkArgs) -> Result<Outcome> {
     let progress = Progress::spinner("joining");
     let mut options = ReadOptions {
         textures: false,
-        ..ReadOptions::default()
+        ..args.read.options()
     };
     options.limit_bytes = args.limits.memory();
     let Linked {

@@ -89,7 +89,7 @@ impl Opened {
             &args.scene.scene,
             Purpose::Visibility,
             choice,
-            how.portals,
+            &how.portals,
             &how.limits,
             files,
         )?;
@@ -380,7 +380,7 @@ mod tests {
             "@enfilade".as_ref(),
             Purpose::Visibility,
             Choice::Own,
-            args.methods.how.portals,
+            &args.methods.how.portals,
             &args.methods.how.limits,
             &mut RunFiles::default(),
         )

@@ -561,6 +561,8 @@ fn options(args: &LookArgs) -> BTreeMap<String, String> {
         ("tightness", Some(tightness.to_owned())),
         ("flat", is_set(how.portals.flat)),
         ("skip-bad-portals", is_set(how.portals.bad.skip)),
+        ("scene", how.portals.file.scene_of_file.clone()),
+        ("lenient", is_set(how.portals.file.lenient)),
         ("memory", Some(how.limits.memory().to_string())),
     ];
     let given = options

@@ -105,7 +105,10 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
         &args.scene.scene,
         Purpose::Visibility,
         Choice::All,
-        PortalArgs::default(),
+        &PortalArgs {
+            file: args.read.clone(),
+            ..PortalArgs::default()
+        },
         &args.limits,
         &mut files,
     )?;

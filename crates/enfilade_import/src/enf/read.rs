@@ -148,6 +148,7 @@ pub(super) fn build(
         cameras: scene.cameras,
         orthographic_heights: scene.orthographic_heights,
         lights: scene.lights,
+        scenes: Vec::new(),
         map: scene.map,
         warnings: scene.warnings,
         files: Vec::new(),

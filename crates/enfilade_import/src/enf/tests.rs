@@ -129,6 +129,7 @@ fn everything() -> Import {
                 ..Light::point(SectorId(1), [0.0; 3], [1.0; 3], 1.0)
             },
         ],
+        scenes: Vec::new(),
         map: Some(MapSummary {
             format: "BSP2".to_owned(),
             leafs: 1,

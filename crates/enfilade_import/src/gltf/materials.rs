@@ -1,5 +1,6 @@
 //! Materials: color, alpha mode, emission, double-sidedness, and texture references.
 
+use super::affected::Affected;
 use super::attributes::Coordinates;
 use super::document::{Document, Material as Source, short};
 use crate::{BrokenRule, NonOccluder};
@@ -27,11 +28,16 @@ pub(super) struct Surface {
 
 /// Returns the document's materials by index, followed by the default material. Without `textures`, no texture is
 /// referenced.
-pub(super) fn read(document: &Document, textures: bool) -> Result<Vec<Surface>, BrokenRule> {
+pub(super) fn read(
+    document: &Document,
+    affected: &Affected,
+    textures: bool,
+) -> Result<Vec<Surface>, BrokenRule> {
     let mut surfaces = Vec::with_capacity(document.materials.len() + 1);
     let animated: BTreeSet<u32> = document.animated().materials.into_iter().collect();
     for (number, source) in document.materials.iter().enumerate() {
-        let why = why_no_occluder(source, animated.contains(&(number as u32)));
+        let index = number as u32;
+        let why = why_no_occluder(source, animated.contains(&index), affected.has_material(index));
         let plain = material(number, source, why)?;
         let surface = if textures {
             textured(plain, source)
@@ -104,11 +110,14 @@ fn transmission(source: &Source) -> f32 {
 }
 
 /// Returns why a material hides nothing, whatever its alpha mode.
-fn why_no_occluder(source: &Source, is_animated: bool) -> Option<NonOccluder> {
-    if transmission(source) > 0.0 || source.extensions.lets_light_through() {
-        return Some(NonOccluder::Transmissive);
-    }
-    is_animated.then_some(NonOccluder::Animated)
+fn why_no_occluder(source: &Source, is_animated: bool, is_affected: bool) -> Option<NonOccluder> {
+    let lets_light_through = transmission(source) > 0.0 || source.extensions.lets_light_through();
+    let reasons = [
+        (lets_light_through, NonOccluder::Transmissive),
+        (is_animated, NonOccluder::Animated),
+        (is_affected, NonOccluder::ExtensionUnread),
+    ];
+    reasons.iter().find(|(holds, _)| *holds).map(|&(_, why)| why)
 }
 
 /// Returns a material without its textures; no occluder if it has a reason to be none.

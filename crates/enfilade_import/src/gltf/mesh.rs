@@ -95,13 +95,21 @@ impl MeshPlan {
         document: &Document,
         surfaces: &[Surface],
         posed: PosedMesh,
+        lenient: bool,
         budget: &mut Budget,
         warnings: &mut Warnings,
     ) -> Result<MeshPlan, BrokenRule> {
         let mut parts = Vec::new();
         let (mut triangles, mut terms) = (0_u64, 0_u64);
         for number in 0..document.meshes[posed.mesh as usize].primitives.len() {
-            if let Some(part) = PartPlan::new(document, surfaces, &posed, number, budget, warnings)? {
+            let part = match PartPlan::new(document, surfaces, &posed, number, budget, warnings) {
+                Err(why) if lenient && is_unsupported(&why) => {
+                    warnings.name(WarningKind::LeftOut, || place(posed.mesh, number));
+                    None
+                }
+                part => part?,
+            };
+            if let Some(part) = part {
                 triangles = triangles.saturating_add(part.triangles());
                 terms = terms.saturating_add(part.terms());
                 parts.push(part);
@@ -205,6 +213,14 @@ impl MeshPlan {
             oddities,
         })
     }
+}
+
+/// Returns `true` if an error may be due to an unread extension.
+fn is_unsupported(why: &BrokenRule) -> bool {
+    matches!(
+        why,
+        BrokenRule::NotReadYet { .. } | BrokenRule::BadCompression { .. } | BrokenRule::WrongType { .. }
+    )
 }
 
 /// Returns the point that the positions of a skinned mesh are stored relative to: the world's origin, or the middle of

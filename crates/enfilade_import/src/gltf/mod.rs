@@ -8,6 +8,7 @@
 
 mod accessor;
 pub(crate) mod address;
+mod affected;
 mod attributes;
 mod below;
 mod buffers;
@@ -41,8 +42,9 @@ pub(crate) use pin::with_methods;
 use crate::budget::Budget;
 use crate::faults::Faults;
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, Import, NonOccluders, ReadOptions};
+use crate::{BrokenRule, FileScene, Import, NonOccluders, ReadOptions};
 use accessor::Row;
+use affected::Affected;
 use buffers::Buffers;
 use container::Container;
 use document::Document;
@@ -93,21 +95,27 @@ fn import_with(
         });
     }
     let json = document::repaired(container.json, &mut budget, &mut warnings)?;
-    let document = Document::parse(&json, &mut budget)?;
-    extensions::check(&document, &mut warnings)?;
+    let mut document = Document::parse(&json, &mut budget)?;
+    let default_scene = document.scene;
+    if let Some(scene) = &options.scene {
+        document.choose_scene(scene)?;
+    }
+    let document = document;
+    extensions::check(&document, options.lenient, &mut warnings)?;
+    let affected = Affected::by_unread(&document, &json);
     warn_of_the_unread(&document, &mut warnings);
-    let plan = Plan::new(&document, options.flat, faults, &mut warnings)?;
+    let plan = Plan::new(&document, options.flat, affected, faults, &mut warnings)?;
     let shown = plan.shown();
     budget.take(shown.len() as u64 * BYTES_PER_NODE, || "the nodes".to_owned())?;
     budget.take(plan.room_count() as u64 * BYTES_PER_ROOM, || {
         "the rooms".to_owned()
     })?;
-    let mut surfaces = materials::read(&document, options.textures)?;
+    let mut surfaces = materials::read(&document, plan.affected(), options.textures)?;
 
     let poses = Poses::new(&document, shown.iter().map(|placed| placed.node), &mut warnings)?;
     let used = poses.used();
     let skins = SkinPlan::new(&document, &used, &mut budget)?;
-    let plans = plan_meshes(&document, &surfaces, &used, &mut budget, &mut warnings)?;
+    let plans = plan_meshes(&document, &surfaces, &used, options, &mut budget, &mut warnings)?;
     budget.take(mesh::bytes_to_build(&plans), || {
         "the building of meshes".to_owned()
     })?;
@@ -176,6 +184,7 @@ fn import_with(
         cameras,
         orthographic_heights,
         lights,
+        scenes: scenes(&document, default_scene, &mut budget)?,
         map: None,
         warnings: warnings.into_list(),
         files,
@@ -197,11 +206,31 @@ fn files(document: &Document, folder: &Path, budget: &mut Budget) -> Result<Vec<
     affordable.collect()
 }
 
+/// Returns the names of the scenes; `default` is the index of the one that the file names.
+fn scenes(
+    document: &Document,
+    default: Option<u32>,
+    budget: &mut Budget,
+) -> Result<Vec<FileScene>, BrokenRule> {
+    let read = document.scene_number();
+    let scenes = (0..).zip(&document.scenes).map(|(number, scene)| {
+        let bytes = 2 * size_of::<FileScene>() + scene.name.len();
+        budget.take(bytes as u64, || "the names of its scenes".to_owned())?;
+        Ok(FileScene {
+            name: scene.name.to_string(),
+            is_default: default == Some(number),
+            is_read: read == Some(number),
+        })
+    });
+    scenes.collect()
+}
+
 /// Checks the used meshes and reserves their memory.
 fn plan_meshes(
     document: &Document,
     surfaces: &[Surface],
     used: &[PosedMesh],
+    options: &ReadOptions,
     budget: &mut Budget,
     warnings: &mut Warnings,
 ) -> Result<Vec<MeshPlan>, BrokenRule> {
@@ -213,7 +242,8 @@ fn plan_meshes(
             .last()
             .is_none_or(|before| before.posed().mesh != posed.mesh);
         let warnings = if is_first { &mut *warnings } else { &mut repeated };
-        plans.push(MeshPlan::new(document, surfaces, posed, budget, warnings)?);
+        let plan = MeshPlan::new(document, surfaces, posed, options.lenient, budget, warnings);
+        plans.push(plan?);
     }
     Ok(plans)
 }

@@ -3,6 +3,7 @@
 //! The methods are stored as an author would write them, not in a separate file. The JSON is serialized anew, so its
 //! keys may change order.
 
+use super::affected::Affected;
 use super::container::{Container, is_binary, joined};
 use super::document::{Document, repaired};
 use super::plan::Plan;
@@ -28,7 +29,13 @@ pub(crate) fn with_methods(
         skip_bad_portals: true,
         ..ReadOptions::default()
     });
-    let plan = Plan::new(&document, false, &mut faults, &mut Warnings::default())?;
+    let plan = Plan::new(
+        &document,
+        false,
+        Affected::default(),
+        &mut faults,
+        &mut Warnings::default(),
+    )?;
     faults.into_result()?;
     let rooms = plan.room_nodes();
     // Upper estimate of the parsed JSON, with a separate value for every number.

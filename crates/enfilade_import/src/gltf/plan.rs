@@ -1,5 +1,6 @@
 //! Turns nodes and hints into rooms: assigns each node to a room, and decides whether it is an item or an opening.
 
+use super::affected::Affected;
 use super::below::{self, Below};
 use super::document::{Document, Primitive, short};
 use super::hints::{self, Hint, OpeningTarget};
@@ -39,6 +40,8 @@ pub(super) struct Plan<'d> {
     levels: BTreeSet<u32>,
     /// Whether nodes hide others, by their authors.
     occluders: BTreeMap<u32, bool>,
+    /// What unread extensions may change.
+    affected: Affected,
     /// Method of the room for nodes outside every room, if the scene defines one.
     method_of_rest: Option<Method>,
 }
@@ -48,6 +51,7 @@ impl<'d> Plan<'d> {
     pub(super) fn new(
         document: &'d Document<'d>,
         flat: bool,
+        affected: Affected,
         faults: &mut Faults,
         warnings: &mut Warnings,
     ) -> Result<Plan<'d>, BrokenRule> {
@@ -96,6 +100,7 @@ impl<'d> Plan<'d> {
             animated,
             levels,
             occluders,
+            affected,
             method_of_rest,
         };
         plan.check_rooms(faults, warnings);
@@ -122,6 +127,11 @@ impl<'d> Plan<'d> {
     pub(super) fn terrains(&self) -> impl Iterator<Item = u32> {
         let nodes = self.placed.iter().map(|placed| placed.node);
         nodes.filter(|node| self.hints.get(node) == Some(&Hint::Terrain))
+    }
+
+    /// Returns what unread extensions may change.
+    pub(super) fn affected(&self) -> &Affected {
+        &self.affected
     }
 
     /// Returns the nodes whose meshes are terrain, for a terrain node.
@@ -284,11 +294,12 @@ impl<'d> Plan<'d> {
             material.is_some_and(|material| material.alpha == Alpha::Opaque)
         };
         let mut variants = primitives.iter().flat_map(Primitive::variants);
-        // The author knows where it is, which the first two do not ask for.
+        // An author knows the pose better, but not what the reasons before it say.
         let mut reasons = [
             (by_author == Some(false), NonOccluder::Author),
             (!variants.all(is_opaque), NonOccluder::MaterialVariant),
             (self.levels.contains(&placed.node), NonOccluder::LevelOfDetail),
+            (self.affected.has(placed.node, mesh), NonOccluder::ExtensionUnread),
             (node.skin.is_some(), NonOccluder::Skinned),
             (self.has_morph_targets(mesh), NonOccluder::Morphed),
             (self.animated.contains(&placed.node), NonOccluder::Animated),
@@ -558,7 +569,7 @@ fn exit(hint: &Hint) -> Option<&str> {
 }
 
 /// Returns some nodes with all below them. Indices that are out of range are ignored.
-fn with_all_below(document: &Document, mut waiting: Vec<u32>) -> BTreeSet<u32> {
+pub(super) fn with_all_below(document: &Document, mut waiting: Vec<u32>) -> BTreeSet<u32> {
     let mut all = BTreeSet::new();
     while let Some(number) = waiting.pop() {
         if let Some(node) = document.nodes.get(number as usize)

@@ -142,6 +142,7 @@ fn read(
     let geometry = geometry.build().map_err(BrokenRule::Geometry)?;
     warnings.state(WarningKind::EmptyScene, geometry.triangle_count() == 0);
     Ok(Import {
+        scenes: Vec::new(),
         warnings: warnings.into_list(),
         files: materials.files,
         ..Import::of_rooms(vec![Room {

@@ -249,38 +249,245 @@ fn a_gltf_wall_hides_a_crate_only_if_it_is_opaque_and_drawn_where_it_is() {
     }
 }
 
+/// Extensions without which shapes and what they hide are the same, or that are read.
+const HARMLESS: &[&str] = &[
+    "EXT_feature_metadata",
+    "EXT_instance_features",
+    "EXT_lights_area",
+    "EXT_lights_environment",
+    "EXT_lights_ies",
+    "EXT_lights_image_based",
+    "EXT_manifold",
+    "EXT_materials_bump",
+    "EXT_materials_clearcoat_color",
+    "EXT_materials_diffuse_roughness",
+    "EXT_mesh_features",
+    "EXT_mesh_gpu_instancing",
+    "EXT_mesh_manifold",
+    "EXT_mesh_polygon",
+    "EXT_mesh_primitive_edge_visibility",
+    "EXT_meshopt_compression",
+    "EXT_structural_metadata",
+    "EXT_texture_astc",
+    "EXT_texture_avif",
+    "EXT_texture_procedurals",
+    "EXT_texture_video",
+    "EXT_texture_webp",
+    "KHR_animation_pointer",
+    "KHR_audio",
+    "KHR_audio_emitter",
+    "KHR_character",
+    "KHR_implicit_shapes",
+    "KHR_lights_area",
+    "KHR_lights_environment",
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_coat",
+    "KHR_materials_diffuse_roughness",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_fuzz",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_materials_volume_scatter",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_node_visibility",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "MSFT_lod",
+    "MSFT_texture_dds",
+];
+
+/// Extensions without which something is lost, and the remedy.
+const SHAPING: &[(&str, &str)] = &[
+    ("AGI_articulations", "its parts are moved by it"),
+    ("CESIUM_RTC", "its place is lost"),
+    ("EXT_blend", "its materials are blended by it"),
+    ("EXT_geopose", "its place is lost"),
+    ("EXT_implicit_cylinder_region", "its shapes are lost"),
+    ("EXT_implicit_ellipsoid_region", "its shapes are lost"),
+    ("EXT_mesh_lod", "which of its levels is drawn is not known"),
+    ("EXT_mesh_opacity_micromap", "its triangles may have holes"),
+    ("EXT_mesh_primitive_restart", "as triangle lists"),
+    ("EXT_node_lod", "which of its levels is drawn is not known"),
+    ("EXT_primitive_voxels", "its voxels are lost"),
+    ("EXT_property_animation", "a program moves its nodes"),
+    ("EXT_volumetricvideo", "its shapes are lost"),
+    ("KHR_behavior", "a program moves its nodes"),
+    ("KHR_billboard", "turn to the camera"),
+    ("KHR_blend", "its materials are blended by it"),
+    ("KHR_gaussian_splatting", "its splats are lost"),
+    ("KHR_gaussian_splatting_compression_spz", "its splats are lost"),
+    ("KHR_interactivity", "a program moves its nodes"),
+    ("KHR_physics_rigid_bodies", "bodies fall by it"),
+    ("KHR_techniques_webgl", "its own shaders"),
+    ("KHR_unheard_of", "export it again without"),
+    ("VRMC_springBone", "its nodes are moved by it"),
+];
+
+/// Extensions that store numbers in other ways: what has a plain copy is the same.
+const STORING: &[&str] = &[
+    "EXT_accessor_additional_types",
+    "KHR_accessor_float16",
+    "KHR_accessor_float64",
+    "KHR_draco_mesh_compression",
+];
+
+/// The wall and the crate with an extension that is used, and perhaps required.
+fn with_extension(extension: &str, is_required: bool) -> File {
+    let mut file = gltf();
+    file.json["extensionsUsed"] = json!([extension]);
+    if is_required {
+        file.json["extensionsRequired"] = json!([extension]);
+    }
+    file
+}
+
+fn lenient(file: &File) -> Import {
+    let options = ReadOptions {
+        lenient: true,
+        ..ReadOptions::default()
+    };
+    read_bytes(&file.glb(), None, &options).unwrap_or_else(|why| panic!("{why}"))
+}
+
 #[test]
 fn extensions_that_change_no_shape_may_be_required() {
-    let import = |extension: &str| {
-        let mut file = gltf();
-        file.json["extensionsUsed"] = json!([extension]);
-        file.json["extensionsRequired"] = json!([extension]);
-        read_bytes(&file.glb(), None, &ReadOptions::default())
-    };
-    for extension in [
-        "EXT_mesh_features",
-        "EXT_structural_metadata",
-        "EXT_texture_avif",
-        "EXT_texture_webp",
-        "KHR_materials_clearcoat",
-        "KHR_materials_ior",
-        "KHR_materials_pbrSpecularGlossiness",
-        "KHR_materials_variants",
-        "KHR_texture_basisu",
-        "KHR_xmp_json_ld",
-        "MSFT_texture_dds",
-    ] {
-        let import = import(extension).unwrap_or_else(|why| panic!("{why}"));
+    for extension in HARMLESS {
+        let file = with_extension(extension, true);
+        let import = read_bytes(&file.glb(), None, &ReadOptions::default());
+        let import = import.unwrap_or_else(|why| panic!("{why}"));
         assert_eq!(visible(&import), ["wall"], "{extension}");
     }
-    for (extension, remedy) in [
-        ("KHR_draco_mesh_compression", "without compression"),
-        ("KHR_gaussian_splatting", "its splats are lost"),
-        ("EXT_implicit_ellipsoid_region", "its shapes are lost"),
-        ("KHR_unheard_of", "export it again without"),
-    ] {
-        let why = import(extension).expect_err("a refusal").to_string();
-        assert!(why.contains(extension) && why.contains(remedy), "{why}");
+}
+
+#[test]
+fn extensions_that_may_change_shapes_are_refused_or_hide_nothing() {
+    for (extension, remedy) in SHAPING {
+        let file = with_extension(extension, true);
+        let why = read_bytes(&file.glb(), None, &ReadOptions::default()).map(drop);
+        let why = why.expect_err("a refusal").to_string();
+        for words in [extension, remedy, &"--lenient"] {
+            assert!(why.contains(words), "{why}");
+        }
+        assert_eq!(visible(&lenient(&file)), ["crate", "wall"], "{extension}");
+        let used = with_extension(extension, false);
+        let import = read_bytes(&used.glb(), None, &ReadOptions::default()).expect("it is only used");
+        assert_eq!(visible(&import), ["crate", "wall"], "{extension}");
+    }
+    for extension in STORING {
+        let file = with_extension(extension, true);
+        let why = read_bytes(&file.glb(), None, &ReadOptions::default()).map(drop);
+        assert!(
+            why.expect_err("a refusal").to_string().contains("--lenient"),
+            "{extension}"
+        );
+        assert_eq!(visible(&lenient(&file)), ["wall"], "{extension}");
+    }
+}
+
+#[test]
+fn an_extension_that_is_not_read_changes_what_carries_it() {
+    const WHAT: &str = "ACME_melt";
+    let carried: [(&str, bool, fn(&mut File)); 12] = [
+        ("the node", false, |file| extend(file, "nodes", WHAT, json!({}))),
+        ("another node", true, |file| {
+            file.json["nodes"][1]["extensions"] = json!({ WHAT: {} });
+        }),
+        ("a node above", false, |file| {
+            file.node(
+                json!({ "children": [0], "extensions": { WHAT: { "speed": [1, { "extensions": 2 }] } } }),
+            );
+        }),
+        ("the mesh", false, |file| {
+            extend(file, "meshes", WHAT, json!(null))
+        }),
+        ("another mesh", true, |file| {
+            file.json["meshes"][1]["extensions"] = json!({ WHAT: {} });
+        }),
+        ("a primitive", false, |file| {
+            file.json["meshes"][0]["primitives"][0]["extensions"] = json!({ WHAT: {} });
+        }),
+        ("the material", false, |file| {
+            extend(file, "materials", WHAT, json!({}))
+        }),
+        ("a texture in the material", false, |file| {
+            file.json["materials"][0]["pbrMetallicRoughness"] = json!({ "extensions": { WHAT: {} } });
+        }),
+        ("a camera", true, |file| {
+            file.json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1, "znear": 1 }, "extensions": { WHAT: {} } }]);
+        }),
+        ("an accessor", false, |file| {
+            extend(file, "accessors", WHAT, json!({}))
+        }),
+        ("the document", false, |file| {
+            file.json["extensions"] = json!({ WHAT: { "nodes": [1] } });
+        }),
+        ("notes of another program", false, |file| {
+            file.json["nodes"][1]["extras"] = json!({ "extensions": { WHAT: {} } });
+        }),
+    ];
+    for (what, hides, change) in carried {
+        for is_required in [false, true] {
+            let mut file = with_extension(WHAT, is_required);
+            change(&mut file);
+            let visible = visible(&lenient(&file));
+            assert_eq!(
+                visible.contains(&"crate".to_owned()),
+                !hides,
+                "{what}: {visible:?}"
+            );
+            assert!(visible.contains(&"wall".to_owned()), "{what}");
+        }
+    }
+    // One that something carries says nothing about one that nothing carries.
+    let mut two = with_extension(WHAT, false);
+    two.json["extensionsUsed"] = json!([WHAT, "ACME_bend"]);
+    two.json["nodes"][1]["extensions"] = json!({ WHAT: {} });
+    assert_eq!(visible(&lenient(&two)), ["crate", "wall"]);
+    // The author knows better.
+    let mut told = with_extension(WHAT, false);
+    told.json["nodes"][0]["extensions"] = json!({ WHAT: {} });
+    told.json["nodes"][0]["extras"] = json!({ "enfilade": { "occluder": true } });
+    assert_eq!(visible(&lenient(&told)), ["wall"]);
+}
+
+#[test]
+fn what_cannot_be_decoded_is_left_out_of_a_file_that_is_read_leniently() {
+    let mut draco = with_extension("KHR_draco_mesh_compression", true);
+    let primitive = &mut draco.json["meshes"][0]["primitives"][0];
+    primitive["extensions"] = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": {} } });
+    draco.json["accessors"][0]
+        .as_object_mut()
+        .expect("an accessor")
+        .remove("bufferView");
+    let mut doubles = with_extension("KHR_accessor_float64", true);
+    doubles.json["accessors"][0]["componentType"] = json!(5130);
+    let mut later = with_extension("KHR_meshopt_compression", true);
+    let view = json!({ "buffer": 0, "byteLength": 8, "byteStride": 12, "count": 4, "mode": "MESHLETS" });
+    extend(&mut later, "bufferViews", "KHR_meshopt_compression", view);
+    for file in [draco, doubles, later] {
+        let import = lenient(&file);
+        assert_eq!(visible(&import), ["crate"]);
+        let warnings: Vec<String> = import.warnings.iter().map(ToString::to_string).collect();
+        let left_out =
+            "primitives whose compression or storage is not supported are left out (meshes[0].primitives[0])";
+        assert!(warnings.contains(&left_out.to_owned()), "{warnings:?}");
+        assert!(read_bytes(&file.glb(), None, &ReadOptions::default()).is_err());
     }
 }
 

@@ -9,6 +9,7 @@ mod surfaces;
 
 pub(in crate::gltf) use attributes::*;
 pub(in crate::gltf) use geometry::*;
+pub(in crate::gltf) use place::{PathStep, extensions as extensions_in};
 pub(in crate::gltf) use surfaces::*;
 
 use crate::BrokenRule;
@@ -146,6 +147,8 @@ pub(in crate::gltf) struct Asset<'a> {
 
 #[derive(Debug, Deserialize)]
 pub(in crate::gltf) struct Scene<'a> {
+    #[serde(borrow, default)]
+    pub(in crate::gltf) name: Cow<'a, str>,
     #[serde(default)]
     pub(in crate::gltf) nodes: Vec<u32>,
     #[serde(borrow)]
@@ -351,6 +354,39 @@ impl<'a> Document<'a> {
         let extensions: DocumentExtensions = serde_json::from_str(extensions.get())
             .map_err(|why| within("extensions", extensions.get(), &why))?;
         Ok(extensions.lights.map_or_else(Vec::new, |lights| lights.lights))
+    }
+
+    /// Reads another scene than the default one, by name or index.
+    pub(in crate::gltf) fn choose_scene(&mut self, wanted: &str) -> Result<(), BrokenRule> {
+        const MOST: usize = 1000;
+        const FEW: usize = 8;
+        let numbered = || (0_u32..).zip(&self.scenes);
+        let named: Vec<u32> = numbered()
+            .filter(|(_, scene)| scene.name == wanted && !wanted.is_empty())
+            .map(|(number, _)| number)
+            .collect();
+        let indexed = || wanted.parse().ok().filter(|&at: &usize| at < self.scenes.len());
+        match &*named {
+            [only] => self.scene = Some(*only),
+            [] => match indexed() {
+                Some(index) => self.scene = Some(index as u32),
+                None => {
+                    let names = self.scenes.iter().take(MOST).map(|scene| short(&scene.name));
+                    return Err(BrokenRule::NoSuchScene {
+                        scene: short(wanted),
+                        there: names.collect(),
+                    });
+                }
+            },
+            several => {
+                let indices: Vec<String> = several.iter().take(FEW).map(u32::to_string).collect();
+                return Err(BrokenRule::ManyScenes {
+                    scene: short(wanted),
+                    indices: indices.join(", "),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Returns the index of the scene that is read, if there are scenes.

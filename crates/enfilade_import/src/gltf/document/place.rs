@@ -207,6 +207,36 @@ pub(super) fn of_error(json: &[u8], why: &serde_json::Error, depth: usize) -> St
     }
 }
 
+/// A step of a path in the JSON.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::gltf) enum PathStep {
+    Key(String),
+    Index(usize),
+}
+
+/// Calls `found` with the path of each extension, outside `extras`: the keys and indices down to its name.
+pub(in crate::gltf) fn extensions(json: &[u8], mut found: impl FnMut(&[PathStep])) {
+    let mut tokens = Tokens::new(json);
+    while let Some((token, _)) = tokens.next() {
+        let [.., above, own] = &*tokens.frames else {
+            continue;
+        };
+        let is_extension =
+            token == Token::Key && !own.is_array && tokens.key(above).is_some_and(|key| key == "extensions");
+        if !is_extension {
+            continue;
+        }
+        let step = |frame: &Frame| match tokens.key(frame) {
+            Some(key) if !frame.is_array => PathStep::Key(key.into_owned()),
+            _ => PathStep::Index(frame.index),
+        };
+        let path: Vec<PathStep> = tokens.frames.iter().map(step).collect();
+        if !path.contains(&PathStep::Key("extras".to_owned())) {
+            found(&path);
+        }
+    }
+}
+
 /// Returns the text without properties that are null, outside `extras`, and calls `found` with the place of each. Lines and
 /// columns stay the same.
 pub(super) fn without_nulls(json: &[u8], mut found: impl FnMut(&dyn Fn() -> String)) -> Vec<u8> {

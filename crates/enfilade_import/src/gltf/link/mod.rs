@@ -15,6 +15,7 @@ mod shape;
 pub use error::LinkError;
 pub use shape::Shape;
 
+use super::affected::Affected;
 use super::buffers::{Buffers, Source};
 use super::compressed::Compressed;
 use super::container::Container;
@@ -101,6 +102,15 @@ struct Part {
     is_one_room: bool,
 }
 
+/// The contents of a file in the world.
+struct AppendedPart {
+    /// The roots of its scene.
+    roots: Vec<usize>,
+    has_rooms: bool,
+    /// Whether unread extensions may change any of it.
+    is_affected: bool,
+}
+
 impl Linker {
     /// Creates an empty world. `options` apply to each part and to the finished world.
     pub fn new(options: ReadOptions) -> Linker {
@@ -143,7 +153,11 @@ impl Linker {
             rule,
         };
         let first = self.merged.count("nodes");
-        let (roots, has_rooms) = self.append_document(name, path).map_err(failed)?;
+        let AppendedPart {
+            roots,
+            has_rooms,
+            is_affected,
+        } = self.append_document(name, path).map_err(failed)?;
         let nodes = first..self.merged.count("nodes");
         let mut group = json!({
             "name": if has_rooms { name.to_owned() } else { format!("{name}-room") },
@@ -155,6 +169,10 @@ impl Linker {
         if !has_rooms {
             group["extras"] = json!({ "enfilade": { "kind": "room" } });
         }
+        // The extensions themselves may be left out, so that the finished world does not show what they may change.
+        if is_affected {
+            group["extras"]["enfilade"]["occluder"] = json!(false);
+        }
         let group = self.merged.push("nodes", group);
         self.parts.push(Part {
             name: name.to_owned(),
@@ -165,8 +183,8 @@ impl Linker {
         Ok(PartId(self.parts.len() - 1))
     }
 
-    /// Appends the contents of a file; returns the roots of its scene, and whether it has rooms.
-    fn append_document(&mut self, name: &str, path: &Path) -> Result<(Vec<usize>, bool), BrokenRule> {
+    /// Appends the contents of a file.
+    fn append_document(&mut self, name: &str, path: &Path) -> Result<AppendedPart, BrokenRule> {
         let mut budget = Budget::new(self.options.limit_bytes);
         let mut unread = Warnings::default();
         // The finished world is read at the end and needs as much memory, so check now that it fits.
@@ -176,8 +194,13 @@ impl Linker {
         let bytes = read_regular_file(path, None, &|| "the file".to_owned(), &mut budget)?;
         let container = Container::split(&bytes)?;
         let plain = repaired(container.json, &mut budget, &mut unread)?;
-        let document = Document::parse(&plain, &mut budget)?;
-        extensions::check(&document, &mut unread)?;
+        let mut document = Document::parse(&plain, &mut budget)?;
+        if let Some(scene) = &self.options.scene {
+            document.choose_scene(scene)?;
+        }
+        let document = document;
+        extensions::check(&document, self.options.lenient, &mut unread)?;
+        let is_affected = Affected::by_unread(&document, &plain).is_any();
         let mut faults = Faults::new(&self.options);
         let hints = hints::read(&document, &mut faults, &mut unread);
         faults.into_result()?;
@@ -193,8 +216,9 @@ impl Linker {
             &mut budget,
         )?;
         let roots = nodes::scene_roots(&document)?;
-        let json: Value =
-            serde_json::from_slice(container.json).map_err(|why| BrokenRule::Json(why.to_string()))?;
+        let mut json: Value =
+            serde_json::from_slice(&plain).map_err(|why| BrokenRule::Json(why.to_string()))?;
+        detach(&mut json, &roots);
         let first = self.merged.count("nodes");
         let plain: BTreeSet<Source> = sources.iter().copied().flatten().collect();
         let of_buffer = |buffer| {
@@ -219,10 +243,11 @@ impl Linker {
             .extend(missing.into_iter().map(|why| format!("{name}: {why}")));
         self.merged.rename(first, name);
         self.document_bytes += estimated_bytes(container.json);
-        Ok((
-            roots.iter().map(|&root| first + root as usize).collect(),
+        Ok(AppendedPart {
+            roots: roots.iter().map(|&root| first + root as usize).collect(),
             has_rooms,
-        ))
+            is_affected,
+        })
     }
 
     /// Returns the node of a part by its name, to use it as an opening or an exit.
@@ -381,8 +406,13 @@ impl Linker {
         let roots: Vec<usize> = self.parts.iter().map(|part| part.group).collect();
         self.merged.push("scenes", json!({ "nodes": roots }));
         let (glb, left_out) = self.merged.into_glb().ok_or(LinkError::TooLarge)?;
-        let import = crate::read_bytes(&glb, None, &self.options)
-            .map_err(|why| LinkError::World(Box::new(why.rule)))?;
+        // Scenes were chosen in the parts; the world has one.
+        let options = ReadOptions {
+            scene: None,
+            ..self.options
+        };
+        let import =
+            crate::read_bytes(&glb, None, &options).map_err(|why| LinkError::World(Box::new(why.rule)))?;
         Ok(Linked {
             glb,
             left_out,
@@ -390,6 +420,15 @@ impl Linker {
             files: self.files,
             import,
         })
+    }
+}
+
+/// Removes nodes from the children of their parents, which their scene leaves out: in the world they have another parent.
+fn detach(json: &mut Value, roots: &[u32]) {
+    let roots: BTreeSet<u64> = roots.iter().map(|&root| u64::from(root)).collect();
+    let nodes = json["nodes"].as_array_mut().into_iter().flatten();
+    for children in nodes.filter_map(|node| node.get_mut("children")?.as_array_mut()) {
+        children.retain(|child| child.as_u64().is_none_or(|child| !roots.contains(&child)));
     }
 }
 

@@ -150,6 +150,7 @@ pub(crate) fn import(
         cameras,
         lights: lights::lights(&entities, is_quake3),
         map: Some(summary),
+        scenes: Vec::new(),
         warnings: warnings.into_list(),
         files,
         ..Import::of_rooms(vec![Room {

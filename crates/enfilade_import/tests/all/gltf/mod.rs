@@ -24,6 +24,7 @@ mod queries;
 mod real_laws;
 mod repaired;
 mod rooms;
+mod scene_choice;
 mod scenes;
 mod shapes;
 mod sky;

@@ -30,7 +30,7 @@ fn a_scene_without_triangles_is_called_empty() {
 
 #[test]
 fn scenes_beside_the_default_one_are_counted() {
-    let other = "only the default scene is read, others are not (2)";
+    let other = "only one scene is read, others are not (2)";
     warns(
         |file| file.json["scenes"] = json!([{ "nodes": [0] }, {}, {}]),
         &[other],

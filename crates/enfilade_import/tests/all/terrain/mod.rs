@@ -264,6 +264,8 @@ const LITTLE: ReadOptions = ReadOptions {
     limit_bytes: 20_000,
     flat: false,
     skip_bad_portals: false,
+    scene: None,
+    lenient: false,
     textures: true,
 };
 

@@ -87,6 +87,10 @@ pub enum WarningKind {
     BadLights,
     /// Portals and mirrors with instances.
     InstancedOpenings,
+    /// Meshes with morph targets, in a scene that an earlier version baked.
+    MorphTargets,
+    /// Nodes with a skin, in a scene that an earlier version baked.
+    Skins,
     /// Skinned meshes with instances.
     InstancedSkins,
     /// Morph weights that are not as many as the targets.
@@ -166,6 +170,12 @@ impl WarningKind {
             WarningKind::BadLights => "lights with an invalid color, range, cone or transform are ignored",
             WarningKind::InstancedOpenings => {
                 "instances of portals and mirrors are ignored: each is placed once, at its node"
+            }
+            WarningKind::MorphTargets => {
+                "morph targets were not read when the scene was baked: shapes are those before any morph; bake it again"
+            }
+            WarningKind::Skins => {
+                "skins were not read when the scene was baked: meshes have no pose; bake it again"
             }
             WarningKind::InstancedSkins => {
                 "instances of skinned meshes are ignored: each mesh is drawn once, where its joints are"

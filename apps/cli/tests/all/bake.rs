@@ -12,7 +12,7 @@ fn without_times(value: &mut Value) {
             entries.retain(|key, _| {
                 !(key.ends_with("ms")
                     || key.starts_with("ms_")
-                    || ["file", "format", "bytes", "sections"].contains(&&**key))
+                    || ["file", "format", "bytes", "scenes", "sections"].contains(&&**key))
             });
             entries.values_mut().for_each(without_times);
         }

@@ -23,6 +23,7 @@ mod real_scenes;
 mod rooms;
 mod same_file;
 mod saved;
+mod scene_choice;
 mod shards;
 mod simd;
 mod terrain;

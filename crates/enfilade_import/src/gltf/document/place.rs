@@ -52,6 +52,13 @@ impl<'j> Tokens<'j> {
         }
     }
 
+    /// Returns the position and first byte of the next token.
+    fn peek(&self) -> Option<(usize, u8)> {
+        let rest = self.json.iter().enumerate().skip(self.at);
+        let mut tokens = rest.filter(|(_, byte)| !b" \t\r\n:".contains(byte));
+        tokens.next().map(|(at, byte)| (at, *byte))
+    }
+
     /// Returns the next token and its bytes. Containers are entered and left.
     fn next(&mut self) -> Option<(Token, Range<usize>)> {
         while let Some(&byte) = self.json.get(self.at) {
@@ -182,16 +189,14 @@ pub(super) fn of_error(json: &[u8], why: &serde_json::Error, depth: usize) -> St
     let end = (line + why.column()).min(json.len());
     let mut tokens = Tokens::new(json);
     let mut place = String::new();
-    loop {
-        // The token at the error may close the container that the error is about.
-        let before = tokens.at;
+    while let Some((start, byte)) = tokens.peek() {
+        // A comma would end the property, and a bracket open or close a container.
+        if start >= end || (byte == b',' && start + 1 >= end) {
+            break;
+        }
         let Some((token, bytes)) = tokens.next() else {
             break;
         };
-        if bytes.start >= end || (token == Token::Comma && bytes.end >= end) {
-            tokens.at = before;
-            break;
-        }
         if bytes.end >= end {
             if token == Token::Open {
                 tokens.frames.pop();

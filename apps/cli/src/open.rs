@@ -181,6 +181,11 @@ fn open_file(
         };
         anyhow!("{file}: {why}; {remedy}")
     })?;
+    let upright = if import.tells_up() {
+        Upright::default()
+    } else {
+        Upright::of_floors(&scene)
+    };
     let (nodes, non_occluders) = import
         .rooms
         .into_iter()
@@ -189,11 +194,7 @@ fn open_file(
     Ok(OpenedScene {
         file: file.to_owned(),
         format: format(path),
-        upright: if import.tells_up() {
-            Upright::default()
-        } else {
-            Upright::of_floors(&scene)
-        },
+        upright,
         scene,
         cameras: import.cameras,
         orthographic_heights: import.orthographic_heights,

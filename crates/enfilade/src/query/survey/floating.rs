@@ -1,22 +1,19 @@
 //! Camera positions in the open space of geometries without floors.
 //!
 //! Idea: choose a random point on the free segment between a point on a surface and the next surface, and look level. A
-//!     position is rejected as inside a solid if most rays from it hit back faces.
+//!     position is rejected as inside a solid if most rays from it hit solid sides.
 //! Source: after the random walks of visibility sampling.
 
-use super::{CLEARANCE, SurveyView, Surveyor, TRIES};
-use crate::geometry::Geometry;
+use super::{CLEARANCE, Site, SurveyView, Surveyor, TRIES};
 use crate::ids::ItemIndex;
 use glam::DVec3;
 
 /// Minimum distance of an eye from all faces, relative to the geometry's size.
 const CLEAR_OF_SIZE: f64 = 1e-3;
 
-pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<SurveyView> {
+pub(super) fn places(surveyor: &mut Surveyor, sites: &[Site], count: usize) -> Vec<SurveyView> {
     let mut found = Vec::new();
-    let items: usize = (surveyor.geometries.iter())
-        .map(|(_, geometry)| geometry.items().len())
-        .sum();
+    let items: usize = sites.iter().map(|site| site.geometry.items().len()).sum();
     if items == 0 {
         return found;
     }
@@ -25,15 +22,17 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<SurveyView> {
             break;
         }
         let mut item = surveyor.dice.below(items);
-        let home = surveyor.geometries.iter().find(|(_, geometry)| {
-            let here = item < geometry.items().len();
-            item -= if here { 0 } else { geometry.items().len() };
+        let home = sites.iter().find(|site| {
+            let items = site.geometry.items().len();
+            let here = item < items;
+            item -= if here { 0 } else { items };
             here
         });
-        let Some(&(sector, geometry)) = home else {
+        let Some(site) = home else {
             continue;
         };
-        let Some(place) = place_in_the_open(surveyor, geometry, ItemIndex(item as u32)) else {
+        let &Site { sector, geometry, .. } = site;
+        let Some(place) = place_in_the_open(surveyor, site, ItemIndex(item as u32)) else {
             continue;
         };
         let eye = place.as_vec3().to_array();
@@ -56,7 +55,8 @@ pub(super) fn places(surveyor: &mut Surveyor, count: usize) -> Vec<SurveyView> {
 }
 
 /// Returns a random point on the free segment from a face of an item to the next surface.
-fn place_in_the_open(surveyor: &mut Surveyor, geometry: &Geometry, item: ItemIndex) -> Option<DVec3> {
+fn place_in_the_open(surveyor: &mut Surveyor, site: &Site, item: ItemIndex) -> Option<DVec3> {
+    let geometry = site.geometry;
     let mesh = geometry.mesh_of(item);
     if mesh.face_count() == 0 {
         return None;
@@ -77,8 +77,10 @@ fn place_in_the_open(surveyor: &mut Surveyor, geometry: &Geometry, item: ItemInd
     let start = start + direction * (1e-5 * size);
     let free = surveyor.budget.cast(geometry, start, direction)?.distance;
     let place = start + direction * (free * (0.01 + 0.98 * surveyor.dice.fraction()));
-    let [fronts, hits] = surveyor.cast_around(geometry, place, |_| {});
+    let seen = surveyor.cast_around(site, place, |_, _| {});
     let clearance = (CLEAR_OF_SIZE * size).min(CLEARANCE * surveyor.metre);
-    let is_open = 2 * fronts >= hits && !super::is_near_a_face(geometry, place, clearance, &surveyor.budget);
+    let is_open = 2 * surveyor.open_sides(&seen) >= seen.hits()
+        && !super::is_near_a_face(geometry, place, clearance, &surveyor.budget)
+        && !surveyor.is_inside_solid(geometry, &site.sides, place);
     is_open.then_some(place)
 }

@@ -19,11 +19,13 @@ const MAX_PARTS: f64 = 5e7;
 /// Minimum side of a column, in metres.
 const COLUMN: f64 = 0.1;
 /// Minimum free height above a floor, in metres.
-const HEADROOM: f64 = 1.4;
+pub(super) const HEADROOM: f64 = 1.4;
 /// Maximum step between connected floors, in metres.
 const STEP: f64 = 0.45;
 /// Minimum free height below a roof, in metres.
-const BELOW_ROOF: f64 = 1.8;
+pub(super) const BELOW_ROOF: f64 = 1.8;
+/// Maximum number of floors from which the border of a room is searched.
+const MOST_FOR_BORDER: usize = 1 << 14;
 /// Cosine of the maximum slope of a floor.
 const LEVEL: f64 = 0.7;
 
@@ -197,18 +199,64 @@ impl Floors {
         )
     }
 
+    /// Returns `true` if most of the border of connected floors, within the grid, is above much lower floors. The
+    /// outermost `margin` floors may be missing.
+    pub(super) fn ends_at_drops(&self, floors: &[u32], margin: usize) -> bool {
+        let [mut border, mut drops] = [0, 0];
+        let sampled = floors
+            .iter()
+            .step_by(floors.len().div_ceil(MOST_FOR_BORDER).max(1));
+        for (&floor, side) in sampled.flat_map(|floor| (0..4).map(move |side| (floor, side))) {
+            if let Some(drop) = self.drop_beyond(floor, side, margin) {
+                border += 1;
+                drops += usize::from(drop >= BELOW_ROOF * self.metre);
+            }
+        }
+        2 * drops > border
+    }
+
+    /// Returns the height of the border of connected floors, in one direction, above the highest floor beyond it; `None`
+    /// if the border is more than `margin` floors away, or no floor is beyond it.
+    fn drop_beyond(&self, mut floor: u32, side: usize, margin: usize) -> Option<f64> {
+        for _ in 0..=margin {
+            let Floor { height, column, .. } = self.all[floor as usize];
+            match self.neighbours(floor)[side] {
+                Some(next) => floor = next,
+                None => {
+                    let top = self.top(self.columns_around(column)[side]?)?;
+                    return Some(f64::from(height - top));
+                }
+            }
+        }
+        None
+    }
+
+    /// Returns the height of the highest floor of a column.
+    fn top(&self, column: usize) -> Option<f32> {
+        let all = self.starts[column] as usize..self.starts[column + 1] as usize;
+        self.all[all].last().map(|floor| floor.height)
+    }
+
+    /// Returns the four neighbouring columns.
+    fn columns_around(&self, column: u32) -> [Option<usize>; 4] {
+        let [width, depth] = self.size;
+        let column = column as usize;
+        let [x, z] = [column % width, column / width];
+        [
+            (x > 0).then(|| column - 1),
+            (x + 1 < width).then_some(column + 1),
+            (z > 0).then(|| column - width),
+            (z + 1 < depth).then_some(column + width),
+        ]
+    }
+
     /// Returns the connected floors in the four neighbouring columns.
     pub(super) fn neighbours(&self, floor: u32) -> [Option<u32>; 4] {
         let from = self.all[floor as usize];
-        let [x, z] = [
-            from.column as usize % self.size[0],
-            from.column as usize / self.size[0],
-        ];
         // On a coarse grid slopes are steps.
         let step = (STEP * self.metre).max(self.side) as f32;
         let headroom = (HEADROOM * self.metre) as f32;
-        let in_column = |x: usize, z: usize| {
-            let column = z * self.size[0] + x;
+        let in_column = |column: usize| {
             let all = self.starts[column]..self.starts[column + 1];
             all.min_by(|&a, &b| {
                 let off = |floor: u32| (self.all[floor as usize].height - from.height).abs();
@@ -220,12 +268,8 @@ impl Floors {
                 (to.height - from.height).abs() <= step && ceiling - from.height.max(to.height) >= headroom
             })
         };
-        [
-            (x > 0).then(|| in_column(x - 1, z)).flatten(),
-            (x + 1 < self.size[0]).then(|| in_column(x + 1, z)).flatten(),
-            (z > 0).then(|| in_column(x, z - 1)).flatten(),
-            (z + 1 < self.size[1]).then(|| in_column(x, z + 1)).flatten(),
-        ]
+        self.columns_around(from.column)
+            .map(|column| column.and_then(in_column))
     }
 }
 

@@ -1,9 +1,12 @@
 //! Automatic camera placement: positions at eye height in the open space of a scene, deterministic for a given scene.
 //!
 //! Idea: find the walkable floors of each geometry, segment them into rooms, and distribute positions over the rooms,
-//!     more in large ones, each as far as possible from the others. A room from which most rays hit back faces is
-//!     rejected: it is inside a solid, or outside a map whose faces point inward. The floors of the whole scene decide
-//!     which side is the back, because some files have inverted winding.
+//!     more in large ones, each as far as possible from the others. A room from which most rays hit the solid sides of
+//!     faces is rejected: it is inside a solid, or outside a map whose faces point inward. Each connected part that
+//!     encloses a volume tells itself which side is solid; see `sides.rs`. Of other faces it is the back, unless most of
+//!     the floors that see any see their backs: there the winding is inverted, or the author cared for one side only.
+//!     Floors that see backs but no open side of an enclosed volume, though the scene has such, do not count: they may
+//!     be inside a solid with holes.
 //! Source: Mononen, Recast Navigation, 2009, for floors and rooms.
 //! Cost: see `floors.rs`; then about three hundred rays per room and two hundred per position.
 //! No promise: open space need not have a floor. Without any floor, positions float; see `floating.rs`. Around a small
@@ -14,6 +17,8 @@ mod floating;
 mod floors;
 mod hard;
 mod rooms;
+mod shells;
+mod sides;
 mod turned;
 
 pub use hard::survey_hard;
@@ -21,19 +26,21 @@ pub use turned::{SurveyOptions, survey_with};
 
 use super::cast::line_of;
 use super::ray::RayEnd;
-use crate::geom::{Aabb, Step, nearest_points};
-use crate::geometry::Geometry;
+use crate::geom::{Aabb, Line, Step, nearest_points};
+use crate::geometry::{Geometry, Material};
 use crate::ids::{ItemIndex, SectorId};
 use crate::random::SplitMix;
 use crate::scene::Scene;
 use crate::sector::{Hit, Ray};
-use floors::{Floor, Floors, Kind};
+use floors::{BELOW_ROOF, Floor, Floors, Kind};
 use glam::DVec3;
-use rooms::{Room, rooms};
+use rooms::{NARROWEST, Room, rooms};
+use sides::{AllSides, ShellKey, Side, Sides};
 use smallvec::SmallVec;
 use std::cell::Cell;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
+use std::ops::AddAssign;
 
 /// Camera position in open space with a target, from [`survey`] or [`survey_hard`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,12 +63,14 @@ pub struct SurveyView {
 pub struct Survey {
     /// The positions, distributed over the rooms.
     pub views: Vec<SurveyView>,
-    /// Number of rooms and streets found; 0 if the positions are around an object, or float because the scene has no
-    /// floors.
+    /// Number of connected floors found, such as rooms, streets and roofs; 0 if the positions are around an object, or
+    /// float because the scene has no floors.
     pub rooms: usize,
     /// Estimated length of a metre in scene units.
     pub metre: f64,
-    /// Whether most rays from above the floors hit back faces: the winding of the file seems inverted.
+    /// Whether the winding of the file seems inverted: most of the closed parts that are too small for rooms have their
+    /// fronts inside; or, where no part encloses a volume, hardly anything but back faces is visible from above the
+    /// floors.
     pub seems_inverted: bool,
 }
 
@@ -72,7 +81,10 @@ pub struct Survey {
 /// possible. At most an eighth are above roofs. A metre is one unit, unless rooms would be lower than 1.2 m or higher
 /// than 40 m.
 ///
-/// A scene of at most 3 m without a ceiling is an object: eyes are around it and look at its centre.
+/// No eye is inside a closed part of a mesh whose fronts are outside, or inverted and too small for a room.
+///
+/// A scene of at most 3 m without a ceiling is an object, as is one in which nothing rises above the floors: eyes are
+/// around it and look at its centre.
 ///
 /// Returns fewer positions if it finds no more or if thousands of items overlap, and none if the scene has no open
 /// space.
@@ -114,16 +126,29 @@ const OBJECT: f64 = 3.0;
 const STEEP: f64 = -0.35;
 /// Minimum number of hits of other rays that classify a position without the steep ones.
 const ENOUGH_HITS: u32 = 2;
-/// Minimum fraction of rays that must hit front faces.
-const FRONTS: f64 = 0.6;
+/// Minimum fraction of rays that must hit the open sides of faces.
+const OPEN: f64 = 0.6;
+/// Ratio of back faces to front faces in view that means inverted winding without any evidence by volume.
+const HARDLY_ANY_FRONTS: f64 = 4.0;
+/// Slope above which a ray shows what rises above a floor: the sine of 6 degrees downwards.
+const LEVEL: f64 = -0.1;
+/// Directions of the rays that find the closed parts around an eye: along no axis or diagonal, on which edges often are.
+const PROBES: [DVec3; 3] = [
+    DVec3::new(0.113, 0.971, 0.071),
+    DVec3::new(-0.831, 0.317, 0.463),
+    DVec3::new(0.521, 0.277, -0.809),
+];
 /// Range of plausible median room heights, in metres.
 const PLAUSIBLE_HEADROOM: [f64; 2] = [1.2, 40.0];
 const USUAL_HEADROOM: f64 = 3.0;
+/// Number of headrooms that are tested for being those of the inside of solids.
+const SAMPLED_HEADROOMS: usize = 1024;
 
 /// A geometry with its floors and rooms.
 struct Site<'a> {
     sector: SectorId,
     geometry: &'a Geometry,
+    sides: Sides,
     floors: Floors,
     rooms: Vec<Room>,
     /// By floor, in metres.
@@ -137,6 +162,8 @@ struct Surveyor<'a> {
     is_metre_given: bool,
     dice: SplitMix,
     budget: RayBudget,
+    /// Whether the fronts of faces that enclose no volume are on the open side.
+    sheets_are_right: bool,
 }
 
 impl<'a> Surveyor<'a> {
@@ -152,6 +179,7 @@ impl<'a> Surveyor<'a> {
             is_metre_given: false,
             dice: SplitMix(seed),
             budget: RayBudget::default(),
+            sheets_are_right: true,
         }
     }
 
@@ -162,28 +190,53 @@ impl<'a> Surveyor<'a> {
     /// Also returns the number of clusters tested.
     fn survey_and_met(mut self, count: usize) -> (Survey, u64) {
         let mut floors = self.floors();
-        if let Some(metre) = metre_of(&floors).filter(|_| !self.is_metre_given) {
+        if let Some(metre) = self.metre_of(&floors).filter(|_| !self.is_metre_given) {
             self.metre = metre;
             floors = self.floors();
         }
-        let sites: Vec<Site> = (self.geometries.iter().zip(floors))
-            .map(|(&(sector, geometry), floors)| {
+        let geometries: Vec<&Geometry> = self.geometries.iter().map(|&(_, geometry)| geometry).collect();
+        let AllSides {
+            sides,
+            has_shells,
+            is_inverted,
+        } = AllSides::of(&geometries, self.metre);
+        let mut sites: Vec<Site> = (self.geometries.iter().zip(floors).zip(sides))
+            .map(|((&(sector, geometry), floors), sides)| {
                 let (rooms, clearance) = rooms(&floors, self.metre);
                 Site {
                     sector,
                     geometry,
+                    sides,
                     floors,
                     rooms,
                     clearance,
                 }
             })
             .collect();
-        let (rooms, seems_inverted) = self.open_rooms(&sites);
+        let dice = self.dice.clone();
+        let mut sampled = self.sampled_rooms(&sites);
+        let mut sheets = Sheets::of(&sampled, has_shells);
+        self.sheets_are_right = sheets.are_right(!is_inverted);
+        let inverted = self.inverted_solids(&sites, &sampled);
+        if !inverted.is_empty() {
+            inverted
+                .iter()
+                .for_each(|&(site, key)| sites[site].sides.invert(key));
+            self.dice = dice;
+            sampled = self.sampled_rooms(&sites);
+            sheets = Sheets::of(&sampled, has_shells);
+            self.sheets_are_right = sheets.are_right(!is_inverted);
+        }
+        let rooms = self.open_rooms(sampled);
         let mut found = Survey {
             views: Vec::new(),
             rooms: 0,
             metre: self.metre,
-            seems_inverted,
+            seems_inverted: if has_shells {
+                is_inverted && !sheets.are_right(false)
+            } else {
+                sheets.are_inverted()
+            },
         };
         if self.is_an_object(&rooms) {
             found.views = around::places(&mut self, count);
@@ -194,7 +247,7 @@ impl<'a> Surveyor<'a> {
         }
         if found.views.is_empty() {
             found.rooms = 0;
-            found.views = floating::places(&mut self, count);
+            found.views = floating::places(&mut self, &sites, count);
         }
         (found, self.budget.tested.get())
     }
@@ -205,49 +258,130 @@ impl<'a> Surveyor<'a> {
             .collect()
     }
 
-    /// Returns the rooms from which mostly front faces are visible, and whether the winding seems inverted.
-    fn open_rooms<'s>(&mut self, sites: &'s [Site<'a>]) -> (Vec<RoomQuota<'s, 'a>>, bool) {
-        let mut sampled = Vec::new();
-        // Floor area from which front faces are visible, minus that from which back faces are.
-        let mut balance = 0.0;
-        for site in sites {
-            for room in &site.rooms {
-                if let Some((fronts, items)) = self.sample_room(site, room) {
-                    // The outside of a map whose faces point inward consists of roofs and assumed floors.
-                    if room.kind == Kind::Floor {
-                        balance += room.area * (2.0 * fronts - 1.0);
-                    }
-                    sampled.push((site, room, fronts, items));
-                }
-            }
+    /// Estimates a metre in scene units from the median headroom; `None` if one unit is plausible.
+    fn metre_of(&self, floors: &[Floors]) -> Option<f64> {
+        let covered = covered(floors);
+        let metre = metre_by_headroom(&covered)?;
+        // The inside of solids would make the metre that of towers and foundations.
+        let geometries: Vec<&Geometry> = self.geometries.iter().map(|&(_, geometry)| geometry).collect();
+        let sides = AllSides::of(&geometries, 1.0).sides;
+        let is_open = |&covered: &Covered| {
+            let Covered {
+                at, floor, headroom, ..
+            } = covered;
+            let middle = floors[at].place(floor) + DVec3::Y * (0.5 * headroom);
+            !self.is_inside_solid(geometries[at], &sides[at], middle)
+        };
+        let stride = covered.len().div_ceil(SAMPLED_HEADROOMS).max(1);
+        let sampled = || covered.iter().step_by(stride).copied();
+        let open: Vec<Covered> = sampled().filter(is_open).collect();
+        if open.len() == sampled().count() {
+            return Some(metre);
         }
-        let seems_inverted = balance < 0.0;
-        let wanted = sampled.into_iter().filter_map(|(site, room, fronts, items)| {
-            let fronts = if seems_inverted { 1.0 - fronts } else { fronts };
-            (fronts >= FRONTS).then_some(RoomQuota {
-                site,
-                room,
-                items,
-                eyes: Vec::new(),
-                failed: 0,
-            })
-        });
-        (wanted.collect(), seems_inverted)
+        metre_by_headroom(&open)
     }
 
-    /// Returns the fraction of hits on front faces and the number of distinct items hit by rays from a room; `None` if
-    /// no ray hits.
-    fn sample_room(&mut self, site: &Site, room: &Room) -> Option<(f64, usize)> {
-        let (mut all, mut items) = ([0, 0], BTreeSet::new());
+    /// Returns what is visible from each room; without rooms from which no ray hits.
+    fn sampled_rooms<'s>(&mut self, sites: &'s [Site<'a>]) -> Vec<SampledRoom<'s, 'a>> {
+        let rooms = sites
+            .iter()
+            .flat_map(|site| site.rooms.iter().map(move |room| (site, room)));
+        rooms
+            .filter_map(|(site, room)| self.sample_room(site, room))
+            .collect()
+    }
+
+    /// Returns the doubtful shells whose solid sides are visible from floors in the open, by site.
+    fn inverted_solids(&self, sites: &[Site], sampled: &[SampledRoom]) -> BTreeSet<(usize, ShellKey)> {
+        let in_the_open = sampled
+            .iter()
+            .filter(|sampled| sampled.room.kind == Kind::Floor && self.is_open(&sampled.seen_beyond));
+        let number = |site: &Site| sites.iter().position(|other| std::ptr::eq(site, other));
+        in_the_open
+            .filter_map(|sampled| Some((number(sampled.site)?, &sampled.doubtful)))
+            .flat_map(|(site, doubtful)| doubtful.iter().map(move |&key| (site, key)))
+            .collect()
+    }
+
+    /// Returns the rooms from which mostly the open sides of faces are visible.
+    fn open_rooms<'s>(&self, sampled: Vec<SampledRoom<'s, 'a>>) -> Vec<RoomQuota<'s, 'a>> {
+        let open = sampled.into_iter().filter(|room| self.is_open(&room.seen));
+        open.map(|sampled| RoomQuota {
+            site: sampled.site,
+            room: sampled.room,
+            kind: self.kind_of(sampled.site, sampled.room),
+            items: sampled.items,
+            rises: sampled.rises,
+            eyes: Vec::new(),
+            failed: 0,
+        })
+        .collect()
+    }
+
+    /// Returns the kind of a room. The top of a solid is a floor unless it ends at drops, as the roofs of solid houses do.
+    fn kind_of(&self, site: &Site, room: &Room) -> Kind {
+        let middle = site.floors.place(room.floors[room.floors.len() / 2]);
+        let below = middle - DVec3::Y * (0.5 * BELOW_ROOF * self.metre);
+        let margin = (NARROWEST * self.metre / site.floors.side).ceil() as usize;
+        let is_ground = room.kind == Kind::Roof
+            && self.is_inside_solid(site.geometry, &site.sides, below)
+            && !site.floors.ends_at_drops(&room.floors, margin);
+        if is_ground { Kind::Floor } else { room.kind }
+    }
+
+    /// Casts rays from a room; `None` if no ray hits.
+    fn sample_room<'s>(&mut self, site: &'s Site<'a>, room: &'s Room) -> Option<SampledRoom<'s, 'a>> {
+        let mut sampled = SampledRoom {
+            site,
+            room,
+            seen: Seen::default(),
+            seen_beyond: Seen::default(),
+            doubtful: BTreeSet::new(),
+            items: 0,
+            rises: false,
+        };
+        let mut items = BTreeSet::new();
         for _ in 0..SAMPLED_FLOORS {
             let floor = room.floors[self.dice.below(room.floors.len())];
             let eye = self.eye(site, floor, false);
-            let [fronts, hits] = self.cast_around(site.geometry, eye, |item| {
-                items.insert(item);
+            sampled.seen += self.cast_around(site, eye, |direction, hit| {
+                items.insert(hit.item.index);
+                sampled.rises |= direction.y > LEVEL;
+                let side = site.sides.of(site.geometry, hit);
+                match site.sides.doubtful(site.geometry, hit) {
+                    Some(key) if side == Side::Solid => {
+                        sampled.doubtful.insert(key);
+                    }
+                    Some(_) => {}
+                    None => sampled.seen_beyond.add(side),
+                }
             });
-            all = [all[0] + fronts, all[1] + hits];
         }
-        (all[1] > 0).then(|| (f64::from(all[0]) / f64::from(all[1]), items.len()))
+        sampled.items = items.len();
+        (sampled.seen.hits() > 0).then_some(sampled)
+    }
+
+    /// Returns `true` if most of the faces seen show their open sides.
+    fn is_open(&self, seen: &Seen) -> bool {
+        seen.hits() > 0 && f64::from(self.open_sides(seen)) >= OPEN * f64::from(seen.hits())
+    }
+
+    fn open_sides(&self, seen: &Seen) -> u32 {
+        let sheets = if self.sheets_are_right {
+            seen.fronts
+        } else {
+            seen.backs
+        };
+        seen.open + sheets
+    }
+
+    /// Returns `true` if a point is inside a closed part of a mesh, on its solid side.
+    fn is_inside_solid(&self, geometry: &Geometry, sides: &Sides, point: DVec3) -> bool {
+        let solid = PROBES.into_iter().filter(|&direction| {
+            let hits = self.budget.cast_all(geometry, point, direction);
+            sides.is_solid(geometry, &hits)
+        });
+        2 * solid.count() > PROBES.len()
     }
 
     /// Returns `true` if the scene is an object to view from outside rather than a place to be in.
@@ -259,31 +393,31 @@ impl<'a> Surveyor<'a> {
             (quota.room.floors.iter()).any(|&floor| floors[floor as usize].headroom.is_finite())
         };
         let are_small = self.geometries.iter().all(|(_, geometry)| is_small(geometry));
-        !self.geometries.is_empty() && are_small && !rooms.iter().any(is_covered)
+        let is_flat = !rooms.is_empty() && !rooms.iter().any(|quota| quota.rises);
+        !self.geometries.is_empty() && (are_small || is_flat) && !rooms.iter().any(is_covered)
     }
 
-    /// Casts rays in all directions; returns the number of hits on front faces and the number of hits.
+    /// Casts rays in all directions; returns the sides that they hit, and calls `met` with each direction and hit.
     ///
     /// Steep rays downwards count only if hardly any others hit: the ground of many cities goes on below closed
     /// buildings, and shows its front inside.
-    fn cast_around(&self, geometry: &Geometry, eye: DVec3, mut met: impl FnMut(ItemIndex)) -> [u32; 2] {
-        let [mut others, mut steep] = [[0, 0]; 2];
+    fn cast_around(&self, site: &Site, eye: DVec3, mut met: impl FnMut(DVec3, &Hit)) -> Seen {
+        let [mut others, mut steep] = [Seen::default(); 2];
         for direction in (0..DIRECTIONS).map(spread) {
-            if let Some(hit) = self.budget.cast(geometry, eye, direction) {
+            if let Some(hit) = self.budget.cast(site.geometry, eye, direction) {
                 let seen = if direction.y < STEEP {
                     &mut steep
                 } else {
                     &mut others
                 };
-                *seen = [seen[0] + u32::from(!hit.from_behind), seen[1] + 1];
-                met(hit.item.index);
+                seen.add(site.sides.of(site.geometry, &hit));
+                met(direction, &hit);
             }
         }
-        if others[1] >= ENOUGH_HITS {
-            others
-        } else {
-            [others[0] + steep[0], others[1] + steep[1]]
+        if others.hits() < ENOUGH_HITS {
+            others += steep;
         }
+        others
     }
 
     /// Returns the position of an eye above a floor; with `high`, halfway up to a high ceiling.
@@ -303,10 +437,10 @@ impl<'a> Surveyor<'a> {
         while found.views.len() < count && !self.budget.is_spent() {
             let roofs_left = 8 * (on_roofs + 1) <= count;
             let next = (rooms.iter_mut())
-                .filter(|quota| quota.failed < TRIES && (roofs_left || quota.room.kind != Kind::Roof))
+                .filter(|quota| quota.failed < TRIES && (roofs_left || quota.kind != Kind::Roof))
                 .max_by(|a, b| a.priority().total_cmp(&b.priority()));
             let Some(next) = next else { break };
-            match self.place_in(next, found) {
+            match self.place_in(next) {
                 Some(place) => {
                     on_roofs += usize::from(place.on_roof);
                     next.eyes.push(DVec3::from(place.eye.map(f64::from)));
@@ -319,8 +453,9 @@ impl<'a> Surveyor<'a> {
 
     /// Returns a position above one of a few random floors of a room: the free one that is farthest from the latest
     /// others there.
-    fn place_in(&mut self, quota: &RoomQuota<'_, 'a>, found: &Survey) -> Option<SurveyView> {
+    fn place_in(&mut self, quota: &RoomQuota<'_, 'a>) -> Option<SurveyView> {
         let RoomQuota { site, room, eyes, .. } = quota;
+        let is_ground = room.kind == Kind::Roof && quota.kind == Kind::Floor;
         let high = eyes.len().is_multiple_of(3);
         let latest = &eyes[eyes.len().saturating_sub(LATEST)..];
         let clear = |floor: u32| f64::from(site.clearance[floor as usize]);
@@ -339,14 +474,9 @@ impl<'a> Surveyor<'a> {
         candidates.into_iter().take(TRIES / 4).find_map(|(_, floor)| {
             let eye = self.eye(site, floor, high).as_vec3();
             let place = eye.as_dvec3();
-            let [fronts, hits] = self.cast_around(site.geometry, place, |_| {});
-            let fronts = if found.seems_inverted {
-                hits - fronts
-            } else {
-                fronts
-            };
-            let is_open = f64::from(fronts) >= FRONTS * f64::from(hits)
-                && !is_near_a_face(site.geometry, place, CLEARANCE * self.metre, &self.budget);
+            let is_open = self.is_open(&self.cast_around(site, place, |_, _| {}))
+                && !is_near_a_face(site.geometry, place, CLEARANCE * self.metre, &self.budget)
+                && !self.is_inside_solid(site.geometry, &site.sides, place);
             if !is_open {
                 return None;
             }
@@ -357,7 +487,7 @@ impl<'a> Surveyor<'a> {
                 sector: site.sector,
                 eye: eye.to_array(),
                 toward: toward.to_array(),
-                on_roof: site.floors.all[floor as usize].kind == Kind::Roof,
+                on_roof: site.floors.all[floor as usize].kind == Kind::Roof && !is_ground,
             })
         })
     }
@@ -413,12 +543,102 @@ impl<'a> Surveyor<'a> {
     }
 }
 
+/// Number of faces seen, by side.
+#[derive(Clone, Copy, Default)]
+struct Seen {
+    /// Open and solid sides of what encloses a volume.
+    open: u32,
+    solid: u32,
+    /// Fronts and backs of other faces.
+    fronts: u32,
+    backs: u32,
+}
+
+impl Seen {
+    fn add(&mut self, side: Side) {
+        *match side {
+            Side::Open => &mut self.open,
+            Side::Solid => &mut self.solid,
+            Side::Front => &mut self.fronts,
+            Side::Back => &mut self.backs,
+        } += 1;
+    }
+
+    fn hits(&self) -> u32 {
+        self.open + self.solid + self.fronts + self.backs
+    }
+}
+
+impl AddAssign for Seen {
+    fn add_assign(&mut self, other: Seen) {
+        self.open += other.open;
+        self.solid += other.solid;
+        self.fronts += other.fronts;
+        self.backs += other.backs;
+    }
+}
+
+/// A room and what is visible from it.
+struct SampledRoom<'s, 'a> {
+    site: &'s Site<'a>,
+    room: &'s Room,
+    seen: Seen,
+    /// Without the shells of which it is not known whether they are rooms or solids with inverted winding.
+    seen_beyond: Seen,
+    /// Those whose solid sides it sees, if they are rooms.
+    doubtful: BTreeSet<ShellKey>,
+    /// Number of distinct items visible from it.
+    items: usize,
+    /// Whether anything rises above its floors.
+    rises: bool,
+}
+
+/// Floor area from which faces that enclose no volume are visible, by their side.
+struct Sheets {
+    fronts: f64,
+    backs: f64,
+}
+
+impl Sheets {
+    fn of(rooms: &[SampledRoom], has_shells: bool) -> Sheets {
+        let mut sheets = Sheets {
+            fronts: 0.0,
+            backs: 0.0,
+        };
+        for SampledRoom { room, seen, .. } in rooms {
+            let may_be_in_a_solid = has_shells && seen.open == 0 && seen.backs > seen.fronts;
+            // The outside of a map whose faces point inward consists of roofs and assumed floors.
+            if room.kind == Kind::Floor && !may_be_in_a_solid {
+                let area_per_hit = room.area / f64::from(seen.hits());
+                sheets.fronts += area_per_hit * f64::from(seen.fronts);
+                sheets.backs += area_per_hit * f64::from(seen.backs);
+            }
+        }
+        sheets
+    }
+
+    /// Returns whether the fronts are on the open side; `otherwise` if none are visible.
+    fn are_right(&self, otherwise: bool) -> bool {
+        match self.fronts == self.backs {
+            true => otherwise,
+            false => self.fronts > self.backs,
+        }
+    }
+
+    fn are_inverted(&self) -> bool {
+        self.backs > HARDLY_ANY_FRONTS * self.fronts
+    }
+}
+
 /// A room and its positions so far.
 struct RoomQuota<'s, 'a> {
     site: &'s Site<'a>,
     room: &'s Room,
+    kind: Kind,
     /// Number of distinct items visible from it.
     items: usize,
+    /// Whether anything rises above its floors.
+    rises: bool,
     eyes: Vec<DVec3>,
     failed: usize,
 }
@@ -428,29 +648,50 @@ impl RoomQuota<'_, '_> {
     /// get their first early. The area that counts is limited by what is visible, for the empty plain around a house.
     fn priority(&self) -> f64 {
         let area = self.room.area.min(AREA_PER_ITEM * self.items as f64);
-        let weight = if self.room.kind == Kind::Roof { 0.3 } else { 1.0 };
+        let weight = if self.kind == Kind::Roof { 0.3 } else { 1.0 };
         weight * area.sqrt() / (0.5 + self.eyes.len() as f64)
     }
 }
 
-/// Estimates a metre in scene units from the median headroom, weighted by area; `None` if one unit is plausible.
-fn metre_of(floors: &[Floors]) -> Option<f64> {
-    let covered = floors.iter().flat_map(|floors| {
+/// A floor below a ceiling.
+#[derive(Clone, Copy)]
+struct Covered {
+    /// Index of the geometry.
+    at: usize,
+    floor: u32,
+    headroom: f64,
+    area: f64,
+}
+
+/// Returns all floors below ceilings, by headroom.
+fn covered(floors: &[Floors]) -> Vec<Covered> {
+    let all = floors.iter().enumerate().flat_map(|(at, floors)| {
         let area = floors.side * floors.side;
-        let is_below_ceiling = |floor: &&Floor| floor.headroom.is_finite() && floor.kind != Kind::Assumed;
-        let all = floors.all.iter().filter(is_below_ceiling);
-        all.map(move |floor| (f64::from(floor.headroom), area))
+        let is_below_ceiling =
+            |(_, floor): &(u32, &Floor)| floor.headroom.is_finite() && floor.kind != Kind::Assumed;
+        let all = (0..).zip(&floors.all).filter(is_below_ceiling);
+        all.map(move |(number, floor)| Covered {
+            at,
+            floor: number,
+            headroom: f64::from(floor.headroom),
+            area,
+        })
     });
-    let mut covered: Vec<(f64, f64)> = covered.collect();
-    covered.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = 0.5 * covered.iter().map(|&(_, area)| area).sum::<f64>();
+    let mut all: Vec<Covered> = all.collect();
+    all.sort_by(|a, b| a.headroom.total_cmp(&b.headroom));
+    all
+}
+
+/// Estimates a metre in scene units from the median headroom, weighted by area; `None` if one unit is plausible.
+fn metre_by_headroom(covered: &[Covered]) -> Option<f64> {
+    let half = 0.5 * covered.iter().map(|covered| covered.area).sum::<f64>();
     let mut sum = 0.0;
-    let (median, _) = covered.into_iter().find(|&(_, area)| {
-        sum += area;
+    let median = covered.iter().find(|covered| {
+        sum += covered.area;
         sum >= half
     })?;
     let [least, most] = PLAUSIBLE_HEADROOM;
-    (median > most || median < least).then_some(median / USUAL_HEADROOM)
+    (median.headroom > most || median.headroom < least).then_some(median.headroom / USUAL_HEADROOM)
 }
 
 /// Returns `true` if any face is nearer to a point than `radius`.
@@ -519,6 +760,28 @@ impl RayBudget {
             self.tested.set(self.tested.get() + 1);
             true
         })
+    }
+
+    /// Returns all hits along a ray by distance; those so far once the budget is spent.
+    fn cast_all(&self, geometry: &Geometry, origin: DVec3, direction: DVec3) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        let Some(line) = Line::new(origin, direction).filter(|_| !self.is_spent()) else {
+            return hits;
+        };
+        self.begin();
+        let counts = |_: &Material| {
+            self.tested.set(self.tested.get() + 1);
+            !self.is_spent()
+        };
+        geometry.along(&line, f64::INFINITY, counts, |hit| {
+            hits.push(hit);
+            f64::INFINITY
+        });
+        hits.sort_unstable_by(|a, b| {
+            let by_face = (a.item.index, a.face).cmp(&(b.item.index, b.face));
+            a.distance.total_cmp(&b.distance).then(by_face)
+        });
+        hits
     }
 }
 

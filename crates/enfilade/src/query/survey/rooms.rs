@@ -15,7 +15,7 @@ const OPEN: f64 = 2.0;
 /// Minimum difference of clearance that separates two rooms: in metres, and relative to the smaller room's.
 const NARROWER: [f64; 2] = [0.15, 0.2];
 /// Minimum clearance of a floor in a room, in metres.
-const NARROWEST: f64 = 0.25;
+pub(super) const NARROWEST: f64 = 0.25;
 /// Minimum area of a room, in square metres: no shelves, steps or table tops.
 const SMALLEST: f64 = 0.5;
 

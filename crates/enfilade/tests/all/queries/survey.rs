@@ -102,11 +102,123 @@ fn a_survey_stands_in_all_rooms_and_away_from_their_walls() {
     }
 }
 
+/// A house of two rooms on a foundation of `depth` metres, of boxes that touch.
+fn house(depth: f32) -> Vec<Block> {
+    vec![
+        solid([0.0, -depth, 0.0], [12.0, 0.0, 10.0]),
+        solid([0.0, 0.0, 0.0], [12.0, 2.7, 0.2]),
+        solid([0.0, 0.0, 9.8], [12.0, 2.7, 10.0]),
+        solid([0.0, 0.0, 0.0], [0.2, 2.7, 10.0]),
+        solid([11.8, 0.0, 0.0], [12.0, 2.7, 10.0]),
+        solid([6.0, 0.0, 0.0], [6.2, 2.7, 4.0]),
+        solid([6.0, 0.0, 5.0], [6.2, 2.7, 10.0]),
+        solid([0.0, 2.7, 0.0], [12.0, 3.0, 10.0]),
+    ]
+}
+
+/// Four houses without rooms on a slab of `depth` metres.
+fn slab(depth: f32) -> Vec<Block> {
+    let mut blocks = vec![solid([-30.0, -depth, -30.0], [30.0, 0.0, 30.0])];
+    for [x, z] in [[-25.0, -25.0], [5.0, -25.0], [-25.0, 5.0], [5.0, 5.0]] {
+        blocks.push(solid([x, 0.0, z], [x + 20.0, 9.0, z + 20.0]));
+    }
+    blocks
+}
+
+/// Returns the number of views inside a block with outward faces.
+fn inside(found: &Survey, blocks: &[Block]) -> usize {
+    let solids = || blocks.iter().filter(|block| !block.inward);
+    let views = found.views.iter();
+    views
+        .filter(|view| solids().any(|block| is_within(view, block, 0.0, 1.0)))
+        .count()
+}
+
 #[test]
 fn where_the_winding_is_inverted_a_survey_stands_in_the_same_places_and_says_so() {
-    let [right, inverted] = [false, true].map(|inverted| survey(&scene(&two_rooms(), 1.0, inverted), 8));
+    let [right, inverted] = [false, true].map(|inverted| survey(&scene(&house(0.3), 1.0, inverted), 8));
     assert_eq!(places(&right), places(&inverted));
+    assert_eq!(inside(&right, &house(0.3)), 0);
     assert!(inverted.seems_inverted && !right.seems_inverted);
+}
+
+#[test]
+fn where_solids_outweigh_rooms_a_survey_stays_out_of_the_solids() {
+    let block = || vec![solid([0.0, 0.0, 0.0], [10.0, 4.0, 10.0])];
+    let tower = || vec![solid([0.0, 0.0, 0.0], [10.0, 200.0, 10.0])];
+    for blocks in [house(3.0), house(100.0), slab(2.0), slab(20.0), block(), tower()] {
+        let found = survey(&scene(&blocks, 1.0, false), 16);
+        assert_eq!(found.views.len(), 16);
+        assert_eq!(inside(&found, &blocks), 0, "{:?}", places(&found));
+        assert!(!found.seems_inverted);
+    }
+}
+
+#[test]
+fn on_a_thick_slab_a_survey_stands_between_the_houses_and_a_little_on_their_roofs() {
+    let found = survey(&scene(&slab(2.0), 1.0, false), 16);
+    let on_roofs = found.views.iter().filter(|place| place.on_roof).count();
+    assert!(on_roofs <= 2, "{on_roofs} on roofs");
+    assert!(
+        found
+            .views
+            .iter()
+            .all(|place| place.on_roof == (place.eye[1] > 9.0)),
+        "{:?}",
+        places(&found)
+    );
+}
+
+#[test]
+fn a_thing_with_inverted_winding_in_a_yard_is_no_room() {
+    let container = room([2.0, 0.0, 2.0], [8.0, 2.6, 5.0]);
+    let yard = [
+        solid([-10.0, -0.5, -10.0], [20.0, 0.0, 20.0]),
+        solid([12.0, 0.0, 0.0], [12.3, 3.0, 12.0]),
+        container,
+    ];
+    let found = survey(&scene(&yard, 1.0, false), 16);
+    assert_eq!(found.views.len(), 16);
+    assert!(!found.seems_inverted);
+    let in_it = found
+        .views
+        .iter()
+        .filter(|place| is_within(place, &yard[2], 0.0, 1.0));
+    assert_eq!(in_it.count(), 0, "{:?}", places(&found));
+}
+
+#[test]
+fn a_room_of_inward_faces_with_furniture_is_a_room_and_the_furniture_is_not() {
+    let [one, other] = two_rooms();
+    let furnished = [one, other, solid([3.5, 0.0, 1.0], [4.9, 2.2, 3.0])];
+    let found = survey(&scene(&furnished, 1.0, false), 16);
+    assert_eq!(found.views.len(), 16);
+    assert!(!found.seems_inverted);
+    assert_eq!(inside(&found, &furnished), 0, "{:?}", places(&found));
+    for room in &furnished[..2] {
+        assert!(
+            found.views.iter().any(|place| is_within(place, room, 0.2, 1.0)),
+            "{:?}",
+            places(&found)
+        );
+    }
+}
+
+#[test]
+fn a_room_with_its_fronts_outside_is_a_room_if_everything_else_is_in_it() {
+    let living_room = [
+        solid([0.0, 0.0, 0.0], [6.0, 2.8, 5.0]),
+        solid([0.5, 0.0, 0.5], [2.5, 0.8, 1.4]),
+        solid([3.0, 0.0, 3.0], [4.0, 0.7, 4.0]),
+    ];
+    let found = survey(&scene(&living_room, 1.0, false), 8);
+    assert!(!found.seems_inverted);
+    let within = found
+        .views
+        .iter()
+        .filter(|place| is_within(place, &living_room[0], 0.2, 1.0));
+    assert!(within.count() >= 7, "{:?}", places(&found));
+    assert_eq!(inside(&found, &living_room[1..]), 0, "{:?}", places(&found));
 }
 
 #[test]

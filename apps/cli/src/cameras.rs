@@ -40,12 +40,8 @@ pub(crate) fn views(args: &CameraArgs, opened: &OpenedScene) -> Result<Vec<View>
 
 /// Warns of eyes that seem to be inside something solid.
 fn warn_of_solids(opened: &OpenedScene, views: &[View]) {
-    // Only the first views of a long path are tested: testing all would take longer than the looks.
-    const TESTED: usize = 100;
-    let inside_solids: Vec<&View> = (views.iter().take(TESTED))
-        .filter(|view| is_inside_solid(&opened.scene, view))
-        .collect();
-    if inside_solids.is_empty() {
+    let inside = inside_solids(&opened.scene, views);
+    if inside.is_empty() {
         return;
     }
     if survey(opened, 0).seems_inverted {
@@ -55,7 +51,19 @@ fn warn_of_solids(opened: &OpenedScene, views: &[View]) {
         ));
         return;
     }
-    for view in inside_solids {
+    warn_of_each(&inside);
+}
+
+/// Returns the views that seem to be inside something solid.
+fn inside_solids<'a>(scene: &Scene, views: &'a [View]) -> Vec<&'a View> {
+    // Only the first views of a long path are tested: testing all would take longer than the looks.
+    const TESTED: usize = 100;
+    let tested = views.iter().take(TESTED);
+    tested.filter(|view| is_inside_solid(scene, view)).collect()
+}
+
+fn warn_of_each(inside: &[&View]) {
+    for view in inside {
         let [x, y, z] = view.eye().map(single);
         out::warn(format_args!(
             "the eye at {x},{y},{z} seems to be inside something solid: it is surrounded by back faces"
@@ -125,45 +133,56 @@ fn surveyed(args: &CameraArgs, opened: &OpenedScene, count: usize) -> Result<Vec
         _ => {}
     }
     if !found.views.is_empty() {
-        out::note(describe(&found, &opened.upright));
+        out::note(describe(opened, &found));
     }
-    views_at(args, opened, &found.views)
+    let views = views_at(args, opened, &found.views)?;
+    if !found.seems_inverted {
+        warn_of_each(&inside_solids(&opened.scene, &views));
+    }
+    Ok(views)
 }
 
-/// Describes the views of a survey, and the scale it assumed.
-fn describe(found: &Survey, upright: &Upright) -> String {
-    let views = plural(found.views.len(), "view");
-    let up = match upright.up_from {
-        Source::Floors if upright.up != Upright::default().up => {
-            let axis = up_for_people(upright.up);
-            format!("; {axis} is up, by the floors (--up sets it)")
+/// Describes the views of a survey, and the up axis and scale that it assumed.
+fn describe(opened: &OpenedScene, found: &Survey) -> String {
+    let all = || found.views.iter();
+    let under_sky = all().filter(|view| is_under_sky(opened, view)).count();
+    let places = match (under_sky, found.views.len() - under_sky) {
+        _ if found.rooms == 0 => {
+            let views = plural(found.views.len(), "view");
+            format!("{views} around the scene or in its open space; it has no floors")
         }
-        _ => String::new(),
+        (0, covered) => {
+            let views = plural(covered, "view");
+            format!("{views} under ceilings, in {}", plural(found.rooms, "room"))
+        }
+        (open, 0) => format!("{} under open sky", plural(open, "view")),
+        (open, covered) => format!(
+            "{} under open sky and {covered} under ceilings",
+            plural(open, "view")
+        ),
     };
-    if found.rooms == 0 {
-        return format!("survey: {views} in open space; no rooms found{up}");
-    }
+    let roofs = match all().filter(|view| view.on_roof).count() {
+        0 => String::new(),
+        roofs => format!(", {roofs} of them above roofs"),
+    };
     let metre = if found.metre == 1.0 {
         String::new()
     } else {
         format!(", assuming that a metre is {} units", short(found.metre))
-    };
-    let roofs = match found
-        .views
-        .iter()
-        .filter(|survey_view| survey_view.on_roof)
-        .count()
-    {
-        0 => String::new(),
-        roofs => format!(", {roofs} of them above roofs"),
     };
     let inverted = if found.seems_inverted {
         "; the winding seems inverted"
     } else {
         ""
     };
-    let rooms = plural(found.rooms, "room");
-    format!("survey: {views} 1.6 m above the floors of {rooms} and streets{roofs}{metre}{inverted}{up}")
+    let up = match opened.upright.up_from {
+        Source::Floors if opened.upright.up != Upright::default().up => {
+            let axis = up_for_people(opened.upright.up);
+            format!("; {axis} is up, by the floors (--up sets it)")
+        }
+        _ => String::new(),
+    };
+    format!("survey: {places}{roofs}{metre}{inverted}{up}")
 }
 
 fn hard(args: &CameraArgs, opened: &OpenedScene, count: usize) -> Result<Vec<View>> {

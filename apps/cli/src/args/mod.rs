@@ -396,7 +396,7 @@ pub(crate) struct CameraArgs {
     /// Read views from JSON lines of {"eye":[..],"toward":[..],"up":[..],"fov":60}; up and fov are optional
     #[arg(long, value_name = "FILE", conflicts_with_all = ["survey", "survey_hard"])]
     pub(crate) path: Option<PathBuf>,
-    /// Generate N views where people can stand, spread over rooms and streets; always the same ones
+    /// Generate N views where people can stand, spread over rooms and open areas; always the same ones
     #[arg(long, value_name = "N", conflicts_with = "survey_hard", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) survey: Option<u32>,
     /// Generate N views that are hard to decide: in doorways, at corners and edges, in planes of faces

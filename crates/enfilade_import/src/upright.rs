@@ -67,7 +67,7 @@ fn each_triangle(geometry: &Geometry, item: ItemIndex, mut each: impl FnMut([[f6
         let [a, b, c] = position;
         [0, 1, 2].map(|axis| x[axis] * a + y[axis] * b + z[axis] * c + origin[axis])
     };
-    for face in 0..mesh.face_count() as u32 {
+    for face in 0..mesh.face_count() {
         let corners = mesh.face(face);
         for pair in corners[1..].windows(2) {
             each([corners[0], pair[0], pair[1]].map(placed));

@@ -168,7 +168,7 @@ pub(crate) fn run(args: &RoomsArgs) -> Result<Outcome> {
 
 /// Warns of a leak in a map without a PVS: its rooms may join the void.
 fn warn_of_leak(opened: &mut OpenedScene, args: &RoomsArgs) {
-    if !opened.map.as_ref().is_some_and(|map| map.visibility_bytes == 0) {
+    if opened.map.as_ref().is_none_or(|map| map.visibility_bytes > 0) {
         return;
     }
     if let Some(leak) = leak_of(Path::new(&args.scene.scene), args.limits.memory()) {

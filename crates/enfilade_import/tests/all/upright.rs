@@ -51,7 +51,7 @@ fn obj(scene: &Scene) -> String {
                 let [x, y, z] = transform.point(position);
                 let _ = writeln!(text, "v {x} {y} {z}");
             }
-            for face in 0..mesh.face_count() as u32 {
+            for face in 0..mesh.face_count() {
                 text.push('f');
                 for &corner in mesh.face(face) {
                     let _ = write!(text, " {}", first + corner);

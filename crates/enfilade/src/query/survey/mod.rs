@@ -96,8 +96,10 @@ pub fn survey(scene: &Scene, count: usize) -> Survey {
 
 /// Returns positions like [`survey`], but in one sector only and with another seed.
 pub fn survey_in(scene: &Scene, sector: SectorId, count: usize) -> Survey {
-    let mut options = SurveyOptions::default();
-    options.sector = Some(sector);
+    let options = SurveyOptions {
+        sector: Some(sector),
+        ..SurveyOptions::default()
+    };
     survey_with(scene, count, &options)
 }
 

@@ -200,8 +200,10 @@ mod tests {
         for up in [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]] {
             let scene_from_upright = Transform(DAffine3::from_mat3(rotation_to_y(up.into()).transpose()));
             let lying = turned(&upright, scene_from_upright).expect("a room");
-            let mut options = SurveyOptions::default();
-            options.up = up.map(|part| part as f32);
+            let options = SurveyOptions {
+                up: up.map(|part| part as f32),
+                ..SurveyOptions::default()
+            };
             let found = survey_with(&lying, 6, &options).views;
             let places = expected.iter().map(|view| scene_from_upright.point(view.eye));
             assert!(found.iter().map(|view| view.eye).eq(places), "{up:?}");
@@ -210,23 +212,22 @@ mod tests {
 
     #[test]
     fn eyes_are_as_high_as_the_given_metre_makes_them() {
-        let mut options = SurveyOptions::default();
-        options.metre = Some(0.5);
-        let found = survey_with(&room(), 6, &options);
+        let with = |up, metre| SurveyOptions {
+            up,
+            metre,
+            sector: None,
+        };
+        const Y: [f32; 3] = [0.0, 1.0, 0.0];
+        let found = survey_with(&room(), 6, &with(Y, Some(0.5)));
         assert_eq!(found.metre, 0.5);
         assert!(
             found.views.iter().any(|view| (view.eye[1] - 0.8).abs() < 0.01),
             "{found:?}"
         );
+        let expected = super::super::survey(&room(), 6).views;
         for metre in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            options.metre = Some(metre);
-            assert_eq!(
-                survey_with(&room(), 6, &options).views,
-                super::super::survey(&room(), 6).views
-            );
+            assert_eq!(survey_with(&room(), 6, &with(Y, Some(metre))).views, expected);
         }
-        options = SurveyOptions::default();
-        options.up = [0.0; 3];
-        assert_eq!(survey_with(&room(), 6, &options).views.len(), 6);
+        assert_eq!(survey_with(&room(), 6, &with([0.0; 3], None)).views, expected);
     }
 }

@@ -5,7 +5,7 @@
 //!
 //! | reader | charged beside the bytes of the file |
 //! |---|---|
-//! | glTF | by brackets, commas and texts of the JSON; each node, room, mesh, triangle and vertex attribute; corners of openings; compressed views; instances; the paths of other files |
+//! | glTF | by brackets, commas and texts of the JSON; each node, room, mesh, triangle and vertex attribute, for each pose of a mesh; joints, and morph targets with a weight; corners of openings; compressed views; instances; the paths of other files |
 //! | tiles | their feature table; a transform, the items and lights of each instance, beside what their glTF takes |
 //! | images | texels, and what decodes them at the same time |
 //! | OBJ | tables by the counts of a first pass; each group, material file and its materials; triangles, corners of long polygons |

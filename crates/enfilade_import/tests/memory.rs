@@ -184,6 +184,55 @@ fn gltf() -> Vec<Bomb> {
             )),
         ),
         Bomb(
+            "nulls.gltf",
+            with_node(list(300_000, |at| format!(r#""x{at}":null"#))),
+        ),
+        Bomb(
+            "scenes.gltf",
+            with_node(format!(
+                r#""scenes":[{}]"#,
+                list(200_000, |at| format!(r#"{{"name":"{at}"}}"#))
+            )),
+        ),
+        // Each node has a pose of its own, and so a copy of the mesh.
+        Bomb(
+            "weights.gltf",
+            file(format!(
+                r#""nodes":[{}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"targets":[{{"POSITION":1}}]}}]}}],
+                "accessors":[{{"componentType":5126,"type":"VEC3","count":3000}},{{"componentType":5126,"type":"VEC3","count":3000}}]"#,
+                list(500, |at| format!(r#"{{"mesh":0,"weights":[{}]}}"#, at + 1))
+            )),
+        ),
+        Bomb(
+            "targets.gltf",
+            file(format!(
+                r#""nodes":[{{"mesh":0}}],"meshes":[{{"weights":[{}],"primitives":[{{"attributes":{{"POSITION":0}},"targets":[{}]}}]}}],
+                {TRIANGLE}"#,
+                list(100_000, |_| "1".to_owned()),
+                list(100_000, |_| r#"{"POSITION":0}"#.to_owned())
+            )),
+        ),
+        Bomb(
+            "joint_sets.gltf",
+            file(format!(
+                r#""nodes":[{{"mesh":0,"skin":0}}],"skins":[{{"joints":[0]}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,{}}}}}]}}],
+                "accessors":[{{"componentType":5126,"type":"VEC3","count":3}},{{"componentType":5121,"type":"VEC4","count":3}}]"#,
+                list(100_000, |at| format!(r#""JOINTS_{at}":1,"WEIGHTS_{at}":1"#))
+            )),
+        ),
+        Bomb(
+            "skins.gltf",
+            file(format!(
+                r#""nodes":[{}],"skins":[{}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":1}}}}]}}],
+                "accessors":[{{"componentType":5126,"type":"VEC3","count":3}},{{"componentType":5121,"type":"VEC4","count":3}}]"#,
+                list(50, |at| format!(r#"{{"mesh":0,"skin":{at}}}"#)),
+                list(50, |_| format!(
+                    r#"{{"joints":[{}]}}"#,
+                    list(20_000, |_| "0".to_owned())
+                ))
+            )),
+        ),
+        Bomb(
             "extensions.gltf",
             with_node(format!(
                 r#""extensionsUsed":[{}]"#,

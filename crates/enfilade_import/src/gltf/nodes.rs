@@ -137,7 +137,7 @@ impl<'d> Worlds<'d> {
             let node = &self.document.nodes[number as usize];
             // Nodes of the scene were warned of when they were placed.
             let parent_from_node = parent_from_node(self.document, number, node, &mut Warnings::default())?;
-            world = world * parent_from_node;
+            world *= parent_from_node;
             self.known.insert(number, world);
         }
         Ok(world)

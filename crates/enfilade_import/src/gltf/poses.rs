@@ -282,7 +282,7 @@ impl PlannedSkin {
                 if !bind.row(3).abs_diff_eq(DVec4::W, 1e-4) {
                     return Err(bad("an inverse bind matrix whose last row is not 0, 0, 0, 1"));
                 }
-                *matrix = *matrix * DAffine3::from_mat4(bind);
+                *matrix *= DAffine3::from_mat4(bind);
             }
             if !matrix.is_finite() {
                 return Err(bad("a transform that is not finite"));

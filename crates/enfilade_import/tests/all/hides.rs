@@ -403,7 +403,7 @@ fn extensions_that_may_change_shapes_are_refused_or_hide_nothing() {
 #[test]
 fn an_extension_that_is_not_read_changes_what_carries_it() {
     const WHAT: &str = "ACME_melt";
-    let carried: [(&str, bool, fn(&mut File)); 12] = [
+    let carried: [Row; 12] = [
         ("the node", false, |file| extend(file, "nodes", WHAT, json!({}))),
         ("another node", true, |file| {
             file.json["nodes"][1]["extensions"] = json!({ WHAT: {} });

@@ -55,8 +55,10 @@ impl Shells {
         for (face, &part) in parts.of_face.iter().enumerate() {
             sums[part as usize].add(mesh, face as u32, origin);
         }
-        let mut shells = Shells::default();
-        shells.area = sums.iter().map(|sums| sums.area).sum();
+        let mut shells = Shells {
+            area: sums.iter().map(|sums| sums.area).sum(),
+            ..Shells::default()
+        };
         let mut shell_of_part = vec![NONE; parts.count];
         for (sums, shell) in sums.iter().zip(&mut shell_of_part) {
             if let Some(found) = sums.shell(origin, shells.faces.len()) {

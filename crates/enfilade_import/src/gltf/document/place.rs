@@ -324,8 +324,7 @@ mod tests {
             let mut found = Vec::new();
             let text = without_nulls(json.as_bytes(), |place| found.push(place()));
             assert_eq!(text.len(), json.len(), "{json}");
-            let [text, expected] =
-                [&*text, expected.as_bytes()].map(|text| serde_json::from_slice::<Value>(text));
+            let [text, expected] = [&*text, expected.as_bytes()].map(serde_json::from_slice::<Value>);
             assert_eq!(text.expect(json), expected.expect("JSON"), "{json}");
             assert_eq!(found, places, "{json}");
         }

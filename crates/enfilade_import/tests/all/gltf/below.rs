@@ -74,8 +74,14 @@ fn a_door_is_the_same_with_its_mesh_at_its_node_or_below_it() {
     let indices = quantized.json["meshes"][1]["primitives"][0]["indices"].clone();
     quantized.mesh(json!([{ "attributes": { "POSITION": positions }, "indices": indices }]));
     for (what, file) in [
-        ("in a child", door_over(none.clone(), &[5], &[square.clone()])),
-        ("marked by extras", door_over(kind, &[5], &[square.clone()])),
+        (
+            "in a child",
+            door_over(none.clone(), &[5], std::slice::from_ref(&square)),
+        ),
+        (
+            "marked by extras",
+            door_over(kind, &[5], std::slice::from_ref(&square)),
+        ),
         ("three below", door_over(none.clone(), &[5], &chain)),
         ("in two halves", door_over(none.clone(), &[5, 6], &halves)),
         ("quantized", quantized),

@@ -139,7 +139,7 @@ fn nothing_in_doubt_hides_anything_in_any_scene_or_map() {
         };
         let views: Vec<View> = places.iter().map(view).collect();
         let (seen, missed) = missed(&import, &views);
-        println!(
+        eprintln!(
             "{}: {} views, {seen} surely visible, {} missed",
             file.display(),
             views.len(),

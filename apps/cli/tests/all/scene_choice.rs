@@ -54,8 +54,8 @@ fn a_scene_is_chosen_by_name_or_index_and_info_lists_all() {
         let run = folder.run(&format!("{verb} --scene Day"));
         assert_eq!(run.code, Some(0), "{verb}: {}", run.stderr);
     }
-    let words = ["no scene `Dya`", "0 \"Day\", 1 \"Night\"", "did you mean Day?"];
-    refused(&folder, "info two.glb --scene Dya", &words);
+    let words = ["no scene `Dai`", "0 \"Day\", 1 \"Night\"", "did you mean Day?"];
+    refused(&folder, "info two.glb --scene Dai", &words);
     refused(
         &folder,
         "info @two-rooms --scene Day",

@@ -22,24 +22,23 @@ impl Affected {
     /// Finds what the unread extensions may change that the file names.
     pub(super) fn by_unread(document: &Document, json: &[u8]) -> Affected {
         let named = document.extensions_used.union(&document.extensions_required);
-        let unread: BTreeSet<&str> = named
-            .map(|name| &**name)
-            .filter(|name| extensions::changes_shapes(name))
-            .collect();
+        let unread = named.filter(|name| extensions::changes_shapes(name)).count();
         let mut affected = Affected::default();
-        if unread.is_empty() {
+        if unread == 0 {
             return affected;
         }
+        let lists = [&document.extensions_used, &document.extensions_required];
         let mut carried: BTreeSet<&str> = BTreeSet::new();
         extensions_in(json, |path| {
             if let Some(PathStep::Key(name)) = path.last()
-                && let Some(name) = unread.get(&**name)
+                && let Some(name) = lists.iter().find_map(|list| list.get(name))
+                && extensions::changes_shapes(name)
             {
-                carried.insert(*name);
+                carried.insert(name);
                 affected.carry(path);
             }
         });
-        affected.is_all |= carried != unread;
+        affected.is_all |= carried.len() < unread;
         affected.nodes = with_all_below(document, affected.nodes.into_iter().collect());
         affected
     }

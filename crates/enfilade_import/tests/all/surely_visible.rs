@@ -113,6 +113,7 @@ fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
 }
 
 #[test]
+#[allow(clippy::print_stdout, reason = "a table")]
 #[ignore = "minutes; needs ENFILADE_SCENES and ENFILADE_MAPS, folders of scenes and of maps"]
 fn nothing_in_doubt_hides_anything_in_any_scene_or_map() {
     let mut all = Vec::new();
@@ -139,7 +140,7 @@ fn nothing_in_doubt_hides_anything_in_any_scene_or_map() {
         };
         let views: Vec<View> = places.iter().map(view).collect();
         let (seen, missed) = missed(&import, &views);
-        eprintln!(
+        println!(
             "{}: {} views, {seen} surely visible, {} missed",
             file.display(),
             views.len(),

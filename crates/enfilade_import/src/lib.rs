@@ -32,7 +32,7 @@
 //! | format | hides nothing |
 //! |---|---|
 //! | glTF | skinned and morphed meshes, which are drawn in the pose that the file stores; nodes that an animation moves or shows, with those below them; nodes with levels of detail; alpha test and blend; transmission, volume, diffuse transmission, dispersion; materials that an animation changes; meshes with a variant that is not opaque |
-//! | OBJ | `d` below 1, `Tr` above 0, `d` and `Tr` that contradict each other, `d -halo`, `map_d`, a filter color `Tf`, `illum` 4, 6, 7 and 9, lines about opacity that cannot be read, materials that are not defined |
+//! | OBJ | `d` below 1, `Tr` above 0 (unless `d` says otherwise), `d -halo`, `map_d`, a filter color `Tf`, `illum` 4, 6, 7 and 9, lines about opacity that cannot be read, materials that are not defined |
 //! | Quake | liquids and teleporters, which engines may draw translucent; textures `{…`; brush entities that may move or vanish, or have `alpha`, `renderamt`, `rendermode` or `renderfx` |
 //! | Quake 3 | liquids, glass, sky; textures whose contents are not solid or are translucent, or whose surface is not solid; shaders with `blendFunc`, `alphaFunc`, `deformVertexes` (such items are never culled either), `surfaceparm trans`, `cull none` or `cull back` in the `.shader` files beside the map, in `scripts` there, or in `scripts` beside its folder |
 //!

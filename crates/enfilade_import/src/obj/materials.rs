@@ -201,8 +201,7 @@ impl Reader<'_> {
     }
 
     fn add(&mut self, entry: &Entry, here: &InnerPath) {
-        let mut non_occluder = entry.non_occluder;
-        let coverage = self.coverage(entry, &mut non_occluder);
+        let coverage = self.coverage(entry);
         let base = entry.diffuse.unwrap_or([1.0; 3]);
         let maps = [&entry.diffuse_map, &entry.emission_map].map(Option::as_ref);
         let [diffuse, emission] = maps.map(|map| map.filter(|_| self.with_images));
@@ -223,20 +222,19 @@ impl Reader<'_> {
             texture: diffuse.map(|map| self.texture(map, here)),
             emission: lit(entry.emission.unwrap_or_default(), emission.is_some()),
             emission_texture: emission.map(|map| self.texture(map, here)),
-            alpha: self.alpha(entry, coverage, non_occluder, here),
+            alpha: self.alpha(entry, coverage, here),
             ..Material::opaque([r, g, b])
         };
-        self.push(material, non_occluder, diffuse.or(emission).map(placing));
+        self.push(material, entry.non_occluder, diffuse.or(emission).map(placing));
     }
 
     /// Returns the opacity of a material.
-    fn coverage(&mut self, entry: &Entry, non_occluder: &mut Option<NonOccluder>) -> f32 {
+    fn coverage(&mut self, entry: &Entry) -> f32 {
         let by_transparency = entry.transparency.map(|through| 1.0 - through);
         if let (Some(d), Some(other)) = (entry.coverage, by_transparency)
             && (d - other).abs() > 0.01
         {
-            // Some programs write `Tr` with the meaning of `d`, so `d` wins, but it is not sure.
-            non_occluder.get_or_insert(NonOccluder::MaterialUnread);
+            // Some programs write `Tr` with the meaning of `d`, so `d` wins.
             self.warnings.name(WarningKind::MaterialLines, || {
                 format!("{}: Tr contradicts d, which is used", entry.name)
             });
@@ -245,13 +243,7 @@ impl Reader<'_> {
     }
 
     /// Returns the alpha mode. It must not depend on whether images are read, because it decides whether faces occlude.
-    fn alpha(
-        &mut self,
-        entry: &Entry,
-        coverage: f32,
-        non_occluder: Option<NonOccluder>,
-        here: &InnerPath,
-    ) -> Alpha {
+    fn alpha(&mut self, entry: &Entry, coverage: f32, here: &InnerPath) -> Alpha {
         let image = |map: &Map| InnerPath::of(&map.file, here);
         if let Some(map) = &entry.coverage_map
             && entry.diffuse_map.as_ref().map(image) != Some(image(map))
@@ -260,7 +252,7 @@ impl Reader<'_> {
                 format!("{}: map_d is ignored: its image differs from map_Kd", entry.name)
             });
         }
-        match non_occluder {
+        match entry.non_occluder {
             _ if coverage < 1.0 => Alpha::Blend,
             None => Alpha::Opaque,
             Some(_) => Alpha::Mask,

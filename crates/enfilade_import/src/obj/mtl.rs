@@ -126,6 +126,7 @@ impl Entry {
                 self.doubt(NonOccluder::AlphaTested);
                 self.coverage_map = Some(Map::read(line, left)?);
             }
+            keyword if is_about_opacity(keyword) => return self.doubt(NonOccluder::MaterialUnread),
             _ => return None,
         }
         Some(())
@@ -136,6 +137,17 @@ impl Entry {
         self.non_occluder.get_or_insert(why);
         None
     }
+}
+
+/// Returns `true` if an unknown keyword tells how transparent a material is: `map_opacity`, `Pt` of physically based extensions, or a
+/// known one in other case.
+fn is_about_opacity(keyword: &[u8]) -> bool {
+    let keyword = String::from_utf8_lossy(keyword).to_lowercase();
+    let word = keyword.strip_prefix("map_").unwrap_or(&keyword);
+    matches!(word, "d" | "tr" | "tf" | "pt" | "ft")
+        || ["alpha", "dissolve", "opac", "trans"]
+            .iter()
+            .any(|part| word.contains(part))
 }
 
 /// Parses three non-negative numbers, or one for all three. `spectral` and `xyz` are not supported.
@@ -274,7 +286,19 @@ mod tests {
                 "{warnings:?}"
             );
         }
-        for line in ["d", "d -halo 0.5", "d red", "d 1.5", "Tr 2", "Tr", "map_d"] {
+        for line in [
+            "d",
+            "d -halo 0.5",
+            "d red",
+            "d 1.5",
+            "D 0.5",
+            "Tr 2",
+            "Tr",
+            "map_d",
+            "map_opacity a.png",
+            "Pt 0.9",
+            "transparency 1",
+        ] {
             let (entries, warnings) = read(&format!("newmtl a\n{line}"));
             assert!(
                 entries[0].non_occluder.is_some(),

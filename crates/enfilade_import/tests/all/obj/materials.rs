@@ -66,9 +66,9 @@ fn d_and_tr_make_glass() {
     for lines in ["d 1", "Tr 0", "d 1.0\nTr 0.0"] {
         assert_eq!(quietly(lines), both_sides([1.0; 3]), "{lines}");
     }
-    // Some write 1 for both; others draw it as transparent as `Tr` says.
+    // Some write 1 for both.
     let odd = made_of("d 1\nTr 1");
-    assert_eq!(material(&odd).alpha, Alpha::Mask);
+    assert_eq!(material(&odd).alpha, Alpha::Opaque);
     assert_eq!(
         warnings(&odd),
         ["unknown statements in material files are ignored (a: Tr contradicts d, which is used)"]

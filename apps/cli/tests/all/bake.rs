@@ -59,6 +59,14 @@ fn looks_at_a_baked_scene_find_the_same_and_do_the_same_work() {
         let mut plain = folder.json(&format!("info {scene}"));
         without_times(&mut info);
         without_times(&mut plain);
+        if scene.starts_with('@') {
+            // A baked scene without the nodes of glTF does not tell which way is up.
+            assert_eq!(
+                (&info["up_from"], &plain["up_from"]),
+                (&json!("floors"), &json!("format"))
+            );
+            info["up_from"] = plain["up_from"].clone();
+        }
         assert_eq!(info, plain, "{scene}");
     }
 }

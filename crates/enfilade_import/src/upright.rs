@@ -1,7 +1,8 @@
 //! Finds the up axis and the unit of a scene from its floors, for files that do not tell them.
 
-use enfilade::{Geometry, ItemIndex, Ray, Scene, SectorId, SurveyOptions, Transform};
+use enfilade::{Cluster, Geometry, ItemIndex, Mesh, Ray, Scene, SectorId, SurveyOptions, Transform};
 use enfilade_bake::{FaceAreas, Up, metres_per_unit_of};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Returns the options of a survey that stands on the floors of a scene whose format does not tell its up axis
@@ -22,7 +23,8 @@ pub fn survey_options(scene: &Scene) -> SurveyOptions {
 /// Returns the axis that the floors of a scene face; `None` where that is not clear.
 ///
 /// OBJ files do not tell it. [`read`](crate::read) keeps their coordinates, so this is for whoever stands in the scene, such
-/// as with [`enfilade::SurveyOptions`]. Cost: O(faces), a small part of reading them.
+/// as with [`enfilade::SurveyOptions`]. Cost: O(faces of large clusters), a small part of reading a file. The same for any
+/// number of threads.
 pub fn detect_scene_up(scene: &Scene) -> Option<Up> {
     let bounds = scene.sectors().map(|sector| scene.bounds(sector));
     let bounds = bounds
@@ -33,11 +35,13 @@ pub fn detect_scene_up(scene: &Scene) -> Option<Up> {
     for geometry in scene.sectors().filter_map(|sector| scene.geometry(sector)) {
         let items: Vec<ItemIndex> = (0..geometry.items().len() as u32).map(ItemIndex).collect();
         let areas_of = |items: &[ItemIndex]| {
-            let mut areas = none.clone();
-            for &item in items {
-                each_triangle(geometry, item, |corners| areas.add(corners));
-            }
-            areas
+            let mut sampler = Sampler {
+                areas: none.clone(),
+                small_side: SMALL * f64::from(bounds.longest_side()),
+                small_clusters: 0,
+            };
+            items.iter().for_each(|&item| sampler.add_item(geometry, item));
+            sampler.areas
         };
         // Parts of one size, added in order, so that sums do not depend on the number of threads.
         let parts: Vec<FaceAreas> = items.par_chunks(ITEMS_PER_PART).map(areas_of).collect();
@@ -48,29 +52,51 @@ pub fn detect_scene_up(scene: &Scene) -> Option<Up> {
 
 /// Items whose faces one thread adds up.
 const ITEMS_PER_PART: usize = 64;
+/// Longest side of a small cluster, relative to the scene. All small faces together matter, but none of them alone.
+const SMALL: f64 = 0.02;
+/// One of so many small clusters is added, for all of them.
+const SAMPLED: u32 = 8;
 
-/// Calls `each` with the corners of every triangle of an item.
-fn each_triangle(geometry: &Geometry, item: ItemIndex, mut each: impl FnMut([[f64; 3]; 3])) {
-    if !geometry.holds(item) {
-        return;
-    }
-    let mesh = geometry.mesh_of(item);
-    let transform = geometry.item(item).transform();
-    // Items of OBJ are where their vertices are.
-    let is_placed = transform == Transform::IDENTITY;
-    let [x, y, z, origin] = transform.columns_f64();
-    let placed = |index: u32| {
-        let position = mesh.positions()[index as usize].map(f64::from);
-        if is_placed {
-            return position;
+/// Adds up the faces of items: all of large clusters, and a sample of small ones, which have most of the faces.
+struct Sampler {
+    areas: FaceAreas,
+    small_side: f64,
+    small_clusters: u32,
+}
+
+impl Sampler {
+    fn add_item(&mut self, geometry: &Geometry, item: ItemIndex) {
+        if !geometry.holds(item) {
+            return;
         }
-        let [a, b, c] = position;
-        [0, 1, 2].map(|axis| x[axis] * a + y[axis] * b + z[axis] * c + origin[axis])
-    };
-    for face in 0..mesh.face_count() {
-        let corners = mesh.face(face);
-        for pair in corners[1..].windows(2) {
-            each([corners[0], pair[0], pair[1]].map(placed));
+        let mesh = geometry.mesh_of(item);
+        let scene_from_item = geometry.item(item).transform();
+        let small_side = self.small_side / scene_from_item.scale();
+        for cluster in mesh.clusters() {
+            let count = if f64::from(cluster.bounds.longest_side()) < small_side {
+                self.small_clusters += 1;
+                SAMPLED
+            } else {
+                1
+            };
+            if count == 1 || self.small_clusters % SAMPLED == 1 {
+                self.add_cluster(mesh, cluster, &scene_from_item, count);
+            }
+        }
+    }
+
+    fn add_cluster(&mut self, mesh: &Mesh, cluster: &Cluster, scene_from_item: &Transform, count: u32) {
+        let [x, y, z, origin] = scene_from_item.columns_f64().map(DVec3::from);
+        let place = |index: u32| -> [f64; 3] {
+            let [a, b, c] = mesh.positions()[index as usize].map(f64::from);
+            (x * a + y * b + z * c + origin).into()
+        };
+        for face in cluster.faces.clone() {
+            let corners = mesh.face(face);
+            for pair in corners[1..].windows(2) {
+                let triangle = [corners[0], pair[0], pair[1]].map(place);
+                self.areas.add_sample(triangle, count);
+            }
         }
     }
 }
@@ -78,7 +104,7 @@ fn each_triangle(geometry: &Geometry, item: ItemIndex, mut each: impl FnMut([[f6
 /// Returns the metres per scene unit: 1 if rooms are as high as rooms are, else that of the usual unit for which they are.
 /// `None` if there are no rooms with a floor and a ceiling.
 ///
-/// Samples the heights of rooms with up to 1,500 rays along the up axis.
+/// Samples the heights of rooms with up to 3,500 rays along the up axis.
 pub fn detect_scene_unit(scene: &Scene, up: Up) -> Option<f64> {
     let mut heights: Vec<f64> = scene
         .sectors()
@@ -99,7 +125,7 @@ pub fn detect_scene_unit(scene: &Scene, up: Up) -> Option<f64> {
 /// Returns the heights of the free space between the faces of a sector, along lines on a grid.
 fn free_heights(scene: &Scene, sector: SectorId, up: Up) -> Vec<f64> {
     /// Lines along each side of the grid.
-    const LINES: usize = 8;
+    const LINES: usize = 12;
     /// Faces per line.
     const MOST: usize = 24;
     /// Smallest height that counts, relative to the longest extent.

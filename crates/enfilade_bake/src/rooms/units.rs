@@ -77,15 +77,21 @@ impl FaceAreas {
 
     /// Adds a triangle; one that is not finite is ignored.
     pub fn add(&mut self, corners: [[f64; 3]; 3]) {
+        self.add_sample(corners, 1);
+    }
+
+    /// Adds a triangle as a sample of this many like it; one that is not finite is ignored.
+    #[inline]
+    pub fn add_sample(&mut self, corners: [[f64; 3]; 3], count: u32) {
         /// Cosine of the angle to an axis.
         const ALONG: f64 = 0.99;
         let [a, b, c] = corners.map(DVec3::from);
-        let normal = (b - a).cross(c - a).abs();
+        let normal = (b - a).cross(c - a).abs() * f64::from(count);
         let area = normal.length();
         if !area.is_finite() {
             return;
         }
-        self.triangles += 1;
+        self.triangles += u64::from(count);
         self.all += area;
         self.projected += normal;
         for axis in 0..3 {
@@ -115,7 +121,7 @@ impl FaceAreas {
     pub fn up(&self) -> Option<Up> {
         /// Ratio of scores from which on one axis is clearly the up axis, and from which on x is, which few programs use.
         const CLEARLY: f64 = 1.5;
-        const CLEARLY_X: f64 = 6.0;
+        const CLEARLY_X: f64 = 2.0;
         let scores = self.scores();
         let [x, y, z] = scores.to_array();
         if z > CLEARLY * y && z * CLEARLY_X > x {

@@ -511,7 +511,7 @@ fn terrain() -> Vec<Bomb> {
 }
 
 /// The sections of a baked scene, by kind and number.
-struct Baked(Vec<([u32; 2], Vec<u8>)>);
+struct Baked(Vec<([u32; 2], Vec<u8>)>, u32);
 
 impl Baked {
     /// One triangle.
@@ -536,7 +536,7 @@ impl Baked {
                 file[word(at + 8)..][..word(at + 16)].to_vec(),
             )
         };
-        Baked(entries.map(section).collect())
+        Baked(entries.map(section).collect(), half(8))
     }
 
     fn section(&mut self, kind: u32) -> &mut Vec<u8> {
@@ -565,7 +565,8 @@ impl Baked {
         }
         file.resize(file.len().next_multiple_of(64), 0);
         let numbers = [file.len(), file.len() + table.len()].map(|number| number as u64);
-        let mut header = [&b"ENFILADE"[..], &2_u32.to_le_bytes(), &count.to_le_bytes()].concat();
+        let version = self.1.to_le_bytes();
+        let mut header = [&b"ENFILADE"[..], &version, &count.to_le_bytes()].concat();
         header.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
         header.extend(xxh3_64(&table).to_le_bytes());
         header.extend([0; 16]);
@@ -645,6 +646,10 @@ fn baked() -> Vec<Bomb> {
         Bomb(
             "tables.enf",
             scene(|scene| scene["texture_tables"] = many_empty(1_000_000)),
+        ),
+        Bomb(
+            "reasons.enf",
+            scene(|scene| scene["non_occluders"] = json!(vec![json!({}); 1_000_000])),
         ),
         Bomb(
             "warnings.enf",

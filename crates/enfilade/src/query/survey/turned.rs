@@ -110,7 +110,7 @@ fn turned(scene: &Scene, turn: Transform) -> Option<Scene> {
             Some(geometry) => turned_geometry(geometry, turn)?,
             None => GeometryBuilder::new([]).build().ok()?,
         };
-        let id = builder.add(scene.sector_name(sector), geometry, Method::ZBuffer);
+        let id = builder.add(scene.sector_name(sector), geometry, Method::Masked);
         if scene.is_open_above(sector) {
             builder.open_above(id);
         }

@@ -22,7 +22,7 @@ pub fn survey_options(scene: &Scene) -> SurveyOptions {
 
 /// Returns the axis that the floors of a scene face; `None` where that is not clear.
 ///
-/// OBJ files do not tell it. [`read`](crate::read) keeps their coordinates, so this is for whoever stands in the scene, such
+/// OBJ files do not tell it. [`read`](crate::read) keeps their coordinates, so this is for programs that place cameras, such
 /// as with [`enfilade::SurveyOptions`]. Cost: O(faces of large clusters), a small part of reading a file. The same for any
 /// number of threads.
 pub fn detect_scene_up(scene: &Scene) -> Option<Up> {

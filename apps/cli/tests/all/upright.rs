@@ -1,6 +1,6 @@
 //! Scenes that do not stand on y: the up axis and the unit of OBJ files are found from their floors, or given.
 
-use crate::support::{Folder, document, glb};
+use crate::support::{BOX_QUADS, Folder, document, glb};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -23,14 +23,6 @@ fn house() -> Vec<[[f64; 3]; 2]> {
 
 /// The house as OBJ: each point turned, and scaled.
 fn obj(turned: impl Fn([f64; 3]) -> [f64; 3], scale: f64) -> String {
-    const QUADS: [[usize; 4]; 6] = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
     let mut text = String::new();
     for (number, ends) in house().iter().enumerate() {
         let _ = writeln!(text, "o box{number}");
@@ -38,8 +30,8 @@ fn obj(turned: impl Fn([f64; 3]) -> [f64; 3], scale: f64) -> String {
             let point = turned([0, 1, 2].map(|axis| ends[corner >> axis & 1][axis])).map(|part| part * scale);
             let _ = writeln!(text, "v {} {} {}", point[0], point[1], point[2]);
         }
-        for quad in QUADS {
-            let [a, b, c, d] = quad.map(|corner| 8 * number + corner + 1);
+        for quad in BOX_QUADS {
+            let [a, b, c, d] = quad.map(|corner| 8 * number + usize::from(corner) + 1);
             let _ = writeln!(text, "f {a} {b} {c} {d}");
         }
     }

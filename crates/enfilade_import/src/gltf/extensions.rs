@@ -47,7 +47,7 @@ const EXTENSIONS: &[(&str, Effect)] = &[
     ("BENTLEY_materials_point_style", Harmless), // Points are not drawn.
     (
         "BENTLEY_primitive_restart",
-        Shape("its strips cannot be told apart; export it again as triangle lists"),
+        Shape("where its triangle strips end is lost; export it again as triangle lists"),
     ),
     (
         "CESIUM_geopose",
@@ -117,7 +117,7 @@ const EXTENSIONS: &[(&str, Effect)] = &[
     ("EXT_mesh_primitive_edge_visibility", Harmless), // Lines over the triangles.
     (
         "EXT_mesh_primitive_restart",
-        Shape("its strips cannot be told apart; export it again as triangle lists"),
+        Shape("where its triangle strips end is lost; export it again as triangle lists"),
     ),
     ("EXT_meshopt_compression", Read), // Decoded.
     (

@@ -186,18 +186,20 @@ pub(crate) fn glb(document: &Value) -> Vec<u8> {
     file
 }
 
-/// Corner i has +½ along axis a where bit a of i is set. Faces are counter-clockwise from outside.
+/// The faces of a box whose corner i is at the greater end of axis a where bit a of i is set; counter-clockwise from outside.
+pub(crate) const BOX_QUADS: [[u8; 4]; 6] = [
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+];
+
+/// A cube of side 1 about the origin.
 pub(crate) fn cube() -> Vec<u8> {
-    const QUADS: [[u8; 4]; 6] = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
     let corner = |i: u8| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.5_f32 } else { -0.5 });
     let positions = (0..8).flat_map(corner).flat_map(f32::to_le_bytes);
-    let indices = QUADS.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]);
+    let indices = BOX_QUADS.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]);
     positions.chain(indices).collect()
 }

@@ -4,14 +4,14 @@
 //!
 //! * **Fronts outside**: a solid. Its inside is no room, whatever else the scene contains. Exception: the shells in which
 //!   nearly everything else is, as in a sky dome or a room whose faces were left facing outwards.
-//! * **Fronts inside**, and large enough to stand in: a room if something is in it, or if its backs are not visible from
+//! * **Fronts inside**, and large enough for a camera at eye height: a room if something is in it, or if its backs are not visible from
 //!   other floors in the open. Otherwise its winding is inverted, and it is a solid.
 //! * **Fronts inside**, and too small: a solid with inverted winding.
 //!
 //! The winding of the whole file is inverted if most of its shells that cannot be rooms have their fronts inside; then
 //! inside and outside are exchanged above. Faces of no shell, such as terrain and single walls, have an open side only by
 //! their winding, which the floors of the whole scene judge; see `mod.rs`.
-//! Cost: that of the shells; then O(large shells × [`MAX_THINGS`]) tests of bounds and at most [`MAX_ANGLES`] angles.
+//! Cost: that of the shells; then O(large shells × [`MAX_PARTS`]) tests of bounds and at most [`MAX_ANGLES`] angles.
 
 use super::floors::HEADROOM;
 use super::shells::{Shell, Shells};
@@ -23,13 +23,13 @@ use glam::DVec3;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Minimum width of a shell to stand in, in metres.
+/// Minimum width of a shell that can be a room, in metres.
 const WIDTH: f64 = 0.7;
 /// Maximum number of shells and items that are tested for being inside others; of more, every second, third, ….
-const MAX_THINGS: usize = 1024;
+const MAX_PARTS: usize = 1024;
 /// Maximum number of faces whose solid angle is computed.
 const MAX_ANGLES: usize = 4_000_000;
-/// Fraction of the things that are inside a shell whose fronts are outside, for its inside to be open.
+/// Fraction of the parts that are inside a shell whose fronts are outside, for its inside to be open.
 const NEARLY_ALL: f64 = 0.9;
 /// Ratio of areas by which shells with inverted winding must outweigh the others.
 const MOST: f64 = 3.0;
@@ -53,7 +53,7 @@ pub(super) enum Side {
 pub(super) struct Sides {
     /// By mesh.
     shells: Vec<Shells>,
-    /// By item and shell, for those that are large enough to stand in: whether the fronts are on the open side.
+    /// By item and shell, for those that are large enough for a camera at eye height: whether the fronts are on the open side.
     fronts_are_open: BTreeMap<ShellKey, bool>,
     /// Those that are rooms or inverted solids.
     doubtful: BTreeSet<ShellKey>,
@@ -134,17 +134,17 @@ impl AllSides {
             .iter()
             .map(|geometry| shells_by_mesh(geometry))
             .collect();
-        let mut census = Census {
+        let mut classifier = Classifier {
             geometries,
             shells,
-            halls: Vec::new(),
-            things: Vec::new(),
+            room_sized: Vec::new(),
+            parts: Vec::new(),
             small: [0.0; 2],
             area: 0.0,
             angles: Cell::new(0),
         };
-        census.take(metre);
-        census.judge()
+        classifier.collect(metre);
+        classifier.classify()
     }
 }
 
@@ -160,7 +160,7 @@ fn shells_by_mesh(geometry: &Geometry) -> Vec<Shells> {
 
 /// A shell of an item, or an item without shells.
 #[derive(Clone, Copy)]
-struct Thing {
+struct Part {
     geometry: usize,
     item: ItemIndex,
     shell: Option<u32>,
@@ -172,14 +172,14 @@ struct Thing {
 }
 
 /// All shells of a scene.
-struct Census<'a> {
+struct Classifier<'a> {
     geometries: &'a [&'a Geometry],
     /// By geometry and mesh.
     shells: Vec<Vec<Shells>>,
-    /// The shells that are large enough to stand in.
-    halls: Vec<Thing>,
+    /// The shells that are large enough for a camera at eye height.
+    room_sized: Vec<Part>,
     /// Some of all, evenly spread.
-    things: Vec<Thing>,
+    parts: Vec<Part>,
     /// Area of the items whose other shells have their fronts outside, and inside.
     small: [f64; 2],
     /// Area of all faces.
@@ -188,13 +188,13 @@ struct Census<'a> {
     angles: Cell<usize>,
 }
 
-impl Census<'_> {
-    fn take(&mut self, metre: f64) {
-        let stride = self.thing_count().div_ceil(MAX_THINGS).max(1);
+impl Classifier<'_> {
+    fn collect(&mut self, metre: f64) {
+        let stride = self.part_count().div_ceil(MAX_PARTS).max(1);
         let mut number = 0;
-        let mut keep = |things: &mut Vec<Thing>, thing: Thing| {
+        let mut keep = |parts: &mut Vec<Part>, part: Part| {
             if number % stride == 0 {
-                things.push(thing);
+                parts.push(part);
             }
             number += 1;
         };
@@ -203,7 +203,7 @@ impl Census<'_> {
                 let placed = geometry.item(item);
                 let all = &self.shells[at][placed.mesh.0 as usize];
                 let shells = &all.all;
-                let thing = Thing {
+                let part = Part {
                     geometry: at,
                     item,
                     shell: None,
@@ -212,26 +212,26 @@ impl Census<'_> {
                     volume: 0.0,
                 };
                 if shells.is_empty() {
-                    keep(&mut self.things, thing);
+                    keep(&mut self.parts, part);
                 }
                 let transform = placed.transform();
                 let scale = transform.scale();
                 self.area += all.area * scale * scale;
                 let [mut area, mut volume] = [0.0; 2];
                 for (number, shell) in shells.iter().enumerate() {
-                    let thing = Thing {
+                    let part = Part {
                         shell: Some(number as u32),
                         bounds: shell.bounds.placed(&transform.0),
                         area: shell.area * scale * scale,
                         volume: shell.volume * scale.powi(3),
-                        ..thing
+                        ..part
                     };
-                    keep(&mut self.things, thing);
-                    if is_hall(&thing.bounds, metre) {
-                        self.halls.push(thing);
+                    keep(&mut self.parts, part);
+                    if is_room_sized(&part.bounds, metre) {
+                        self.room_sized.push(part);
                     } else {
-                        area += thing.area;
-                        volume += thing.volume;
+                        area += part.area;
+                        volume += part.volume;
                     }
                 }
                 // Together, because the cavities of a hollow item have their fronts inside.
@@ -240,7 +240,7 @@ impl Census<'_> {
         }
     }
 
-    fn thing_count(&self) -> usize {
+    fn part_count(&self) -> usize {
         let all = self.geometries.iter().zip(&self.shells);
         let counts = all.flat_map(|(geometry, shells)| {
             let items = geometry.items().iter();
@@ -249,24 +249,25 @@ impl Census<'_> {
         counts.sum()
     }
 
-    fn judge(self) -> AllSides {
-        let contents: Vec<Vec<usize>> = self.halls.iter().map(|hall| self.contents(hall)).collect();
+    fn classify(self) -> AllSides {
+        let contents: Vec<Vec<usize>> = self.room_sized.iter().map(|outer| self.contents(outer)).collect();
         let [mut outward, inward] = self.small;
-        for (hall, contents) in self.halls.iter().zip(&contents) {
-            if hall.volume > 0.0 && contents.is_empty() {
-                outward += hall.area;
+        for (outer, contents) in self.room_sized.iter().zip(&contents) {
+            if outer.volume > 0.0 && contents.is_empty() {
+                outward += outer.area;
             }
         }
         let is_inverted = inward > MOST * outward;
-        let of_shells = self.small.iter().sum::<f64>() + self.halls.iter().map(|hall| hall.area).sum::<f64>();
-        let is_solid = |hall: &Thing| (hall.volume > 0.0) != is_inverted;
+        let of_shells =
+            self.small.iter().sum::<f64>() + self.room_sized.iter().map(|outer| outer.area).sum::<f64>();
+        let is_solid = |outer: &Part| (outer.volume > 0.0) != is_inverted;
         let around_all = self.around_nearly_all(&contents, is_solid);
         let mut known = vec![(BTreeMap::new(), BTreeSet::new()); self.geometries.len()];
-        for ((hall, contents), around_all) in self.halls.iter().zip(&contents).zip(around_all) {
-            let (fronts_are_open, doubtful) = &mut known[hall.geometry];
-            let key = (hall.item.0, hall.shell.unwrap_or_default());
+        for ((outer, contents), around_all) in self.room_sized.iter().zip(&contents).zip(around_all) {
+            let (fronts_are_open, doubtful) = &mut known[outer.geometry];
+            let key = (outer.item.0, outer.shell.unwrap_or_default());
             fronts_are_open.insert(key, around_all == is_inverted);
-            if !is_solid(hall) && contents.is_empty() {
+            if !is_solid(outer) && contents.is_empty() {
                 doubtful.insert(key);
             }
         }
@@ -283,24 +284,28 @@ impl Census<'_> {
         }
     }
 
-    /// Returns for each hall whether it is one of the solids that contain something, if nearly everything is inside
+    /// Returns for each room-sized shell whether it is one of the solids that contain something, if nearly everything is inside
     /// these.
-    fn around_nearly_all(&self, contents: &[Vec<usize>], is_solid: impl Fn(&Thing) -> bool) -> Vec<bool> {
-        let all = self.halls.iter().zip(contents);
+    fn around_nearly_all(&self, contents: &[Vec<usize>], is_solid: impl Fn(&Part) -> bool) -> Vec<bool> {
+        let all = self.room_sized.iter().zip(contents);
         let mut are_around: Vec<bool> = all
-            .map(|(hall, contents)| is_solid(hall) && !contents.is_empty())
+            .map(|(outer, contents)| is_solid(outer) && !contents.is_empty())
             .collect();
-        let mut is_inside = vec![false; self.things.len()];
+        let mut is_inside = vec![false; self.parts.len()];
         for (contents, _) in contents.iter().zip(&are_around).filter(|(_, around)| **around) {
-            contents.iter().for_each(|&thing| is_inside[thing] = true);
+            contents.iter().for_each(|&part| is_inside[part] = true);
         }
-        let is_around = |thing: &Thing| {
-            let mut around = self.halls.iter().zip(&are_around).filter(|(_, around)| **around);
-            around.any(|(hall, _)| hall.is(thing))
+        let is_around = |part: &Part| {
+            let mut around = self
+                .room_sized
+                .iter()
+                .zip(&are_around)
+                .filter(|(_, around)| **around);
+            around.any(|(outer, _)| outer.is(part))
         };
-        let others = self.things.iter().zip(&is_inside);
+        let others = self.parts.iter().zip(&is_inside);
         let others: Vec<bool> = others
-            .filter(|(thing, _)| !is_around(thing))
+            .filter(|(part, _)| !is_around(part))
             .map(|(_, &is_inside)| is_inside)
             .collect();
         let inside = others.iter().filter(|&&is_inside| is_inside).count();
@@ -310,51 +315,51 @@ impl Census<'_> {
         are_around
     }
 
-    /// Returns the things inside a hall.
-    fn contents(&self, hall: &Thing) -> Vec<usize> {
-        let all = self.things.iter().enumerate();
-        all.filter(|(_, thing)| self.contains(hall, thing))
+    /// Returns the parts inside a room-sized shell.
+    fn contents(&self, outer: &Part) -> Vec<usize> {
+        let all = self.parts.iter().enumerate();
+        all.filter(|(_, part)| self.contains(outer, part))
             .map(|(at, _)| at)
             .collect()
     }
 
-    /// Returns `true` if a thing is inside a hall and much smaller; `false` when unsure.
-    fn contains(&self, hall: &Thing, thing: &Thing) -> bool {
-        let (Some(shell), true) = (hall.shell, hall.geometry == thing.geometry) else {
+    /// Returns `true` if a part is inside a room-sized shell and much smaller; `false` when unsure.
+    fn contains(&self, outer: &Part, part: &Part) -> bool {
+        let (Some(shell), true) = (outer.shell, outer.geometry == part.geometry) else {
             return false;
         };
         let is_within = (0..3).all(|axis| {
-            thing.bounds.min[axis] >= hall.bounds.min[axis] && thing.bounds.max[axis] <= hall.bounds.max[axis]
+            part.bounds.min[axis] >= outer.bounds.min[axis] && part.bounds.max[axis] <= outer.bounds.max[axis]
         });
         // Duplicates do not contain each other.
-        if !is_within || hall.is(thing) || 2.0 * thing.bounds.volume() > hall.bounds.volume() {
+        if !is_within || outer.is(part) || 2.0 * part.bounds.volume() > outer.bounds.volume() {
             return false;
         }
-        let geometry = self.geometries[hall.geometry];
-        let item = geometry.item(hall.item);
-        let shells = &self.shells[hall.geometry][item.mesh.0 as usize];
+        let geometry = self.geometries[outer.geometry];
+        let item = geometry.item(outer.item);
+        let shells = &self.shells[outer.geometry][item.mesh.0 as usize];
         let angles = self.angles.get() + shells.face_count(shell);
         let Some(item_from_sector) = item.transform().inverse().filter(|_| angles <= MAX_ANGLES) else {
             return false;
         };
         self.angles.set(angles);
-        let centre = DVec3::from(thing.bounds.center().map(f64::from));
+        let centre = DVec3::from(part.bounds.center().map(f64::from));
         shells.encloses(
-            geometry.mesh_of(hall.item),
+            geometry.mesh_of(outer.item),
             shell,
             item_from_sector.0.transform_point3(centre),
         )
     }
 }
 
-impl Thing {
-    fn is(&self, other: &Thing) -> bool {
+impl Part {
+    fn is(&self, other: &Part) -> bool {
         (self.geometry, self.item, self.shell) == (other.geometry, other.item, other.shell)
     }
 }
 
 /// Returns `true` if a camera at eye height fits into bounds.
-fn is_hall(bounds: &Aabb, metre: f64) -> bool {
+fn is_room_sized(bounds: &Aabb, metre: f64) -> bool {
     let [x, y, z] = bounds.size().map(f64::from);
     y >= HEADROOM * metre && x.min(z) >= WIDTH * metre
 }

@@ -9,7 +9,6 @@
 
 use super::clusters::Clusters;
 use super::polygon::{Corner, Side, sides_of};
-use super::region::Region;
 use super::{Child, Map, Portals, SubtreeCluster, Tree, world};
 use crate::budget::Budget;
 use crate::quake::bsp::number;
@@ -77,21 +76,9 @@ fn leak_of(bytes: &[u8], mut budget: Budget) -> Result<Option<Leak>, BrokenRule>
     let map = Map::read(bytes)?;
     let tree = Tree::read(&map)?;
     let clusters = Clusters::of(&map, &tree)?;
-    let text = map.lump(map.format.entities);
-    budget.take(text.len() as u64 * (3 + entities::TIMES_ITS_LENGTH), || {
-        "its entities".to_owned()
-    })?;
-    let text = String::from_utf8_lossy(text);
+    let text = entities::text(&map, &mut budget)?;
     let entities = entities::parse(&text)?;
-    let mut portals = Portals {
-        tree: &tree,
-        clusters: &clusters,
-        sides: tree.planes.iter().map(Side::before).collect(),
-        found: Vec::new(),
-        slivers: 0,
-        budget,
-    };
-    portals.find(Region::of_box(world(&map)))?;
+    let portals = Portals::find_all(&map, &tree, &clusters, budget)?;
     let outside = outside(&portals, world(&map));
     let ways = Ways::from(&portals, &outside, &near(&map))?;
     let occupants = entities.iter().filter_map(|entity| occupant(entity, &portals));

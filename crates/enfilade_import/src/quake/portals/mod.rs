@@ -89,15 +89,7 @@ fn rebuild(map: &[u8], mut budget: Budget) -> Result<RebuiltPortals, BrokenRule>
     let map = Map::read(map)?;
     let tree = Tree::read(&map)?;
     let clusters = Clusters::of(&map, &tree)?;
-    let mut portals = Portals {
-        tree: &tree,
-        clusters: &clusters,
-        sides: tree.planes.iter().map(Side::before).collect(),
-        found: Vec::new(),
-        slivers: 0,
-        budget,
-    };
-    portals.find(Region::of_box(world(&map)))?;
+    let portals = Portals::find_all(&map, &tree, &clusters, budget)?;
     let Portals {
         mut found, slivers, ..
     } = portals;
@@ -150,7 +142,26 @@ struct Portals<'a> {
     budget: Budget,
 }
 
-impl Portals<'_> {
+impl<'m> Portals<'m> {
+    /// Finds the portals of a map.
+    fn find_all(
+        map: &Map,
+        tree: &'m Tree,
+        clusters: &'m Clusters,
+        budget: Budget,
+    ) -> Result<Portals<'m>, BrokenRule> {
+        let mut portals = Portals {
+            tree,
+            clusters,
+            sides: tree.planes.iter().map(Side::before).collect(),
+            found: Vec::new(),
+            slivers: 0,
+            budget,
+        };
+        portals.find(Region::of_box(world(map)))?;
+        Ok(portals)
+    }
+
     /// Traverses the tree from its root and adds the portals at each node.
     fn find(&mut self, world: Region) -> Result<(), BrokenRule> {
         let mut waiting = vec![(self.tree.root, world)];

@@ -4,7 +4,11 @@
 //! wins.
 //! Hostile input: syntax errors are reported by line; nothing is nested.
 
+use crate::BrokenRule;
+use crate::budget::Budget;
 use crate::quake::BspError;
+use crate::quake::bsp::Map;
+use std::borrow::Cow;
 
 /// An entity of a map: the world, a light, a door, a player start.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +19,16 @@ pub(in crate::quake) struct Entity<'t> {
 }
 
 /// Maximum memory per byte of entity text: one pair per four quotes.
-pub(in crate::quake) const TIMES_ITS_LENGTH: u64 = 24;
+const TIMES_ITS_LENGTH: u64 = 24;
+
+/// Returns the entity text of a map, and reserves memory for it and its entities.
+pub(in crate::quake) fn text<'m>(map: &'m Map, budget: &mut Budget) -> Result<Cow<'m, str>, BrokenRule> {
+    let text = map.lump(map.format.entities);
+    budget.take(text.len() as u64 * (3 + TIMES_ITS_LENGTH), || {
+        "its entities".to_owned()
+    })?;
+    Ok(String::from_utf8_lossy(text))
+}
 
 /// Parses the entity text of a map.
 pub(in crate::quake) fn parse(text: &str) -> Result<Vec<Entity<'_>>, BspError> {

@@ -74,11 +74,7 @@ pub(crate) fn import(
     let map = Map::read(bytes)?;
     let is_quake3 = map.format.is_quake3;
     let tree = Tree::read(&map)?;
-    let text = map.lump(map.format.entities);
-    budget.take(text.len() as u64 * (3 + entities::TIMES_ITS_LENGTH), || {
-        "its entities".to_owned()
-    })?;
-    let text = String::from_utf8_lossy(text);
+    let text = entities::text(&map, &mut budget)?;
     let entities = entities::parse(&text)?;
 
     let mut warnings = Warnings::default();

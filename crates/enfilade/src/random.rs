@@ -1,7 +1,6 @@
 //! Random numbers that results depend on, so their sequence is fixed.
 
 /// SplitMix64: Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014.
-#[derive(Clone)]
 pub(crate) struct SplitMix(pub(crate) u64);
 
 impl SplitMix {

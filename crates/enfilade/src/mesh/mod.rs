@@ -15,7 +15,7 @@ pub use attributes::Attributes;
 pub use build::MeshError;
 #[cfg(test)]
 pub(crate) use face_boxes::tests::soup;
-pub(crate) use neighbours::NONE;
+pub(crate) use neighbours::{NONE, PositionTable, VACANT};
 pub use stored::MeshDataError;
 pub use vertices::{Indices, Vertices};
 

@@ -22,7 +22,7 @@ pub(super) struct Adjacency {
     order: Vec<u8>,
     ranks: Vec<u8>,
     waiting: Vec<u8>,
-    table: Table,
+    table: PositionTable,
 }
 
 impl Adjacency {
@@ -116,23 +116,24 @@ impl Adjacency {
     }
 }
 
-const VACANT: u32 = u32::MAX;
+/// A free slot of a table.
+pub(crate) const VACANT: u32 = u32::MAX;
 
 /// A hash table of numbers with linear probing, at most half full. The keys are stored elsewhere.
 #[derive(Default)]
-struct Table {
+pub(crate) struct PositionTable {
     slots: Vec<u32>,
 }
 
-impl Table {
+impl PositionTable {
     /// Removes everything and makes room for a number of keys.
-    fn clear(&mut self, keys: usize) {
+    pub(crate) fn clear(&mut self, keys: usize) {
         self.slots.clear();
         self.slots.resize((2 * keys).next_power_of_two(), VACANT);
     }
 
     /// Returns the slot of a key: the number for which `is_key` returns `true`, or [`VACANT`].
-    fn slot(&mut self, key: [u32; 3], is_key: impl Fn(u32) -> bool) -> &mut u32 {
+    pub(crate) fn slot(&mut self, key: [u32; 3], is_key: impl Fn(u32) -> bool) -> &mut u32 {
         let mut hash = 0_u64;
         for part in key {
             hash = (hash.rotate_left(26) ^ u64::from(part)).wrapping_mul(0x9E37_79B9_7F4A_7C15);

@@ -77,7 +77,7 @@ fn place_in_the_open(surveyor: &mut Surveyor, site: &Site, item: ItemIndex) -> O
     let start = start + direction * (1e-5 * size);
     let free = surveyor.budget.cast(geometry, start, direction)?.distance;
     let place = start + direction * (free * (0.01 + 0.98 * surveyor.dice.fraction()));
-    let seen = surveyor.cast_around(site, place, |_, _| {});
+    let seen = surveyor.cast_around(site, place).seen();
     let clearance = (CLEAR_OF_SIZE * size).min(CLEARANCE * surveyor.metre);
     let is_open = 2 * surveyor.open_sides(&seen) >= seen.hits()
         && !super::is_near_a_face(geometry, place, clearance, &surveyor.budget)

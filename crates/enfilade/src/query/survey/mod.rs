@@ -3,10 +3,10 @@
 //! Idea: find the walkable floors of each geometry, segment them into rooms, and distribute positions over the rooms,
 //!     more in large ones, each as far as possible from the others. A room from which most rays hit the solid sides of
 //!     faces is rejected: it is inside a solid, or outside a map whose faces point inward. Each connected part that
-//!     encloses a volume tells itself which side is solid; see `sides.rs`. Of other faces it is the back, unless most of
-//!     the floors that see any see their backs: there the winding is inverted, or the author cared for one side only.
-//!     Floors that see backs but no open side of an enclosed volume, though the scene has such, do not count: they may
-//!     be inside a solid with holes.
+//!     encloses a volume tells itself which side is solid; see `sides.rs`. Of other faces it is the back, unless the
+//!     floors of the whole scene contradict, by a factor of three if some parts enclose volumes: there the winding is
+//!     inverted, or the author cared for one side only. Floors that see backs but no open side of an enclosed volume,
+//!     though the scene has such, do not count: they may be inside a solid with holes.
 //! Source: Mononen, Recast Navigation, 2009, for floors and rooms.
 //! Cost: see `floors.rs`; then about three hundred rays per room and two hundred per position.
 //! No promise: open space need not have a floor. Without any floor, positions float; see `floating.rs`. Around a small
@@ -35,11 +35,11 @@ use crate::sector::{Hit, Ray};
 use floors::{BELOW_ROOF, Floor, Floors, Kind};
 use glam::DVec3;
 use rooms::{NARROWEST, Room, rooms};
-use sides::{AllSides, ShellKey, Side, Sides};
+use sides::{AllSides, MOST, ShellKey, Side, Sides};
 use smallvec::SmallVec;
 use std::cell::Cell;
 use std::cmp::Reverse;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
 
 /// Camera position in open space with a target, from [`survey`] or [`survey_hard`].
@@ -192,7 +192,9 @@ impl<'a> Surveyor<'a> {
     /// Also returns the number of clusters tested.
     fn survey_and_met(mut self, count: usize) -> (Survey, u64) {
         let mut floors = self.floors();
-        if let Some(metre) = self.metre_of(&floors).filter(|_| !self.is_metre_given) {
+        if !self.is_metre_given
+            && let Some(metre) = self.metre_of(&floors)
+        {
             self.metre = metre;
             floors = self.floors();
         }
@@ -215,27 +217,24 @@ impl<'a> Surveyor<'a> {
                 }
             })
             .collect();
-        let dice = self.dice.clone();
         let mut sampled = self.sampled_rooms(&sites);
-        let mut sheets = Sheets::of(&sampled, has_shells);
-        self.sheets_are_right = sheets.are_right(!is_inverted);
-        let inverted = self.inverted_solids(&sites, &sampled);
-        if !inverted.is_empty() {
-            inverted
-                .iter()
-                .for_each(|&(site, key)| sites[site].sides.invert(key));
-            self.dice = dice;
-            sampled = self.sampled_rooms(&sites);
-            sheets = Sheets::of(&sampled, has_shells);
-            self.sheets_are_right = sheets.are_right(!is_inverted);
+        let is_right = !(has_shells && is_inverted);
+        let agreement = if has_shells { MOST } else { 1.0 };
+        self.sheets_are_right = Sheets::of(&sampled, has_shells).are_right(is_right, agreement);
+        let inverted = self.inverted_solids(&sampled);
+        for &(site, key) in &inverted {
+            sites[site].sides.invert(key);
         }
-        let rooms = self.open_rooms(sampled);
+        sampled.iter_mut().for_each(|room| room.settle(&inverted));
+        let sheets = Sheets::of(&sampled, has_shells);
+        self.sheets_are_right = sheets.are_right(is_right, agreement);
+        let rooms = self.open_rooms(&sites, &sampled);
         let mut found = Survey {
             views: Vec::new(),
             rooms: 0,
             metre: self.metre,
             seems_inverted: if has_shells {
-                is_inverted && !sheets.are_right(false)
+                is_inverted && !self.sheets_are_right
             } else {
                 sheets.are_inverted()
             },
@@ -264,7 +263,7 @@ impl<'a> Surveyor<'a> {
     fn metre_of(&self, floors: &[Floors]) -> Option<f64> {
         let covered = covered(floors);
         let metre = metre_by_headroom(&covered)?;
-        // The inside of solids would make the metre that of towers and foundations.
+        // One unit is plausible if only the headrooms inside towers and foundations say otherwise.
         let geometries: Vec<&Geometry> = self.geometries.iter().map(|&(_, geometry)| geometry).collect();
         let sides = AllSides::of(&geometries, 1.0).sides;
         let is_open = |&covered: &Covered| {
@@ -275,47 +274,49 @@ impl<'a> Surveyor<'a> {
             !self.is_inside_solid(geometries[at], &sides[at], middle)
         };
         let stride = covered.len().div_ceil(SAMPLED_HEADROOMS).max(1);
-        let sampled = || covered.iter().step_by(stride).copied();
-        let open: Vec<Covered> = sampled().filter(is_open).collect();
-        if open.len() == sampled().count() {
-            return Some(metre);
-        }
-        metre_by_headroom(&open)
+        let sampled = covered.iter().step_by(stride).copied();
+        let open: Vec<Covered> = sampled.filter(is_open).collect();
+        metre_by_headroom(&open).and(Some(metre))
     }
 
     /// Returns what is visible from each room; without rooms from which no ray hits.
-    fn sampled_rooms<'s>(&mut self, sites: &'s [Site<'a>]) -> Vec<SampledRoom<'s, 'a>> {
-        let rooms = sites
-            .iter()
-            .flat_map(|site| site.rooms.iter().map(move |room| (site, room)));
+    fn sampled_rooms(&mut self, sites: &[Site]) -> Vec<SampledRoom> {
+        let rooms = sites.iter().enumerate().flat_map(|(number, site)| {
+            let rooms = (0..site.rooms.len()).map(move |room| (number, room));
+            rooms.map(move |place| (place, site))
+        });
         rooms
-            .filter_map(|(site, room)| self.sample_room(site, room))
+            .filter_map(|(place, site)| self.sample_room(site, place))
             .collect()
     }
 
     /// Returns the doubtful shells whose solid sides are visible from floors in the open, by site.
-    fn inverted_solids(&self, sites: &[Site], sampled: &[SampledRoom]) -> BTreeSet<(usize, ShellKey)> {
+    fn inverted_solids(&self, sampled: &[SampledRoom]) -> BTreeSet<(usize, ShellKey)> {
         let in_the_open = sampled
             .iter()
-            .filter(|sampled| sampled.room.kind == Kind::Floor && self.is_open(&sampled.seen_beyond));
-        let number = |site: &Site| sites.iter().position(|other| std::ptr::eq(site, other));
-        in_the_open
-            .filter_map(|sampled| Some((number(sampled.site)?, &sampled.doubtful)))
-            .flat_map(|(site, doubtful)| doubtful.iter().map(move |&key| (site, key)))
-            .collect()
+            .filter(|sampled| sampled.kind == Kind::Floor && self.is_open(&sampled.seen));
+        let all = in_the_open.flat_map(|sampled| {
+            let doubtful = sampled.doubtful.iter().filter(|(_, seen)| seen.from_solid_side);
+            doubtful.map(|(&key, _)| (sampled.place.0, key))
+        });
+        all.collect()
     }
 
     /// Returns the rooms from which mostly the open sides of faces are visible.
-    fn open_rooms<'s>(&self, sampled: Vec<SampledRoom<'s, 'a>>) -> Vec<RoomQuota<'s, 'a>> {
-        let open = sampled.into_iter().filter(|room| self.is_open(&room.seen));
-        open.map(|sampled| RoomQuota {
-            site: sampled.site,
-            room: sampled.room,
-            kind: self.kind_of(sampled.site, sampled.room),
-            items: sampled.items,
-            rises: sampled.rises,
-            eyes: Vec::new(),
-            failed: 0,
+    fn open_rooms<'s>(&self, sites: &'s [Site<'a>], sampled: &[SampledRoom]) -> Vec<RoomQuota<'s, 'a>> {
+        let open = sampled.iter().filter(|room| self.is_open(&room.seen));
+        open.map(|sampled| {
+            let site = &sites[sampled.place.0];
+            let room = &site.rooms[sampled.place.1];
+            RoomQuota {
+                site,
+                room,
+                kind: self.kind_of(site, room),
+                items: sampled.items,
+                rises: sampled.rises,
+                eyes: Vec::new(),
+                failed: 0,
+            }
         })
         .collect()
     }
@@ -331,41 +332,46 @@ impl<'a> Surveyor<'a> {
         if is_ground { Kind::Floor } else { room.kind }
     }
 
-    /// Casts rays from a room; `None` if no ray hits.
-    fn sample_room<'s>(&mut self, site: &'s Site<'a>, room: &'s Room) -> Option<SampledRoom<'s, 'a>> {
+    /// Casts rays from a room, given by its site and its index there; `None` if no ray hits.
+    fn sample_room(&mut self, site: &Site, place: (usize, usize)) -> Option<SampledRoom> {
+        let room = &site.rooms[place.1];
         let mut sampled = SampledRoom {
-            site,
-            room,
+            place,
+            kind: room.kind,
+            area: room.area,
             seen: Seen::default(),
-            seen_beyond: Seen::default(),
-            doubtful: BTreeSet::new(),
+            doubtful: BTreeMap::new(),
             items: 0,
             rises: false,
         };
         let mut items = BTreeSet::new();
         for _ in 0..SAMPLED_FLOORS {
             let floor = room.floors[self.dice.below(room.floors.len())];
-            let eye = self.eye(site, floor, false);
-            sampled.seen += self.cast_around(site, eye, |direction, hit| {
+            let around = self.cast_around(site, self.eye(site, floor, false));
+            for (at, &(direction, side, hit)) in around.hits.iter().enumerate() {
                 items.insert(hit.item.index);
                 sampled.rises |= direction.y > LEVEL;
-                let side = site.sides.of(site.geometry, hit);
-                match site.sides.doubtful(site.geometry, hit) {
-                    Some(key) if side == Side::Solid => {
-                        sampled.doubtful.insert(key);
-                    }
-                    Some(_) => {}
-                    None => sampled.seen_beyond.add(side),
+                let mut seen = &mut sampled.seen;
+                if let Some(key) = site.sides.doubtful(site.geometry, &hit) {
+                    let doubtful = sampled.doubtful.entry(key).or_default();
+                    doubtful.from_solid_side |= side == Side::Solid;
+                    seen = &mut doubtful.seen;
                 }
-            });
+                if at < around.counted {
+                    seen.add(side);
+                }
+            }
         }
         sampled.items = items.len();
-        (sampled.seen.hits() > 0).then_some(sampled)
+        (sampled.items > 0).then_some(sampled)
     }
 
     /// Returns `true` if most of the faces seen show their open sides.
     fn is_open(&self, seen: &Seen) -> bool {
-        seen.hits() > 0 && f64::from(self.open_sides(seen)) >= OPEN * f64::from(seen.hits())
+        match seen.hits() {
+            0 => seen.either > 0,
+            hits => f64::from(self.open_sides(seen)) >= OPEN * f64::from(hits),
+        }
     }
 
     fn open_sides(&self, seen: &Seen) -> u32 {
@@ -399,27 +405,29 @@ impl<'a> Surveyor<'a> {
         !self.geometries.is_empty() && (are_small || is_flat) && !rooms.iter().any(is_covered)
     }
 
-    /// Casts rays in all directions; returns the sides that they hit, and calls `met` with each direction and hit.
+    /// Casts rays in all directions.
     ///
     /// Steep rays downwards count only if hardly any others hit: the ground of many cities goes on below closed
     /// buildings, and shows its front inside.
-    fn cast_around(&self, site: &Site, eye: DVec3, mut met: impl FnMut(DVec3, &Hit)) -> Seen {
-        let [mut others, mut steep] = [Seen::default(); 2];
+    fn cast_around(&self, site: &Site, eye: DVec3) -> Around {
+        let mut hits = SmallVec::new();
+        let mut others = Seen::default();
+        let mut counted = 0;
+        // The steep directions are the last.
         for direction in (0..DIRECTIONS).map(spread) {
             if let Some(hit) = self.budget.cast(site.geometry, eye, direction) {
-                let seen = if direction.y < STEEP {
-                    &mut steep
-                } else {
-                    &mut others
-                };
-                seen.add(site.sides.of(site.geometry, &hit));
-                met(direction, &hit);
+                let side = site.sides.of(site.geometry, &hit);
+                hits.push((direction, side, hit));
+                if direction.y >= STEEP {
+                    others.add(side);
+                    counted = hits.len();
+                }
             }
         }
         if others.hits() < ENOUGH_HITS {
-            others += steep;
+            counted = hits.len();
         }
-        others
+        Around { hits, counted }
     }
 
     /// Returns the position of an eye above a floor; with `high`, halfway up to a high ceiling.
@@ -476,7 +484,7 @@ impl<'a> Surveyor<'a> {
         candidates.into_iter().take(TRIES / 4).find_map(|(_, floor)| {
             let eye = self.eye(site, floor, high).as_vec3();
             let place = eye.as_dvec3();
-            let is_open = self.is_open(&self.cast_around(site, place, |_, _| {}))
+            let is_open = self.is_open(&self.cast_around(site, place).seen())
                 && !is_near_a_face(site.geometry, place, CLEARANCE * self.metre, &self.budget)
                 && !self.is_inside_solid(site.geometry, &site.sides, place);
             if !is_open {
@@ -554,6 +562,8 @@ struct Seen {
     /// Fronts and backs of other faces.
     fronts: u32,
     backs: u32,
+    /// Faces of which either side may be the open one.
+    either: u32,
 }
 
 impl Seen {
@@ -563,9 +573,11 @@ impl Seen {
             Side::Solid => &mut self.solid,
             Side::Front => &mut self.fronts,
             Side::Back => &mut self.backs,
+            Side::Either => &mut self.either,
         } += 1;
     }
 
+    /// Number of faces that tell which side they are seen from.
     fn hits(&self) -> u32 {
         self.open + self.solid + self.fronts + self.backs
     }
@@ -577,22 +589,61 @@ impl AddAssign for Seen {
         self.solid += other.solid;
         self.fronts += other.fronts;
         self.backs += other.backs;
+        self.either += other.either;
     }
 }
 
-/// A room and what is visible from it.
-struct SampledRoom<'s, 'a> {
-    site: &'s Site<'a>,
-    room: &'s Room,
+/// The hits of rays in all directions.
+struct Around {
+    hits: SmallVec<[(DVec3, Side, Hit); DIRECTIONS]>,
+    /// Number of hits that count, from the first on.
+    counted: usize,
+}
+
+impl Around {
+    fn seen(&self) -> Seen {
+        let mut seen = Seen::default();
+        for &(_, side, _) in &self.hits[..self.counted] {
+            seen.add(side);
+        }
+        seen
+    }
+}
+
+/// What is visible from a room.
+struct SampledRoom {
+    /// Indices of the site and of the room there.
+    place: (usize, usize),
+    kind: Kind,
+    area: f64,
+    /// Without doubtful shells, until they are settled.
     seen: Seen,
-    /// Without the shells of which it is not known whether they are rooms or solids with inverted winding.
-    seen_beyond: Seen,
-    /// Those whose solid sides it sees, if they are rooms.
-    doubtful: BTreeSet<ShellKey>,
+    doubtful: BTreeMap<ShellKey, Doubtful>,
     /// Number of distinct items visible from it.
     items: usize,
     /// Whether anything rises above its floors.
     rises: bool,
+}
+
+/// What is visible of a shell of which it is not known whether it is a room or a solid with inverted winding, as if it
+/// were a room.
+#[derive(Default)]
+struct Doubtful {
+    seen: Seen,
+    /// Whether its solid side is visible, also by rays that do not count.
+    from_solid_side: bool,
+}
+
+impl SampledRoom {
+    /// Adds the hits on doubtful shells; those in `inverted` are solids.
+    fn settle(&mut self, inverted: &BTreeSet<(usize, ShellKey)>) {
+        for (key, Doubtful { mut seen, .. }) in std::mem::take(&mut self.doubtful) {
+            if inverted.contains(&(self.place.0, key)) {
+                (seen.open, seen.solid) = (seen.solid, seen.open);
+            }
+            self.seen += seen;
+        }
+    }
 }
 
 /// Floor area from which faces that enclose no volume are visible, by their side.
@@ -607,11 +658,11 @@ impl Sheets {
             fronts: 0.0,
             backs: 0.0,
         };
-        for SampledRoom { room, seen, .. } in rooms {
+        for SampledRoom { kind, area, seen, .. } in rooms {
             let may_be_in_a_solid = has_shells && seen.open == 0 && seen.backs > seen.fronts;
             // The outside of a map whose faces point inward consists of roofs and assumed floors.
-            if room.kind == Kind::Floor && !may_be_in_a_solid {
-                let area_per_hit = room.area / f64::from(seen.hits());
+            if *kind == Kind::Floor && !may_be_in_a_solid {
+                let area_per_hit = area / f64::from(seen.hits().max(1));
                 sheets.fronts += area_per_hit * f64::from(seen.fronts);
                 sheets.backs += area_per_hit * f64::from(seen.backs);
             }
@@ -619,12 +670,14 @@ impl Sheets {
         sheets
     }
 
-    /// Returns whether the fronts are on the open side; `otherwise` if none are visible.
-    fn are_right(&self, otherwise: bool) -> bool {
-        match self.fronts == self.backs {
-            true => otherwise,
-            false => self.fronts > self.backs,
-        }
+    /// Returns whether the fronts are on the open side: as the shells say, unless the area that contradicts is larger by
+    /// a factor.
+    fn are_right(&self, shells_are_right: bool, factor: f64) -> bool {
+        let [agrees, contradicts] = match shells_are_right {
+            true => [self.fronts, self.backs],
+            false => [self.backs, self.fronts],
+        };
+        (contradicts > factor * agrees) != shells_are_right
     }
 
     fn are_inverted(&self) -> bool {

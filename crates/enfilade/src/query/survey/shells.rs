@@ -10,9 +10,8 @@
 //! Cost: O(corners), with one hash table of the positions.
 
 use crate::geom::Aabb;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, PositionTable, VACANT};
 use glam::DVec3;
-use std::collections::HashMap;
 use std::ops::Range;
 
 /// Volume below which a part is flat, relative to its area times its size: what rounding leaves of zero.
@@ -199,15 +198,21 @@ impl Parts {
     }
 }
 
-/// Returns for each vertex the first one at its position.
+/// Returns for each vertex one at its position.
 fn welded(positions: &[[f32; 3]]) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(positions.len());
-    let number = |(number, position): (usize, &[f32; 3])| {
-        // -0 is equal to 0.
-        let bits = position.map(|value| (value + 0.0).to_bits());
-        *first.entry(bits).or_insert(number as u32)
+    // -0 is equal to 0.
+    let bits = |vertex: u32| positions[vertex as usize].map(|value| (value + 0.0).to_bits());
+    let mut first = PositionTable::default();
+    first.clear(positions.len());
+    let number = |vertex: u32| {
+        let key = bits(vertex);
+        let known = first.slot(key, |other| bits(other) == key);
+        if *known == VACANT {
+            *known = vertex;
+        }
+        *known
     };
-    positions.iter().enumerate().map(number).collect()
+    (0..positions.len() as u32).map(number).collect()
 }
 
 fn root(parents: &mut [u32], mut vertex: u32) -> u32 {

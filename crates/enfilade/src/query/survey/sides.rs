@@ -3,7 +3,8 @@
 //! Each [shell](super::shells) answers for itself, by the sign of its volume:
 //!
 //! * **Fronts outside**: a solid. Its inside is no room, whatever else the scene contains. Exception: the shells in which
-//!   nearly everything else is, as in a sky dome or a room whose faces were left facing outwards.
+//!   nearly everything else is, as in a sky dome, the façade of a house or a room whose faces were left facing outwards.
+//!   Both sides of these may be open.
 //! * **Fronts inside**, and large enough for a camera at eye height: a room if something is in it, or if its backs are not visible from
 //!   other floors in the open. Otherwise its winding is inverted, and it is a solid.
 //! * **Fronts inside**, and too small: a solid with inverted winding.
@@ -31,8 +32,8 @@ const MAX_PARTS: usize = 1024;
 const MAX_ANGLES: usize = 4_000_000;
 /// Fraction of the parts that are inside a shell whose fronts are outside, for its inside to be open.
 const NEARLY_ALL: f64 = 0.9;
-/// Ratio of areas by which shells with inverted winding must outweigh the others.
-const MOST: f64 = 3.0;
+/// Ratio of areas by which inverted winding must outweigh the other.
+pub(super) const MOST: f64 = 3.0;
 /// Fraction of the area that is considerable.
 const CONSIDERABLE: f64 = 0.1;
 
@@ -47,14 +48,17 @@ pub(super) enum Side {
     Front,
     /// The back of a face of no shell.
     Back,
+    /// A face of a shell around nearly everything.
+    Either,
 }
 
 /// The open sides of the faces of one geometry.
 pub(super) struct Sides {
     /// By mesh.
     shells: Vec<Shells>,
-    /// By item and shell, for those that are large enough for a camera at eye height: whether the fronts are on the open side.
-    fronts_are_open: BTreeMap<ShellKey, bool>,
+    /// By item and shell, for those that are large enough for a camera at eye height: whether the fronts are on the open side; `None` if
+    /// either may be.
+    fronts_are_open: BTreeMap<ShellKey, Option<bool>>,
     /// Those that are rooms or inverted solids.
     doubtful: BTreeSet<ShellKey>,
 }
@@ -77,9 +81,10 @@ impl Sides {
         match self.shell_of(geometry, hit) {
             Some((key, shell)) => {
                 let known = self.fronts_are_open.get(&key).copied();
-                match known.unwrap_or(shell.volume > 0.0) != hit.from_behind {
-                    true => Side::Open,
-                    false => Side::Solid,
+                match known.unwrap_or(Some(shell.volume > 0.0)) {
+                    Some(fronts_are_open) if fronts_are_open != hit.from_behind => Side::Open,
+                    Some(_) => Side::Solid,
+                    None => Side::Either,
                 }
             }
             None if hit.from_behind => Side::Back,
@@ -97,7 +102,7 @@ impl Sides {
 
     /// Exchanges the sides of a shell.
     pub(super) fn invert(&mut self, key: ShellKey) {
-        if let Some(fronts_are_open) = self.fronts_are_open.get_mut(&key) {
+        if let Some(Some(fronts_are_open)) = self.fronts_are_open.get_mut(&key) {
             *fronts_are_open = !*fronts_are_open;
         }
     }
@@ -117,6 +122,7 @@ impl Sides {
         for (at, hit) in hits.iter().enumerate() {
             if let Some((key, shell)) = self.shell_of(geometry, hit)
                 && shell.is_closed
+                && self.of(geometry, hit) != Side::Either
             {
                 let (left, _) = crossed.entry(key).or_insert((0, at));
                 *left += if hit.from_behind { 1 } else { -1 };
@@ -266,7 +272,7 @@ impl Classifier<'_> {
         for ((outer, contents), around_all) in self.room_sized.iter().zip(&contents).zip(around_all) {
             let (fronts_are_open, doubtful) = &mut known[outer.geometry];
             let key = (outer.item.0, outer.shell.unwrap_or_default());
-            fronts_are_open.insert(key, around_all == is_inverted);
+            fronts_are_open.insert(key, (!around_all).then_some(!is_inverted));
             if !is_solid(outer) && contents.is_empty() {
                 doubtful.insert(key);
             }

@@ -157,6 +157,7 @@ fn where_solids_outweigh_rooms_a_survey_stays_out_of_the_solids() {
 #[test]
 fn on_a_thick_slab_a_survey_stands_between_the_houses_and_a_little_on_their_roofs() {
     let found = survey(&scene(&slab(2.0), 1.0, false), 16);
+    assert_eq!(inside(&found, &slab(2.0)), 0, "{:?}", places(&found));
     let on_roofs = found.views.iter().filter(|place| place.on_roof).count();
     assert!(on_roofs <= 2, "{on_roofs} on roofs");
     assert!(

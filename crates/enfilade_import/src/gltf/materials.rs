@@ -1,13 +1,12 @@
 //! Materials: color, alpha mode, emission, double-sidedness, and texture references.
 
-use super::affected::Affected;
 use super::attributes::Coordinates;
 use super::document::{Document, Material as Source, short};
+use super::plan::Plan;
 use crate::{BrokenRule, NonOccluder};
 use enfilade::{Alpha, Material, MaterialId};
 use serde::Deserialize;
 use serde_json::value::RawValue;
-use std::collections::BTreeSet;
 
 /// A material and the document's textures that it uses.
 #[derive(Debug)]
@@ -28,16 +27,12 @@ pub(super) struct Surface {
 
 /// Returns the document's materials by index, followed by the default material. Without `textures`, no texture is
 /// referenced.
-pub(super) fn read(
-    document: &Document,
-    affected: &Affected,
-    textures: bool,
-) -> Result<Vec<Surface>, BrokenRule> {
+pub(super) fn read(document: &Document, plan: &Plan, textures: bool) -> Result<Vec<Surface>, BrokenRule> {
     let mut surfaces = Vec::with_capacity(document.materials.len() + 1);
-    let animated: BTreeSet<u32> = document.animated().materials.into_iter().collect();
     for (number, source) in document.materials.iter().enumerate() {
         let index = number as u32;
-        let why = why_no_occluder(source, animated.contains(&index), affected.has_material(index));
+        let is_affected = plan.affected().has_material(index);
+        let why = why_no_occluder(source, plan.animates_material(index), is_affected);
         let plain = material(number, source, why)?;
         let surface = if textures {
             textured(plain, source)

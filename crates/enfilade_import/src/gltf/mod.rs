@@ -110,7 +110,7 @@ fn import_with(
     budget.take(plan.room_count() as u64 * BYTES_PER_ROOM, || {
         "the rooms".to_owned()
     })?;
-    let mut surfaces = materials::read(&document, plan.affected(), options.textures)?;
+    let mut surfaces = materials::read(&document, &plan, options.textures)?;
 
     let poses = Poses::new(&document, shown.iter().map(|placed| placed.node), &mut warnings)?;
     let used = poses.used();

@@ -2,7 +2,7 @@
 
 use super::affected::Affected;
 use super::below::{self, Below};
-use super::document::{Document, Primitive, short};
+use super::document::{Animated, Document, Primitive, short};
 use super::hints::{self, Hint, OpeningTarget};
 use super::names::Names;
 use super::nodes::{self, SceneNode};
@@ -36,6 +36,8 @@ pub(super) struct Plan<'d> {
     movable: BTreeSet<u32>,
     /// Nodes that animations move, show or hide, with all below them.
     animated: BTreeSet<u32>,
+    /// Materials that animations change.
+    animated_materials: BTreeSet<u32>,
     /// Nodes that a renderer may replace by a level of detail, with all below them.
     levels: BTreeSet<u32>,
     /// Whether nodes hide others, by their authors.
@@ -82,7 +84,8 @@ impl<'d> Plan<'d> {
             .iter()
             .filter(|(_, hint)| **hint == Hint::Door)
             .map(|(&node, _)| node);
-        let animated = with_all_below(document, document.animated().nodes);
+        let Animated { nodes, materials } = document.animated();
+        let animated = with_all_below(document, nodes);
         let mut movable = with_all_below(document, doors.collect());
         movable.extend(&animated);
         let levels = (0..).zip(&document.nodes).filter(|(_, node)| node.has_levels());
@@ -98,6 +101,7 @@ impl<'d> Plan<'d> {
             flat,
             movable,
             animated,
+            animated_materials: materials.into_iter().collect(),
             levels,
             occluders,
             affected,
@@ -116,6 +120,11 @@ impl<'d> Plan<'d> {
     /// Returns the nodes that are visible or that are exits of portals, by node index.
     pub(super) fn shown(&self) -> &[SceneNode] {
         &self.placed
+    }
+
+    /// Returns `true` if an animation changes a material.
+    pub(super) fn animates_material(&self, material: u32) -> bool {
+        self.animated_materials.contains(&material)
     }
 
     /// Returns the room nodes, in room order.

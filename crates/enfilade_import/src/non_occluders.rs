@@ -142,6 +142,11 @@ impl NonOccluders {
         }
     }
 
+    /// Returns the reasons of the materials alone.
+    pub(crate) fn without_items(&self) -> NonOccluders {
+        NonOccluders::of_materials(Arc::clone(&self.materials))
+    }
+
     /// Records why an item is no occluder.
     pub(crate) fn add(&mut self, item: ItemIndex, why: NonOccluder) {
         self.items.insert(item, why);

@@ -60,18 +60,24 @@ fn place_items(room: &mut Room, instances: &Instances, budget: &mut Budget) -> R
         .map(|mesh| geometry.mesh(Arc::clone(mesh)))
         .collect();
     let mut nodes = SourceNodes::default();
+    let mut non_occluders = room.non_occluders.without_items();
     for item in (0..items).map(ItemIndex) {
         let source = model.item(item);
+        let why = room.non_occluders.of_whole_item(&model, item);
         for (transform, number) in instances.transforms.iter().zip(0_u64..) {
             let name = instances.name(model.name(item), number);
             let mesh = meshes[source.mesh.0 as usize];
             let placed = geometry.item(&name, mesh, *transform * source.transform());
             geometry.set_options(placed, source.options);
             nodes.add_copy(placed.index, &room.nodes, item);
+            if let Some(why) = why {
+                non_occluders.add(placed.index, why);
+            }
         }
     }
     room.geometry = Arc::new(geometry.build().map_err(BrokenRule::Geometry)?);
     room.nodes = nodes;
+    room.non_occluders = non_occluders;
     Ok(())
 }
 

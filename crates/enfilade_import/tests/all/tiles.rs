@@ -1,21 +1,32 @@
 //! Tiles of 3D Tiles: a model with tables before it, once or at many places.
 
 use enfilade::ItemIndex;
-use enfilade_import::{BrokenRule, Import, ReadOptions, TileError, WarningKind, read, read_bytes};
-use serde_json::json;
+use enfilade_import::{
+    BrokenRule, Import, NonOccluder, ReadOptions, TileError, WarningKind, read, read_bytes,
+};
+use serde_json::{Value, json};
 
 /// A triangle from (0, 0, 0) to (1, 0, 0) and (0, 2, 0), at z = −3.
 fn model() -> Vec<u8> {
-    let mut text = json!({
+    model_of_nodes(json!([{ "name": "Leaf", "mesh": 0, "translation": [0, 0, -3] }]))
+}
+
+/// Nodes of which mesh 0 is a triangle; node 1, if there is one, is animated.
+fn model_of_nodes(nodes: Value) -> Vec<u8> {
+    let mut document = json!({
         "asset": { "version": "2.0" },
-        "nodes": [{ "name": "Leaf", "mesh": 0, "translation": [0, 0, -3] }],
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
         "accessors": [{ "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3 }],
         "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
         "buffers": [{ "byteLength": 36 }],
-    })
-    .to_string()
-    .into_bytes();
+    });
+    if nodes.get(1).is_some() {
+        let target = json!({ "node": 1, "path": "translation" });
+        let channel = json!({ "sampler": 0, "target": target });
+        document["animations"] = json!([{ "channels": [channel], "samplers": [{}] }]);
+    }
+    document["nodes"] = nodes;
+    let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0];
     let mut bytes = b"glTF\x02\0\0\0".to_vec();
@@ -162,6 +173,33 @@ fn each_instance_of_a_model_stands_at_its_position() {
         is_near(found[1].1, moved([-4.0, 6.0, -5.0]));
         assert_eq!(import.rooms[0].geometry.meshes().len(), 1);
     }
+}
+
+#[test]
+fn instances_of_a_model_that_hides_nothing_hide_nothing_for_the_same_reason() {
+    let nodes = json!([{ "name": "wall", "mesh": 0 }, { "name": "fern", "mesh": 0 }]);
+    let glb = model_of_nodes(nodes);
+    let positions = floats(&[1.0, 2.0, 3.0, -4.0, 5.0, 6.0]);
+    let import = reads(&i3dm(
+        r#"{"INSTANCES_LENGTH":2,"POSITION":{"byteOffset":0}}"#,
+        &positions,
+        1,
+        &glb,
+    ));
+    let room = &import.rooms[0];
+    let items = (0..room.geometry.items().len() as u32).map(ItemIndex);
+    let why = items.map(|item| {
+        let reasons = room.non_occluders.of_item(&room.geometry, item);
+        (room.geometry.name(item), reasons.into_iter().collect::<Vec<_>>())
+    });
+    let animated = vec![NonOccluder::Animated];
+    let expected = [
+        ("wall[0]", vec![]),
+        ("wall[1]", vec![]),
+        ("fern[0]", animated.clone()),
+        ("fern[1]", animated),
+    ];
+    assert_eq!(why.collect::<Vec<_>>(), expected);
 }
 
 #[test]

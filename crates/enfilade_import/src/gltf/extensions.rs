@@ -50,6 +50,10 @@ const EXTENSIONS: &[(&str, Effect)] = &[
         Shape("where its triangle strips end is lost; export it again as triangle lists"),
     ),
     (
+        "CESIUM_binary_glTF",
+        Shape("it belongs to glTF 1.0; convert the file to glTF 2.0"),
+    ),
+    (
         "CESIUM_geopose",
         Shape("its place is lost; export it again without"),
     ),
@@ -179,6 +183,7 @@ const EXTENSIONS: &[(&str, Effect)] = &[
     ("KHR_animation_pointer", Read), // What it changes hides nothing.
     ("KHR_audio", Harmless),         // Sound.
     ("KHR_audio_emitter", Harmless), // Sound.
+    ("KHR_audio_graph", Harmless),   // Sound.
     (
         "KHR_behavior",
         Shape("a program moves its nodes; export it again without"),
@@ -186,6 +191,10 @@ const EXTENSIONS: &[(&str, Effect)] = &[
     (
         "KHR_billboard",
         Shape("its nodes turn to the camera; export it again without"),
+    ),
+    (
+        "KHR_binary_glTF",
+        Shape("it belongs to glTF 1.0; convert the file to glTF 2.0"),
     ),
     (
         "KHR_blend",
@@ -215,24 +224,29 @@ const EXTENSIONS: &[(&str, Effect)] = &[
         "KHR_interactivity",
         Shape("a program moves its nodes; export it again without"),
     ),
-    ("KHR_lights_area", Harmless),                     // Lights and backgrounds.
-    ("KHR_lights_environment", Harmless),              // Lights and backgrounds.
-    ("KHR_lights_image_based", Harmless),              // Lights and backgrounds.
-    ("KHR_lights_punctual", Read),                     // Read as lights.
-    ("KHR_materials_anisotropy", Harmless),            // Shading of an opaque surface.
-    ("KHR_materials_clearcoat", Harmless),             // Shading of an opaque surface.
-    ("KHR_materials_coat", Harmless),                  // Shading of an opaque surface.
-    ("KHR_materials_diffuse_roughness", Harmless),     // Shading of an opaque surface.
-    ("KHR_materials_diffuse_transmission", Read),      // Such materials hide nothing.
-    ("KHR_materials_dispersion", Read),                // Such materials hide nothing.
-    ("KHR_materials_emissive_strength", Read),         // Applied.
-    ("KHR_materials_fuzz", Harmless),                  // Shading of an opaque surface.
-    ("KHR_materials_ior", Harmless),                   // Shading of an opaque surface.
-    ("KHR_materials_iridescence", Harmless),           // Shading of an opaque surface.
-    ("KHR_materials_parallax_mapping", Harmless),      // Displaces texture coordinates, not the surface.
+    ("KHR_lights_area", Harmless),          // Lights and backgrounds.
+    ("KHR_lights_environment", Harmless),   // Lights and backgrounds.
+    ("KHR_lights_image_based", Harmless),   // Lights and backgrounds.
+    ("KHR_lights_punctual", Read),          // Read as lights.
+    ("KHR_materials_anisotropy", Harmless), // Shading of an opaque surface.
+    ("KHR_materials_clearcoat", Harmless),  // Shading of an opaque surface.
+    ("KHR_materials_coat", Harmless),       // Shading of an opaque surface.
+    (
+        "KHR_materials_common",
+        Shape("it belongs to glTF 1.0; convert the file to glTF 2.0"),
+    ),
+    ("KHR_materials_diffuse_roughness", Harmless), // Shading of an opaque surface.
+    ("KHR_materials_diffuse_transmission", Read),  // Such materials hide nothing.
+    ("KHR_materials_dispersion", Read),            // Such materials hide nothing.
+    ("KHR_materials_emissive_strength", Read),     // Applied.
+    ("KHR_materials_fuzz", Harmless),              // Shading of an opaque surface.
+    ("KHR_materials_ior", Harmless),               // Shading of an opaque surface.
+    ("KHR_materials_iridescence", Harmless),       // Shading of an opaque surface.
+    ("KHR_materials_parallax_mapping", Harmless),  // Displaces texture coordinates, not the surface.
     ("KHR_materials_pbrSpecularGlossiness", Harmless), // Another shading model; the alpha mode is that of the material.
     ("KHR_materials_sheen", Harmless),                 // Shading of an opaque surface.
     ("KHR_materials_specular", Harmless),              // Shading of an opaque surface.
+    ("KHR_materials_subsurface", Read),                // Such materials hide nothing.
     ("KHR_materials_transmission", Read),              // Blended.
     ("KHR_materials_unlit", Read),                     // Applied.
     ("KHR_materials_variants", Read),                  // Hides only if all variants are opaque.
@@ -254,6 +268,7 @@ const EXTENSIONS: &[(&str, Effect)] = &[
     ("KHR_texture_basisu", Harmless),      // Pixels of textures.
     ("KHR_texture_procedurals", Harmless), // Pixels of textures.
     ("KHR_texture_transform", Read),       // Applied.
+    ("KHR_texture_video", Harmless),       // Pixels of textures.
     ("KHR_xmp", Harmless),                 // Metadata.
     ("KHR_xmp_json_ld", Harmless),         // Metadata.
     (
@@ -337,6 +352,10 @@ const EXTENSIONS: &[(&str, Effect)] = &[
         Shape("its nodes are moved by it; export it again without"),
     ),
     ("VRMC_vrm", Harmless), // Says what the parts of a body are.
+    (
+        "WEB3D_quantized_attributes",
+        Shape("it belongs to glTF 1.0; convert the file to glTF 2.0"),
+    ),
 ];
 
 fn effect(name: &str) -> Effect {

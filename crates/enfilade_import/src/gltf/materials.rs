@@ -106,9 +106,8 @@ fn transmission(source: &Source) -> f32 {
 
 /// Returns why a material hides nothing, whatever its alpha mode.
 fn why_no_occluder(source: &Source, is_animated: bool, is_affected: bool) -> Option<NonOccluder> {
-    let lets_light_through = transmission(source) > 0.0 || source.extensions.lets_light_through();
     let reasons = [
-        (lets_light_through, NonOccluder::Transmissive),
+        (source.extensions.lets_light_through(), NonOccluder::Transmissive),
         (is_animated, NonOccluder::Animated),
         (is_affected, NonOccluder::ExtensionUnread),
     ];

@@ -148,6 +148,9 @@ const GLTF: &[Row] = &[
     ("diffuse transmission", HidesNothing(Transmissive), |file| {
         extend(file, "materials", "KHR_materials_diffuse_transmission", json!({}));
     }),
+    ("subsurface scattering", HidesNothing(Transmissive), |file| {
+        extend(file, "materials", "KHR_materials_subsurface", json!({}));
+    }),
     ("dispersion", HidesNothing(Transmissive), |file| {
         extend(
             file,
@@ -271,12 +274,15 @@ const HARMLESS: &[&str] = &[
     "EXT_texture_astc",
     "EXT_texture_avif",
     "EXT_texture_procedurals",
+    "EXT_texture_procedurals_mx_1_39",
     "EXT_texture_video",
     "EXT_texture_webp",
     "KHR_animation_pointer",
     "KHR_audio",
     "KHR_audio_emitter",
+    "KHR_audio_graph",
     "KHR_character",
+    "KHR_collision_shapes",
     "KHR_implicit_shapes",
     "KHR_lights_area",
     "KHR_lights_environment",
@@ -294,6 +300,7 @@ const HARMLESS: &[&str] = &[
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
+    "KHR_materials_subsurface",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_variants",
@@ -305,7 +312,9 @@ const HARMLESS: &[&str] = &[
     "KHR_node_selectability",
     "KHR_node_visibility",
     "KHR_texture_basisu",
+    "KHR_texture_procedurals",
     "KHR_texture_transform",
+    "KHR_texture_video",
     "KHR_xmp",
     "KHR_xmp_json_ld",
     "MSFT_lod",
@@ -328,11 +337,13 @@ const SHAPING: &[(&str, &str)] = &[
     ("EXT_property_animation", "a program moves its nodes"),
     ("EXT_volumetricvideo", "its shapes are lost"),
     ("KHR_behavior", "a program moves its nodes"),
+    ("KHR_binary_glTF", "to glTF 2.0"),
     ("KHR_billboard", "turn to the camera"),
     ("KHR_blend", "its materials are blended by it"),
     ("KHR_gaussian_splatting", "its splats are lost"),
     ("KHR_gaussian_splatting_compression_spz", "its splats are lost"),
     ("KHR_interactivity", "a program moves its nodes"),
+    ("KHR_materials_common", "to glTF 2.0"),
     ("KHR_physics_rigid_bodies", "bodies fall by it"),
     ("KHR_techniques_webgl", "its own shaders"),
     ("KHR_unheard_of", "export it again without"),

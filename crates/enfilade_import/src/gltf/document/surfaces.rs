@@ -65,6 +65,8 @@ pub(in crate::gltf) struct MaterialExtensions {
     pub(in crate::gltf) dispersion: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_volume")]
     pub(in crate::gltf) volume: Option<IgnoredAny>,
+    #[serde(rename = "KHR_materials_subsurface")]
+    pub(in crate::gltf) subsurface: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_volume_scatter")]
     pub(in crate::gltf) volume_scatter: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_unlit")]
@@ -93,6 +95,7 @@ impl MaterialExtensions {
         transmission.is_some_and(|transmission| transmission.transmission_factor > 0.0)
             || self.diffuse_transmission.is_some()
             || self.dispersion.is_some()
+            || self.subsurface.is_some()
             || self.volume.is_some()
             || self.volume_scatter.is_some()
     }

@@ -42,7 +42,7 @@ pub enum WarningKind {
     OpeningsWithoutRooms,
     /// Nodes with unknown keys in `extras.enfilade`.
     UnreadNotes,
-    /// Unsupported extensions that the file uses but does not require.
+    /// Extensions that the file uses, but that are not read.
     Extensions,
     /// Primitives whose compression or storage is not supported, in a file that is read as
     /// [lenient](crate::ReadOptions::lenient).
@@ -138,7 +138,7 @@ impl WarningKind {
                 "nodes are named like portals or mirrors, but no node is a room (NAME-room): drawn as ordinary meshes"
             }
             WarningKind::UnreadNotes => "extras.enfilade has unknown keys, which are ignored",
-            WarningKind::Extensions => "unknown extensions are ignored",
+            WarningKind::Extensions => "extensions are not read",
             WarningKind::Repaired => "what breaks a rule of the format, but has a plain meaning, is read",
             WarningKind::LeftOut => "primitives whose compression or storage is not supported are left out",
             WarningKind::Points => "points are not drawn",

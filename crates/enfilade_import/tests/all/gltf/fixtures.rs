@@ -224,7 +224,7 @@ fn broken_fixtures_are_refused_or_read_without_what_is_broken() {
         ),
         (
             "unknown_optional.glb",
-            "warning: unknown extensions are ignored (ACME_teapot)",
+            "warning: extensions are not read (ACME_teapot)",
         ),
         (
             "unknown_required.glb",

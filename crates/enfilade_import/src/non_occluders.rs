@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub enum NonOccluder {
     /// Its author says so: `extras.enfilade.occluder` of a node, or the [options](enfilade::ItemOptions) of an item.
     Author,
-    /// A skin deforms it.
+    /// A skin deforms it, or it hangs on a joint of one.
     Skinned,
     /// Morph targets deform it.
     Morphed,
@@ -39,13 +39,13 @@ pub enum NonOccluder {
     AlphaKey,
     /// The map, or a shader script, says that it is translucent.
     Translucent,
-    /// The map says that it is not solid: decals, effects, curtains.
+    /// The map, or a shader script, says that it is not solid or not drawn: decals, effects, curtains.
     NotSolid,
     /// A shader script draws it from behind as well, as fences and foliage are: `cull none` or `cull back`.
     DoubleSidedShader,
     /// Sky, where engines may draw what is behind it.
     Sky,
-    /// A brush entity that may move or vanish: doors, lifts, breakable walls.
+    /// A brush entity that may move, vanish or be left out: doors, lifts, breakable walls, brushes of other skill levels.
     MovingBrush,
     /// A brush entity with `alpha`, `renderamt`, `rendermode` or `renderfx`.
     TranslucentBrush,

@@ -99,6 +99,8 @@ pub enum WarningKind {
     JointWeights,
     /// Animations.
     Animations,
+    /// Portals and mirrors that animations move.
+    AnimatedOpenings,
     /// What breaks a rule of the format, but has a plain meaning.
     Repaired,
     /// Images that cannot be read.
@@ -185,6 +187,9 @@ impl WarningKind {
             }
             WarningKind::JointWeights => {
                 "vertices of skinned meshes without valid joint weights follow their first joint; meshes without joints follow their node"
+            }
+            WarningKind::AnimatedOpenings => {
+                "portals and mirrors that animations move stay where the file has them: replace their openings as they move"
             }
             WarningKind::Animations => "animations are not read yet: everything stands still",
             WarningKind::BadImages => "images that cannot be read are grey",

@@ -6,6 +6,7 @@ use crate::{BrokenRule, read_regular_file};
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
+use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
 
 /// Base64 with or without padding.
@@ -95,12 +96,18 @@ fn decode(uri: &str, place: &dyn Fn() -> String, budget: &mut Budget) -> Result<
     let (head, data) = uri
         .split_once(',')
         .ok_or_else(|| bad("its data URI has no comma".to_owned()))?;
-    if !head.ends_with(";base64") {
+    if !head.to_ascii_lowercase().ends_with(";base64") {
         return Err(bad("its data URI is not base64".to_owned()));
     }
     budget.take(data.len() as u64 / 4 * 3 + 3, place)?;
+    // Some writers break its lines.
+    let mut data = Cow::Borrowed(data);
+    if data.contains(|letter: char| letter.is_ascii_whitespace()) {
+        budget.take(data.len() as u64, place)?;
+        data = Cow::Owned(data.split_ascii_whitespace().collect());
+    }
     BASE64
-        .decode(data)
+        .decode(&*data)
         .map_err(|why| bad(format!("its data URI is not base64: {why}")))
 }
 

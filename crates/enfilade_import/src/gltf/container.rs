@@ -102,8 +102,14 @@ fn split_binary(bytes: &[u8]) -> Result<Container<'_>, BrokenRule> {
     if length > has {
         return Err(cut("last chunk", length));
     }
+    // Padding is of spaces; some writers pad with zeros.
+    let padding = json
+        .iter()
+        .rev()
+        .take_while(|&&byte| matches!(byte, 0 | b' '))
+        .count();
     Ok(Container {
-        json: without_mark(json),
+        json: without_mark(&json[..json.len() - padding]),
         binary,
         has_zero_length,
     })

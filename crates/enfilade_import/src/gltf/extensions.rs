@@ -338,10 +338,20 @@ const EXTENSIONS: &[(&str, Effect)] = &[
         "NV_materials_mdl",
         Shape("its own shaders may be transparent; export it again without"),
     ),
+    ("OMI_audio_emitter", Harmless),    // Sound.
+    ("OMI_audio_ogg_vorbis", Harmless), // Sound.
+    ("OMI_collider", Harmless),         // For collisions.
+    ("OMI_environment_sky", Harmless),  // Lights and backgrounds.
+    ("OMI_link", Harmless),             // Where to go from here.
+    ("OMI_personality", Harmless),      // What a person says.
     (
         "OMI_physics_body",
         Shape("bodies fall by it; export it again without"),
     ),
+    ("OMI_physics_gravity", Harmless),  // Of bodies.
+    ("OMI_physics_shape", Harmless),    // For collisions.
+    ("OMI_seat", Harmless),             // Where to sit.
+    ("OMI_spawn_point", Harmless),      // Where to begin.
     ("VRMC_materials_mtoon", Harmless), // Shading; the alpha mode is that of the material.
     (
         "VRMC_node_constraint",

@@ -112,7 +112,12 @@ pub(super) fn occluders(
                 occluders.insert(number, hides);
                 waiting.push(number);
             }
-            Err(why) => faults.report(Subject::Room, why, warnings),
+            Err(why) => {
+                // Also where faults are only warned of.
+                occluders.insert(number, false);
+                waiting.push(number);
+                faults.report(Subject::Room, why, warnings);
+            }
         }
     }
     while let Some(number) = waiting.pop() {

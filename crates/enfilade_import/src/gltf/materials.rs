@@ -108,6 +108,7 @@ fn transmission(source: &Source) -> f32 {
 fn why_no_occluder(source: &Source, is_animated: bool, is_affected: bool) -> Option<NonOccluder> {
     let reasons = [
         (source.extensions.lets_light_through(), NonOccluder::Transmissive),
+        (source.extensions.levels.is_some(), NonOccluder::LevelOfDetail),
         (is_animated, NonOccluder::Animated),
         (is_affected, NonOccluder::ExtensionUnread),
     ];

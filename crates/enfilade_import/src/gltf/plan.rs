@@ -36,6 +36,8 @@ pub(super) struct Plan<'d> {
     movable: BTreeSet<u32>,
     /// Nodes that animations move, show or hide, with all below them.
     animated: BTreeSet<u32>,
+    /// Joints of skins, with all below them: what a body holds in its hands.
+    joints: BTreeSet<u32>,
     /// Materials that animations change.
     animated_materials: BTreeSet<u32>,
     /// Nodes that a renderer may replace by a level of detail, with all below them.
@@ -86,8 +88,9 @@ impl<'d> Plan<'d> {
             .map(|(&node, _)| node);
         let Animated { nodes, materials } = document.animated();
         let animated = with_all_below(document, nodes);
+        let joints = with_all_below(document, document.joints());
         let mut movable = with_all_below(document, doors.collect());
-        movable.extend(&animated);
+        movable.extend(animated.iter().chain(&joints));
         let levels = (0..).zip(&document.nodes).filter(|(_, node)| node.has_levels());
         let levels = with_all_below(document, levels.map(|(number, _)| number).collect());
         let occluders = hints::occluders(document, faults, warnings);
@@ -101,6 +104,7 @@ impl<'d> Plan<'d> {
             flat,
             movable,
             animated,
+            joints,
             animated_materials: materials.into_iter().collect(),
             levels,
             occluders,
@@ -108,6 +112,11 @@ impl<'d> Plan<'d> {
             method_of_rest,
         };
         plan.check_rooms(faults, warnings);
+        for (&node, hint) in plan.hints.iter().filter(|_| !flat) {
+            if matches!(hint, Hint::Opening { .. }) && plan.animated.contains(&node) {
+                warnings.name(WarningKind::AnimatedOpenings, || document.node_name(node));
+            }
+        }
         for placed in plan.placed.iter().filter(|placed| plan.is_item(placed)) {
             let is_skinned = document.nodes[placed.node as usize].skin.is_some();
             if !is_skinned && placed.world.inverse().is_none() {
@@ -309,7 +318,10 @@ impl<'d> Plan<'d> {
             (!variants.all(is_opaque), NonOccluder::MaterialVariant),
             (self.levels.contains(&placed.node), NonOccluder::LevelOfDetail),
             (self.affected.has(placed.node, mesh), NonOccluder::ExtensionUnread),
-            (node.skin.is_some(), NonOccluder::Skinned),
+            (
+                node.skin.is_some() || self.joints.contains(&placed.node),
+                NonOccluder::Skinned,
+            ),
             (self.has_morph_targets(mesh), NonOccluder::Morphed),
             (self.animated.contains(&placed.node), NonOccluder::Animated),
         ]

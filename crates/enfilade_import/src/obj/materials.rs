@@ -11,6 +11,7 @@ use crate::budget::Budget;
 use crate::warning::{WarningKind, Warnings};
 use crate::{NonOccluder, images};
 use enfilade::{Alpha, Material, Texture, TextureId, Wrap};
+use std::collections::hash_map::Entry::{Occupied, Vacant};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -114,7 +115,7 @@ impl Library {
         warnings: &mut Warnings,
         named: &mut BTreeSet<PathBuf>,
     ) -> Library {
-        let mut library = HashMap::new();
+        let mut library: HashMap<String, (Entry, InnerPath)> = HashMap::new();
         let mut read = HashSet::new();
         let top = InnerPath::default();
         for file in statements.iter().flat_map(|names| files(names, folder)) {
@@ -149,10 +150,19 @@ impl Library {
                             .flatten()
                             .map(|map| InnerPath::of(&map.file, &here));
                         named.extend(images.filter_map(|image| image.path(folder)));
-                        // If several materials share a name, the first wins.
-                        library
-                            .entry(entry.name.clone())
-                            .or_insert_with(|| (entry, here.clone()));
+                        // If several materials share a name, the first is drawn; it hides only if all are opaque.
+                        match library.entry(entry.name.clone()) {
+                            Occupied(mut known) if known.get().0.hides() && !entry.hides() => {
+                                warnings.name(WarningKind::MaterialLines, || {
+                                    format!("{} is defined twice: the first is drawn", entry.name)
+                                });
+                                known.get_mut().0.doubt(NonOccluder::MaterialUnread);
+                            }
+                            Occupied(_) => {}
+                            Vacant(free) => {
+                                free.insert((entry, here.clone()));
+                            }
+                        }
                     }
                 }
                 Err(why) => warnings.name(WarningKind::MaterialFiles, || format!("{file}: {why}")),
@@ -225,7 +235,11 @@ impl Reader<'_> {
             alpha: self.alpha(entry, coverage, here),
             ..Material::opaque([r, g, b])
         };
-        self.push(material, entry.non_occluder, diffuse.or(emission).map(placing));
+        self.push(
+            material,
+            entry.why_no_occluder(),
+            diffuse.or(emission).map(placing),
+        );
     }
 
     /// Returns the opacity of a material.
@@ -239,7 +253,7 @@ impl Reader<'_> {
                 format!("{}: Tr contradicts d, which is used", entry.name)
             });
         }
-        entry.coverage.or(by_transparency).unwrap_or(1.0)
+        entry.opacity()
     }
 
     /// Returns the alpha mode. It must not depend on whether images are read, because it decides whether faces occlude.
@@ -252,7 +266,7 @@ impl Reader<'_> {
                 format!("{}: map_d is ignored: its image differs from map_Kd", entry.name)
             });
         }
-        match entry.non_occluder {
+        match entry.why_no_occluder() {
             _ if coverage < 1.0 => Alpha::Blend,
             None => Alpha::Opaque,
             Some(_) => Alpha::Mask,

@@ -171,7 +171,7 @@ impl Source<'_> {
     pub(super) fn line(&self, piece: usize, face: usize) -> usize {
         let piece = &self.pieces[piece];
         Lines::of(piece.text, piece.before.lines)
-            .filter(|line| line.keyword() == b"f" && line.words().nth(2).is_some())
+            .filter(|line| matches!(line.keyword(), b"f" | b"fo") && line.words().nth(2).is_some())
             .nth(face)
             .map_or(0, |line| line.number)
     }

@@ -60,12 +60,45 @@ const LEFT_ASIDE: [&[u8]; 14] = [
     b"map_aat",
 ];
 
+/// Keywords, in lower case and without `map_`, that change only how an opaque surface is shaded. A material with another one that is
+/// not read may let light through, or be elsewhere (`disp`), so it hides nothing.
+const OF_SHADING: [&str; 24] = [
+    "aat",
+    "aniso",
+    "anisor",
+    "ao",
+    "bump",
+    "decal",
+    "ka",
+    "kd",
+    "ke",
+    "km",
+    "kn",
+    "ks",
+    "ni",
+    "norm",
+    "normal",
+    "ns",
+    "orm",
+    "pc",
+    "pcr",
+    "pm",
+    "pr",
+    "ps",
+    "refl",
+    "sharpness",
+];
+
 /// Parses the materials of a file; `file` is its name in warnings.
 pub(super) fn parse(text: &[u8], file: &str, warnings: &mut Warnings) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     let text = with_line_ends(without_mark(text));
     for line in Lines::of(&text, 0) {
-        if line.keyword() == b"newmtl" {
+        if line.keyword().eq_ignore_ascii_case(b"newmtl") {
+            // Where case counts, what follows is about the material before.
+            if let Some(before) = entries.last_mut().filter(|_| line.keyword() != b"newmtl") {
+                before.doubt(NonOccluder::MaterialUnread);
+            }
             entries.push(Entry {
                 name: line.rest().into_owned(),
                 ..Entry::default()
@@ -98,26 +131,38 @@ impl Entry {
         match line.keyword() {
             b"Kd" => self.diffuse = Some(color(line)?),
             b"Ke" => self.emission = Some(color(line)?),
-            b"d" => match amount(line) {
-                Some(coverage) => self.coverage = Some(coverage),
+            keyword @ (b"d" | b"Tr") => {
                 // Also `d -halo 0.3`, which depends on the angle.
-                None => return self.doubt(NonOccluder::MaterialUnread),
-            },
-            b"Tr" => match amount(line) {
-                Some(transparency) => self.transparency = Some(transparency),
-                None => return self.doubt(NonOccluder::MaterialUnread),
-            },
+                let Some(amount) = amount(line) else {
+                    return self.doubt(NonOccluder::MaterialUnread);
+                };
+                let value = match keyword {
+                    b"d" => &mut self.coverage,
+                    _ => &mut self.transparency,
+                };
+                if value.replace(amount).is_some_and(|before| before != amount) {
+                    return self.doubt(NonOccluder::MaterialUnread);
+                }
+            }
             // Light that passes through, but for none and for all, which some programs write for what is opaque.
             b"Tf" => {
                 if !matches!(color(line), Some([1.0, 1.0, 1.0] | [0.0, 0.0, 0.0])) {
                     self.doubt(NonOccluder::Transmissive);
                 }
             }
-            // Glass, refraction, and reflection on glass.
             b"illum" => {
-                let is_glass = |model: f32| [4.0, 6.0, 7.0, 9.0].contains(&model);
-                if line.words().next().and_then(number).is_some_and(is_glass) {
-                    self.doubt(NonOccluder::Transmissive);
+                let model = line
+                    .words()
+                    .next()
+                    .and_then(|word| std::str::from_utf8(word).ok());
+                match model.unwrap_or_default().trim_end_matches(".0") {
+                    "0" | "1" | "2" | "3" | "5" | "8" => {}
+                    // Glass, refraction, and reflection on glass.
+                    "4" | "6" | "7" | "9" => {
+                        self.doubt(NonOccluder::Transmissive);
+                    }
+                    // 10 is drawn as its shadows alone.
+                    _ => return self.doubt(NonOccluder::MaterialUnread),
                 }
             }
             b"map_Kd" | b"map_kd" => self.diffuse_map = Some(Map::read(line, left)?),
@@ -126,28 +171,43 @@ impl Entry {
                 self.doubt(NonOccluder::AlphaTested);
                 self.coverage_map = Some(Map::read(line, left)?);
             }
-            keyword if is_about_opacity(keyword) => return self.doubt(NonOccluder::MaterialUnread),
-            _ => return None,
+            keyword => {
+                let keyword = String::from_utf8_lossy(keyword).to_lowercase();
+                let word = keyword.strip_prefix("map_").unwrap_or(&keyword);
+                if !OF_SHADING.contains(&word) {
+                    self.doubt(NonOccluder::MaterialUnread);
+                }
+                return None;
+            }
         }
         Some(())
     }
 
+    /// Returns why the surface hides nothing; `None` if it is opaque or a numeric opacity tells.
+    pub(super) fn why_no_occluder(&self) -> Option<NonOccluder> {
+        // Some programs write `Tr` with the meaning of `d`: 0 and 1 may both be opaque, what is between them is not.
+        let is_between = self.transparency.is_some_and(|value| 0.0 < value && value < 1.0);
+        let contradicts = is_between && self.coverage == Some(1.0);
+        let contradicts = contradicts.then_some(NonOccluder::MaterialUnread);
+        self.non_occluder.or(contradicts)
+    }
+
+    /// Returns the opacity: `d`, or else what `Tr` leaves.
+    pub(super) fn opacity(&self) -> f32 {
+        let by_transparency = self.transparency.map(|through| 1.0 - through);
+        self.coverage.or(by_transparency).unwrap_or(1.0)
+    }
+
+    /// Returns `true` if the surface is certainly opaque.
+    pub(super) fn hides(&self) -> bool {
+        self.why_no_occluder().is_none() && self.opacity() == 1.0
+    }
+
     /// Notes why it is not known to be opaque, and returns `None`.
-    fn doubt(&mut self, why: NonOccluder) -> Option<()> {
+    pub(super) fn doubt(&mut self, why: NonOccluder) -> Option<()> {
         self.non_occluder.get_or_insert(why);
         None
     }
-}
-
-/// Returns `true` if an unknown keyword tells how transparent a material is: `map_opacity`, `Pt` of physically based extensions, or a
-/// known one in other case.
-fn is_about_opacity(keyword: &[u8]) -> bool {
-    let keyword = String::from_utf8_lossy(keyword).to_lowercase();
-    let word = keyword.strip_prefix("map_").unwrap_or(&keyword);
-    matches!(word, "d" | "tr" | "tf" | "pt" | "ft")
-        || ["alpha", "dissolve", "opac", "trans"]
-            .iter()
-            .any(|part| word.contains(part))
 }
 
 /// Parses three non-negative numbers, or one for all three. `spectral` and `xyz` are not supported.
@@ -164,10 +224,11 @@ fn color(line: &Line) -> Option<[f32; 3]> {
         .then_some(color)
 }
 
-/// Parses a number from 0 to 1.
+/// Parses a single number from 0 to 1.
 fn amount(line: &Line) -> Option<f32> {
-    let value = number(line.words().next()?)?;
-    (0.0..=1.0).contains(&value).then_some(value)
+    let mut words = line.words();
+    let value = number(words.next()?)?;
+    ((0.0..=1.0).contains(&value) && words.next().is_none()).then_some(value)
 }
 
 impl Map {
@@ -273,7 +334,7 @@ mod tests {
             "Kd spectral a.rfl",
             "map_Kd",
             "map_Bump a.png",
-            "nonsense",
+            "NORM a.png",
         ] {
             let (entries, warnings) = read(&format!("newmtl a\n{line}"));
             let bare = Entry {
@@ -298,6 +359,16 @@ mod tests {
             "map_opacity a.png",
             "Pt 0.9",
             "transparency 1",
+            "d 1 -halo",
+            "d 1 0.3",
+            "d=0.3",
+            "Kt 0.9",
+            "refraction 0.9",
+            "map_mask a.png",
+            "disp a.png",
+            "illum 10",
+            "illum glass",
+            "nonsense",
         ] {
             let (entries, warnings) = read(&format!("newmtl a\n{line}"));
             assert!(

@@ -185,7 +185,7 @@ impl<'a, 't> Reader<'a, 't> {
                     self.normals[self.normals_read] = self.finite(normal);
                     self.normals_read += 1;
                 }
-                b"f" => self.face(&line)?,
+                b"f" | b"fo" => self.face(&line)?,
                 b"p" => self.warn(WarningKind::Points, line.number),
                 b"l" => self.warn(WarningKind::Lines, line.number),
                 b"o" | b"g" => self.mark(line, Statement::Group),

@@ -85,7 +85,7 @@ fn count(piece: &[u8]) -> (Counts, Option<usize>) {
             b"v" => counts.positions += 1,
             b"vt" => counts.texture += 1,
             b"vn" => counts.normals += 1,
-            b"f" => {
+            b"f" | b"fo" => {
                 counts.faces += 1;
                 counts.corners += line.words().count();
             }

@@ -197,6 +197,46 @@ const GLTF: &[Row] = &[
             json!({ "path": "pointer", "extensions": { "KHR_animation_pointer": pointer } }),
         );
     }),
+    (
+        "an animation of a path that cannot be followed",
+        HidesNothing(Animated),
+        |file| {
+            let pointer = json!({ "pointer": "/nodes/*/translation" });
+            animation(
+                file,
+                json!({ "path": "pointer", "extensions": { "KHR_animation_pointer": pointer } }),
+            );
+        },
+    ),
+    ("an animation of a camera", Hides, |file| {
+        let pointer = json!({ "pointer": "/cameras/0/perspective/yfov" });
+        animation(
+            file,
+            json!({ "path": "pointer", "extensions": { "KHR_animation_pointer": pointer } }),
+        );
+    }),
+    (
+        "a channel of an animation that cannot be read",
+        HidesNothing(Animated),
+        |file| {
+            animation(file, json!({ "node": -1, "path": "translation" }));
+        },
+    ),
+    ("a channel that moves nothing", Hides, |file| {
+        animation(file, json!({ "path": "translation" }))
+    }),
+    ("a shield in a hand", HidesNothing(Skinned), |file| {
+        file.push("skins", json!({ "joints": [0] }));
+        file.json["nodes"][1]["skin"] = json!(0);
+    }),
+    (
+        "levels of detail of its material",
+        HidesNothing(LevelOfDetail),
+        |file| {
+            let coarse = file.push("materials", json!({ "alphaMode": "BLEND" }));
+            extend(file, "materials", "MSFT_lod", json!({ "ids": [coarse] }));
+        },
+    ),
     ("an invisible node", NotDrawn, |file| {
         extend(file, "nodes", "KHR_node_visibility", json!({ "visible": false }));
     }),
@@ -318,6 +358,8 @@ const HARMLESS: &[&str] = &[
     "KHR_xmp",
     "KHR_xmp_json_ld",
     "MSFT_lod",
+    "OMI_collider",
+    "OMI_physics_shape",
     "MSFT_texture_dds",
 ];
 
@@ -409,6 +451,19 @@ fn extensions_that_may_change_shapes_are_refused_or_hide_nothing() {
         );
         assert_eq!(visible(&lenient(&file)), ["wall"], "{extension}");
     }
+}
+
+#[test]
+fn what_an_author_says_in_words_that_are_not_understood_hides_nothing() {
+    let mut file = gltf();
+    file.json["nodes"][0]["extras"] = json!({ "enfilade": { "occluder": "false" } });
+    let options = |flat| ReadOptions {
+        flat,
+        ..ReadOptions::default()
+    };
+    assert!(read_bytes(&file.glb(), None, &options(false)).is_err());
+    let import = read_bytes(&file.glb(), None, &options(true)).expect("a scene");
+    assert_eq!(visible(&import), ["crate", "wall"]);
 }
 
 #[test]
@@ -530,6 +585,23 @@ fn an_obj_wall_hides_a_crate_only_if_all_its_lines_say_that_it_is_opaque() {
         ("map_opacity leaf.png", HidesNothing(MaterialUnread)),
         ("d 1\nPt 0.9", HidesNothing(MaterialUnread)),
         ("D 0.5", HidesNothing(MaterialUnread)),
+        ("d 1 -halo", HidesNothing(MaterialUnread)),
+        ("d 1.0 0.3", HidesNothing(MaterialUnread)),
+        ("d=0.3", HidesNothing(MaterialUnread)),
+        ("d 0.3\nd 1", HidesNothing(MaterialUnread)),
+        ("d 1\nd 1.0", Hides),
+        ("d 1\nTr 0.5", HidesNothing(MaterialUnread)),
+        ("Kt 0.5 0.5 0.5", HidesNothing(MaterialUnread)),
+        ("refraction 0.9", HidesNothing(MaterialUnread)),
+        ("map_mask leaf.png", HidesNothing(MaterialUnread)),
+        ("disp bumps.png", HidesNothing(MaterialUnread)),
+        ("map_Bump bumps.png\nnorm n.png\nrefl -type sphere r.png", Hides),
+        ("Ka 1 1 1\nKs 0 0 0\nNs 10\nNi 1.5\nPr 0.5\nmap_Pm m.png", Hides),
+        ("NEWMTL other\nd 0.3", HidesNothing(MaterialUnread)),
+        ("newmtl wall\nd 0.3", HidesNothing(MaterialUnread)),
+        ("newmtl wall\nKd 1 0 0", Hides),
+        ("illum 10", HidesNothing(MaterialUnread)),
+        ("illum glass", HidesNothing(MaterialUnread)),
         ("d 0.3", HidesNothing(Blended)),
         ("Tr 0.5", HidesNothing(Blended)),
         ("d 0", HidesNothing(Blended)),
@@ -626,6 +698,39 @@ fn a_brush_entity_of_quake_hides_a_crate_only_if_it_stands_still_and_is_opaque()
             HidesNothing(TranslucentBrush),
         ),
         (r#""classname" "func_door""#, "brick", HidesNothing(MovingBrush)),
+        (
+            r#""classname" "func_wall" "spawnflags" "1792""#,
+            "brick",
+            HidesNothing(MovingBrush),
+        ),
+        (r#""classname" "func_wall" "spawnflags" "0""#, "brick", Hides),
+        (
+            r#""classname" "func_wall" "targetname" "bars"} {"classname" "info_null" "killtarget" "bars"} {"classname" "func_wall""#,
+            "brick",
+            Hides,
+        ),
+        (
+            r#""classname" "func_wall" "targetname" "bars" "killtarget" "bars""#,
+            "brick",
+            HidesNothing(MovingBrush),
+        ),
+        (r#""classname" "func_wall" "targetname" "bars""#, "brick", Hides),
+        (
+            r#""classname" "func_wall" "origin" "0, 0, 0""#,
+            "brick",
+            HidesNothing(MovingBrush),
+        ),
+        (
+            r#""classname" "func_wall" "scale" "2""#,
+            "brick",
+            HidesNothing(MovingBrush),
+        ),
+        (
+            r#""classname" "func_wall" "alpha " "0.5""#,
+            "brick",
+            HidesNothing(TranslucentBrush),
+        ),
+        ("classname func_wall // a fence\n", "brick", Hides),
         (r#""classname" "func_train""#, "brick", HidesNothing(MovingBrush)),
         (r#""classname" "func_wall""#, "{grate", HidesNothing(AlphaKey)),
         (r#""classname" "func_wall""#, "*water1", HidesNothing(Liquid)),
@@ -693,6 +798,8 @@ fn a_pane_of_quake_3_hides_a_crate_only_if_its_flags_say_that_it_is_solid_and_op
         (0x4000, 1, HidesNothing(NotSolid)),
         (0, 0x2000_0000, HidesNothing(Translucent)),
         (0, 0x2000_0001, HidesNothing(Translucent)),
+        (0x8000, 1, HidesNothing(Translucent)),
+        (0x1_0000, 1, HidesNothing(Translucent)),
         (0x4, 1, HidesNothing(Sky)),
         (0, 0x20, HidesNothing(Liquid)),
         (0, 0x10, HidesNothing(Liquid)),
@@ -714,9 +821,14 @@ fn a_pane_of_quake_3_hides_a_crate_only_if_no_shader_file_says_that_one_sees_thr
     let folder = folder.path();
     std::fs::create_dir_all(folder.join("game/maps")).expect("folders");
     std::fs::create_dir_all(folder.join("game/scripts")).expect("folders");
+    std::fs::create_dir_all(folder.join("game/Scripts")).expect("folders");
     let map = folder.join("game/maps/arena.bsp");
     std::fs::write(&map, arena(0, 1)).expect("written");
-    let places = ["game/maps/a.shader", "game/scripts/a.SHADER"];
+    let places = [
+        "game/maps/a.shader",
+        "game/scripts/a.SHADER",
+        "game/Scripts/a.shader",
+    ];
     for (directives, says) in [
         ("{\nmap pane.tga\n}", Hides),
         ("cull front", Hides),
@@ -730,6 +842,17 @@ fn a_pane_of_quake_3_hides_a_crate_only_if_no_shader_file_says_that_one_sees_thr
         ("{\nmap pane.tga\nalphaFunc GE128\n}", HidesNothing(AlphaTested)),
         ("surfaceparm trans", HidesNothing(Translucent)),
         ("cull none", HidesNothing(DoubleSidedShader)),
+        (
+            "surfaceparm nomarks surfaceparm lightfilter",
+            HidesNothing(Translucent),
+        ),
+        ("surfaceparm nonsolid", HidesNothing(NotSolid)),
+        ("surfaceparm nodraw", HidesNothing(NotSolid)),
+        ("surfaceparm water", HidesNothing(Liquid)),
+        ("surfaceparm sky", HidesNothing(Sky)),
+        ("sort additive", HidesNothing(Translucent)),
+        ("dp_refract 1 1", HidesNothing(MaterialUnread)),
+        ("{ map pane.tga blendFunc add }", HidesNothing(Blended)),
         ("cull disable", HidesNothing(DoubleSidedShader)),
         ("cull back", HidesNothing(DoubleSidedShader)),
         ("deformVertexes wave 100 sin 0 2 0 1", HidesNothing(Animated)),

@@ -176,6 +176,19 @@ fn each_instance_of_a_model_stands_at_its_position() {
 }
 
 #[test]
+fn a_list_of_tiles_is_no_scene_of_old_gltf() {
+    for version in ["1.0", "1.1"] {
+        let tileset = json!({ "asset": { "version": version }, "geometricError": 5, "root": {} });
+        let why = read_bytes(tileset.to_string().as_bytes(), None, &ReadOptions::default());
+        let why = why.map(drop).expect_err("a refusal").to_string();
+        assert!(
+            why.contains("a tileset of 3D Tiles") && why.contains(".b3dm"),
+            "{why}"
+        );
+    }
+}
+
+#[test]
 fn instances_of_a_model_that_hides_nothing_hide_nothing_for_the_same_reason() {
     let nodes = json!([{ "name": "wall", "mesh": 0 }, { "name": "fern", "mesh": 0 }]);
     let glb = model_of_nodes(nodes);

@@ -74,11 +74,12 @@ pub(in crate::gltf) struct Skin<'a> {
 }
 
 impl Document<'_> {
-    /// Returns what animations change. What is not valid is ignored, as all else in animations is.
+    /// Returns what animations change. A channel that cannot be read may change anything.
     pub(in crate::gltf) fn animated(&self) -> Animated {
         #[derive(Deserialize)]
-        struct Animation {
-            channels: Vec<Channel>,
+        struct Animation<'a> {
+            #[serde(borrow)]
+            channels: Vec<&'a RawValue>,
         }
         #[derive(Deserialize)]
         struct Channel {
@@ -100,31 +101,41 @@ impl Document<'_> {
         struct Pointer {
             pointer: String,
         }
-        let animations = self.animations.iter();
-        let read = animations.filter_map(|animation| serde_json::from_str::<Animation>(animation.get()).ok());
-        let targets = read
-            .flat_map(|animation| animation.channels)
-            .map(|channel| channel.target);
         let mut animated = Animated::default();
-        for target in targets {
-            if target.path != "weights" {
-                animated.nodes.extend(target.node);
-            }
-            let pointer = target.extensions.pointer.unwrap_or(Pointer {
-                pointer: String::new(),
-            });
-            let mut steps = pointer.pointer.split('/').skip(1);
-            if let (Some(list), Some(number)) = (steps.next(), steps.next())
-                && let Ok(number) = number.parse()
-            {
-                match list {
-                    "nodes" => animated.nodes.push(number),
-                    "materials" => animated.materials.push(number),
-                    _ => {}
+        for animation in &self.animations {
+            let Ok(Animation { channels }) = serde_json::from_str(animation.get()) else {
+                return Animated::all(self);
+            };
+            for channel in channels {
+                let Ok(Channel { target }) = serde_json::from_str(channel.get()) else {
+                    return Animated::all(self);
+                };
+                if target.path != "weights" {
+                    animated.nodes.extend(target.node);
+                }
+                if let Some(Pointer { pointer }) = target.extensions.pointer {
+                    let mut steps = pointer.split('/');
+                    let number = |step: Option<&str>| step.and_then(|step| step.parse().ok());
+                    match [(); 2].map(|()| steps.next()) {
+                        [Some(""), Some("cameras" | "extensions" | "meshes" | "textures")] => {}
+                        [Some(""), Some(list @ ("nodes" | "materials"))] => match number(steps.next()) {
+                            Some(number) if list == "nodes" => animated.nodes.push(number),
+                            Some(number) => animated.materials.push(number),
+                            None => return Animated::all(self),
+                        },
+                        _ => return Animated::all(self),
+                    }
                 }
             }
         }
         animated
+    }
+
+    /// Returns the nodes that skins move their vertices by. What is not valid is told where a mesh uses it.
+    pub(in crate::gltf) fn joints(&self) -> Vec<u32> {
+        let skins = self.skins.iter();
+        let read = skins.filter_map(|skin| serde_json::from_str::<Skin>(skin.get()).ok());
+        read.flat_map(|skin| skin.joints).collect()
     }
 }
 
@@ -134,6 +145,15 @@ pub(in crate::gltf) struct Animated {
     /// Nodes that move, or appear and vanish.
     pub(in crate::gltf) nodes: Vec<u32>,
     pub(in crate::gltf) materials: Vec<u32>,
+}
+
+impl Animated {
+    fn all(document: &Document) -> Animated {
+        Animated {
+            nodes: (0..document.nodes.len() as u32).collect(),
+            materials: (0..document.materials.len() as u32).collect(),
+        }
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -339,6 +359,12 @@ impl<'a> Document<'a> {
             (version, version == "2" || version.starts_with("2.")),
             (min_version, matches!(&**min_version, "" | "2.0")),
         ] {
+            if !is_read && json.windows(16).any(|part| part == b"\"geometricError\"") {
+                return Err(BrokenRule::OtherFormat {
+                    format: "a tileset of 3D Tiles",
+                    remedy: "name one of the tiles that it lists as `content`: a .b3dm, .i3dm or .glb",
+                });
+            }
             if !is_read {
                 return Err(BrokenRule::Version(short(wanted)));
             }

@@ -65,6 +65,8 @@ pub(in crate::gltf) struct MaterialExtensions {
     pub(in crate::gltf) dispersion: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_volume")]
     pub(in crate::gltf) volume: Option<IgnoredAny>,
+    #[serde(rename = "MSFT_lod")]
+    pub(in crate::gltf) levels: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_subsurface")]
     pub(in crate::gltf) subsurface: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_volume_scatter")]

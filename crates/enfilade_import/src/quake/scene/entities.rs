@@ -1,7 +1,7 @@
 //! Parses the entity lump: text of the form `{ "key" "value" … }`, repeated.
 //!
-//! Source: the parsers of the engines. The text has neither comments nor escapes; if a key repeats, the last value
-//! wins.
+//! Source: the parsers of the engines (`COM_Parse`). Words without spaces need no quotes, `//` begins a comment, nothing is escaped;
+//! if a key repeats, the last value wins.
 //! Hostile input: syntax errors are reported by line; nothing is nested.
 
 use crate::BrokenRule;
@@ -42,7 +42,8 @@ pub(in crate::quake) fn parse(text: &str) -> Result<Vec<Entity<'_>>, BspError> {
         loop {
             let key = match words.next()? {
                 Some(Word::Close) => break,
-                Some(Word::Text(key)) => key,
+                // Engines drop these spaces too.
+                Some(Word::Text(key)) => key.trim_end_matches(' '),
                 other => return Err(words.refusal(&other.unwrap_or(Word::End), "a key or `}`")),
             };
             match words.next()? {
@@ -63,6 +64,11 @@ impl<'t> Entity<'t> {
     pub(in crate::quake) fn get(&self, key: &str) -> &'t str {
         let named = self.pairs.iter().rev().find(|pair| pair.0 == key);
         named.map_or("", |pair| pair.1)
+    }
+
+    /// Iterates over the keys and values.
+    pub(in crate::quake) fn pairs(&self) -> impl Iterator<Item = (&'t str, &'t str)> {
+        self.pairs.iter().copied()
     }
 
     /// Returns the class name, such as `func_door`.
@@ -112,7 +118,6 @@ enum Word<'t> {
     Open,
     Close,
     Text(&'t str),
-    Odd(char),
     End,
 }
 
@@ -123,12 +128,15 @@ struct Words<'t> {
 
 impl<'t> Words<'t> {
     fn next(&mut self) -> Result<Option<Word<'t>>, BspError> {
+        loop {
+            let blank = self.rest.len() - self.rest.trim_start().len();
+            self.skip(blank);
+            if !self.rest.starts_with("//") {
+                break;
+            }
+            self.skip(self.rest.find('\n').unwrap_or(self.rest.len()));
+        }
         // The text ends with a NUL byte; some compilers leave garbage after it.
-        let begin = self
-            .rest
-            .find(|letter: char| letter == '\0' || !letter.is_whitespace());
-        let begin = begin.unwrap_or(self.rest.len());
-        self.skip(begin);
         let Some(first) = self.rest.chars().next().filter(|&letter| letter != '\0') else {
             return Ok(None);
         };
@@ -143,9 +151,16 @@ impl<'t> Words<'t> {
                 self.skip(end + 2);
                 return Ok(Some(Word::Text(&text[..end])));
             }
-            other => Word::Odd(other),
+            _ => {
+                let ends = |letter: char| letter.is_whitespace() || matches!(letter, '{' | '}' | '"' | '\0');
+                let (text, rest) = self
+                    .rest
+                    .split_at(self.rest.find(ends).unwrap_or(self.rest.len()));
+                self.rest = rest;
+                return Ok(Some(Word::Text(text)));
+            }
         };
-        self.rest = &self.rest[first.len_utf8()..];
+        self.rest = &self.rest[1..];
         Ok(Some(word))
     }
 
@@ -160,7 +175,6 @@ impl<'t> Words<'t> {
             Word::Open => "`{`".to_owned(),
             Word::Close => "`}`".to_owned(),
             Word::Text(text) => format!("`{}`", text.chars().take(30).collect::<String>().escape_debug()),
-            Word::Odd(letter) => format!("`{}`", letter.escape_debug()),
             Word::End => "the end".to_owned(),
         };
         BspError::BadEntities {
@@ -195,9 +209,18 @@ mod tests {
     }
 
     #[test]
+    fn comments_are_skipped_and_words_need_no_quotes() {
+        let text = "// A map.\n{\nclassname func_wall // the \"fence\"\n\"alpha \" 0.5}\n//{";
+        let entities = parse(text).expect("one");
+        assert_eq!(entities.len(), 1);
+        assert_eq!(entities[0].class(), "func_wall");
+        assert_eq!(entities[0].number("alpha"), Some(0.5));
+    }
+
+    #[test]
     fn what_does_not_fit_is_named_by_its_line() {
         for (text, said) in [
-            ("\n\nworld", "`w` where `{` is expected, in line 3"),
+            ("\n\nworld", "`world` where `{` is expected, in line 3"),
             ("{ \"a\" }", "`}` where a value is expected, in line 1"),
             ("{\n\"a\n\" {", "`{` where a value is expected, in line 3"),
             (

@@ -31,6 +31,8 @@ const LIGHT: usize = 28;
 const SKY: i32 = 0x4;
 const UNSEEN: i32 = 0x80 | 0x100 | 0x200;
 const NOT_SOLID: i32 = 0x4000;
+/// Light passes through as the texture's colors or alpha let it: stained glass, gratings.
+const LIGHT_PASSES: i32 = 0x8000 | 0x1_0000;
 /// Content flags of a texture.
 const SOLID: i32 = 0x1;
 const LAVA: i32 = 0x8;
@@ -277,7 +279,10 @@ fn material(
     let light = page.filter(|_| kind == Kind::Wall);
     let by_flags = [
         (surface & SKY != 0, NonOccluder::Sky),
-        (content & SEEN_THROUGH != 0, NonOccluder::Translucent),
+        (
+            content & SEEN_THROUGH != 0 || surface & LIGHT_PASSES != 0,
+            NonOccluder::Translucent,
+        ),
         (
             content & SOLID == 0 || surface & NOT_SOLID != 0,
             NonOccluder::NotSolid,

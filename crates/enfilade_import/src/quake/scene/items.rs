@@ -10,8 +10,8 @@ use super::surfaces::Surfaces;
 use crate::budget::{BYTES_PER_MESH, Budget};
 use crate::quake::bsp::{BspError, Map, Tree, in_range, int, word};
 use crate::warning::{WarningKind, Warnings};
-use crate::{BrokenRule, NonOccluder, NonOccluders};
-use enfilade::{GeometryBuilder, ItemOptions, MeshId, Transform};
+use crate::{BrokenRule, NonOccluder};
+use enfilade::{GeometryBuilder, ItemIndex, ItemOptions, MeshId, Transform};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -106,9 +106,18 @@ pub(super) fn add_world_items(
     Ok(())
 }
 
-/// Returns why a brush entity hides nothing; `None` if it is certainly drawn, opaque, where the map has it. Doors and lifts move, and
-/// engines draw others as transparent as their keys say.
-fn why_no_occluder(entity: &Entity) -> Option<NonOccluder> {
+/// The target names of the entities that others remove.
+fn killed<'t>(entities: &[Entity<'t>]) -> HashSet<&'t str> {
+    let pairs = entities.iter().flat_map(Entity::pairs);
+    // Mods number them: `killtarget2`.
+    let names = pairs.filter_map(|(key, value)| key.starts_with("killtarget").then_some(value));
+    names.filter(|name| !name.is_empty()).collect()
+}
+
+/// Returns why a brush entity hides nothing; `None` if it is certainly drawn, opaque, where the map has it. Doors and lifts move,
+/// engines draw others as transparent as their keys say, or leave them out by the skill and the kind of game.
+fn why_no_occluder(entity: &Entity, is_quake3: bool, killed: &HashSet<&str>) -> Option<NonOccluder> {
+    const AT_REST_IN_QUAKE_3: [&str; 2] = ["func_group", "func_static"];
     const AT_REST: [&str; 7] = [
         "func_detail",
         "func_detail_illusionary",
@@ -131,7 +140,26 @@ fn why_no_occluder(entity: &Entity) -> Option<NonOccluder> {
     if !plain.into_iter().all(is_plain) {
         return Some(NonOccluder::TranslucentBrush);
     }
-    (!AT_REST.contains(&entity.class())).then_some(NonOccluder::MovingBrush)
+    let at_rest: &[&str] = if is_quake3 { &AT_REST_IN_QUAKE_3 } else { &AT_REST };
+    // Bits of `spawnflags` say in which games a brush is left out; those of mods may say anything.
+    let stays = [
+        ("spawnflags", 0.0),
+        ("notsingle", 0.0),
+        ("notteam", 0.0),
+        ("notfree", 0.0),
+        ("notta", 0.0),
+        ("effects", 0.0),
+        ("scale", 1.0),
+    ];
+    let has_place = entity.get("origin").is_empty() || entity.three("origin").is_some();
+    let is_sure = at_rest.contains(&entity.class())
+        && stays.into_iter().all(is_plain)
+        && ["gametype", "avelocity"]
+            .iter()
+            .all(|key| entity.get(key).is_empty())
+        && !killed.contains(entity.get("targetname"))
+        && has_place;
+    (!is_sure).then_some(NonOccluder::MovingBrush)
 }
 
 /// Returns pairs of a face and a leaf (or cluster) that lists it, sorted and unique.
@@ -186,19 +214,22 @@ fn marks(map: &Map, tree: &Tree, faces: usize, budget: &mut Budget) -> Result<Ve
     Ok(marks)
 }
 
-/// Adds an item for each entity with a brush model: `func_door gate#12`. Triggers are invisible and are skipped.
+/// Adds an item for each entity with a brush model: `func_door gate#12`. Triggers are invisible and are skipped. Returns the items
+/// that hide nothing.
 pub(super) fn add_entity_items(
     entities: &[Entity],
+    is_quake3: bool,
     models: &[Range<u32>],
     surfaces: &Surfaces,
     geometry: &mut GeometryBuilder,
-    non_occluders: &mut NonOccluders,
     budget: &mut Budget,
     warnings: &mut Warnings,
-) -> Result<(), BrokenRule> {
+) -> Result<Vec<(ItemIndex, NonOccluder)>, BrokenRule> {
+    let mut non_occluders = Vec::new();
     // Each with whether a face of it moves.
     let mut meshes: HashMap<u32, Option<(MeshId, bool)>> = HashMap::new();
     let mut files = HashSet::new();
+    let killed = killed(entities);
     for entity in &entities[entities.len().min(1)..] {
         let named = entity.get("model");
         let Some(number) = named.strip_prefix('*') else {
@@ -237,17 +268,15 @@ pub(super) fn add_entity_items(
         if let Some((mesh, moves)) = mesh {
             let origin = entity.three("origin").unwrap_or_default();
             let item = geometry.item(&entity.name(), mesh, placed(origin));
-            let why = why_no_occluder(entity);
+            let why = why_no_occluder(entity, is_quake3, &killed);
             let options = ItemOptions {
                 is_occluder: why.is_none(),
                 never_cull: moves,
                 ..ItemOptions::default()
             };
             geometry.set_options(item, options);
-            if let Some(why) = why {
-                non_occluders.add(item.index, why);
-            }
+            non_occluders.extend(why.map(|why| (item.index, why)));
         }
     }
-    Ok(())
+    Ok(non_occluders)
 }

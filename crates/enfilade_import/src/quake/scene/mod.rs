@@ -106,15 +106,18 @@ pub(crate) fn import(
         &mut budget,
         &mut warnings,
     )?;
-    items::add_entity_items(
+    let of_entities = items::add_entity_items(
         &entities,
+        is_quake3,
         &models,
         &surfaces,
         &mut geometry,
-        &mut non_occluders,
         &mut budget,
         &mut warnings,
     )?;
+    for (item, why) in of_entities {
+        non_occluders.add(item, why);
+    }
     if let Some(cells) = cells::read(&map, &tree, &mut budget)? {
         geometry.cells(cells);
     }

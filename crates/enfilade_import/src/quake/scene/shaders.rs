@@ -39,20 +39,25 @@ impl Shaders {
         warnings: &mut Warnings,
     ) -> Shaders {
         let mut shaders = Shaders::default();
-        for folder in [
-            folder.to_owned(),
-            folder.join("scripts"),
-            folder.join("../scripts"),
-        ] {
-            let Ok(entries) = folder.read_dir() else { continue };
-            let paths = entries.flatten().map(|entry| entry.path());
+        let list = |folder: &Path| {
+            let entries = folder.read_dir().into_iter().flatten().flatten();
+            let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+            paths.sort();
+            paths
+        };
+        let is_scripts = |path: &PathBuf| {
+            let name = path.file_name();
+            name.is_some_and(|name| name.eq_ignore_ascii_case("scripts"))
+        };
+        let around = [folder, &folder.join("..")].map(list);
+        let scripts = around.into_iter().flatten().filter(is_scripts);
+        for folder in std::iter::once(folder.to_owned()).chain(scripts) {
+            let paths = list(&folder).into_iter();
             let is_shader = |path: &PathBuf| {
                 let ending = path.extension();
                 ending.is_some_and(|ending| ending.eq_ignore_ascii_case("shader"))
             };
-            let mut paths: Vec<PathBuf> = paths.filter(is_shader).take(MOST_FILES).collect();
-            paths.sort();
-            for path in paths {
+            for path in paths.filter(is_shader).take(MOST_FILES) {
                 match read_regular_file(&path, None, &|| "its shader files".to_owned(), budget) {
                     Ok(text) => shaders.add(&String::from_utf8_lossy(&text), wanted),
                     Err(why) => warnings.name(WarningKind::MaterialFiles, || {
@@ -72,7 +77,9 @@ impl Shaders {
 
     /// Adds the shaders of a text. What any of several with one name says holds: which of them counts is up to the game.
     fn add(&mut self, text: &str, wanted: &HashSet<String>) {
-        let mut lines = Tokens { rest: text };
+        let mut lines = Tokens {
+            rest: text.trim_start_matches('\u{feff}'),
+        };
         let (mut depth, mut name) = (0_u32, String::new());
         while let Some(token) = lines.next_in_any_line() {
             match token {
@@ -80,9 +87,18 @@ impl Shaders {
                 "}" => depth = depth.saturating_sub(1),
                 _ if depth == 0 => name = token.to_ascii_lowercase(),
                 keyword if wanted.contains(&name) => {
-                    let value = lines.next_in_line().unwrap_or("");
-                    lines.skip_line();
-                    self.known.entry(name.clone()).or_default().read(keyword, value);
+                    let shader = self.known.entry(name.clone()).or_default();
+                    if !is_known(keyword) {
+                        shader.non_occluder.get_or_insert(NonOccluder::MaterialUnread);
+                    }
+                    // Several directives may share a line.
+                    let mut word = keyword;
+                    loop {
+                        let next = lines.next_in_line_before_brace();
+                        shader.read(word, next.unwrap_or_default());
+                        let Some(next) = next else { break };
+                        word = next;
+                    }
                 }
                 _ => lines.skip_line(),
             }
@@ -93,8 +109,47 @@ impl Shaders {
 /// Files of a folder that are read.
 const MOST_FILES: usize = 4096;
 
+/// Returns `true` for the directives of the game. Those of other engines may let light through.
+fn is_known(keyword: &str) -> bool {
+    const DIRECTIVES: [&str; 27] = [
+        "alphafunc",
+        "alphagen",
+        "animmap",
+        "blendfunc",
+        "clampmap",
+        "clamptime",
+        "cull",
+        "deformvertexes",
+        "depthfunc",
+        "depthwrite",
+        "detail",
+        "entitymergable",
+        "fogparms",
+        "light",
+        "map",
+        "nomipmap",
+        "nomipmaps",
+        "nopicmip",
+        "polygonoffset",
+        "rgbgen",
+        "skyparms",
+        "sort",
+        "surfaceparm",
+        "tcgen",
+        "tcmod",
+        "tesssize",
+        "videomap",
+    ];
+    let keyword = keyword.to_ascii_lowercase();
+    // Of the compiler and of the editor.
+    ["q3map_", "qer_"]
+        .iter()
+        .any(|prefix| keyword.starts_with(prefix))
+        || DIRECTIVES.contains(&&*keyword)
+}
+
 impl Shader {
-    /// Reads a directive of the shader or of one of its stages.
+    /// Reads a word of the shader or of one of its stages, and the word after it.
     fn read(&mut self, keyword: &str, value: &str) {
         let is = |word: &str| keyword.eq_ignore_ascii_case(word);
         let value_is = |words: &[&str]| words.iter().any(|word| value.eq_ignore_ascii_case(word));
@@ -102,7 +157,15 @@ impl Shader {
             NonOccluder::Blended
         } else if is("alphaFunc") {
             NonOccluder::AlphaTested
-        } else if is("surfaceparm") && value_is(&["trans", "alphashadow"]) {
+        } else if is("surfaceparm") && value_is(&["trans", "alphashadow", "lightfilter", "fog"]) {
+            NonOccluder::Translucent
+        } else if is("surfaceparm") && value_is(&["water", "slime", "lava"]) {
+            NonOccluder::Liquid
+        } else if is("surfaceparm") && value_is(&["nonsolid", "nodraw", "hint", "skip"]) {
+            NonOccluder::NotSolid
+        } else if is("skyparms") || is("surfaceparm") && value_is(&["sky"]) {
+            NonOccluder::Sky
+        } else if is("fogparms") || is("sort") && !value_is(&["opaque", "3"]) {
             NonOccluder::Translucent
         } else if is("deformVertexes") {
             self.moves = true;
@@ -173,14 +236,18 @@ impl<'t> Tokens<'t> {
         }
     }
 
+    /// Returns the next word of the line, if no brace is before it.
+    fn next_in_line_before_brace(&mut self) -> Option<&'t str> {
+        self.skip_space();
+        if self.rest.starts_with(['{', '}']) {
+            return None;
+        }
+        self.next_in_line()
+    }
+
     /// Skips the rest of the line, but no brace.
     fn skip_line(&mut self) {
-        while !self.rest.is_empty() {
-            self.skip_space();
-            if self.rest.starts_with(['\n', '\r', '{', '}']) || self.next_in_line().is_none() {
-                return;
-            }
-        }
+        while self.next_in_line_before_brace().is_some() {}
     }
 }
 
@@ -237,6 +304,26 @@ mod tests {
                 Some(NonOccluder::Blended),
             ),
             ("}}} textures/a/b {{{", None),
+            (
+                "\u{feff}textures/a/b\n{\ncull none\n}",
+                Some(NonOccluder::DoubleSidedShader),
+            ),
+            (
+                "textures/a/b { { map a.tga blendFunc add } }",
+                Some(NonOccluder::Blended),
+            ),
+            (
+                "textures/a/b\n{\nsurfaceparm nomarks cull none\n}",
+                Some(NonOccluder::DoubleSidedShader),
+            ),
+            (
+                "textures/a/b\n{\ndp_water 0.1 1.2\n}",
+                Some(NonOccluder::MaterialUnread),
+            ),
+            (
+                "textures/a/b\n{\nq3map_surfacelight 100\nqer_trans 0.5\nsort opaque\nsurfaceparm dust\n}",
+                None,
+            ),
         ] {
             assert_eq!(of(text).non_occluder, why, "{text:?}");
         }

@@ -73,9 +73,10 @@ fn buffers_may_stand_in_the_text_itself() {
     for head in [
         "data:application/octet-stream;base64,",
         "data:;base64,",
-        "DATA:application/gltf-buffer;base64,",
+        "DATA:application/gltf-buffer;BASE64,",
     ] {
-        for data in [&*padded, padded.trim_end_matches('=')] {
+        let broken = padded.replace('A', "A\r\n");
+        for data in [&*padded, padded.trim_end_matches('='), &*broken] {
             let import = read_bytes(
                 &leaf.gltf(&format!("{head}{data}")),
                 None,
@@ -360,4 +361,11 @@ fn what_breaks_a_rule_but_has_a_plain_meaning_is_read_with_a_warning() {
         &ReadOptions::default(),
     );
     assert_eq!(triangles(&import.expect("a byte order mark")), plain);
+
+    let import = read_bytes(
+        &glb(&format!("{}\0\0\0\0", file.json), &file.bytes),
+        None,
+        &ReadOptions::default(),
+    );
+    assert_eq!(triangles(&import.expect("JSON padded with zeros")), plain);
 }

@@ -311,8 +311,6 @@ fn doors_by_extras_and_what_animations_move_can_move() {
     let channel = |node: u32, path: &str| json!({ "sampler": 0, "target": { "node": node, "path": path } });
     file.json["animations"] = json!([
         { "channels": [channel(3, "rotation"), channel(4, "weights"), channel(99, "translation")], "samplers": [] },
-        { "channels": "none" },
-        7,
     ]);
     let import = reads(&file);
     let can_move: Vec<bool> = (0..4)

@@ -1,6 +1,7 @@
 //! Tests the warnings.
 
 use super::file::{File, reads, warnings};
+use super::rooms::{door, two_rooms};
 use serde_json::json;
 
 /// A leaf with a change to it gives exactly these warnings.
@@ -35,6 +36,19 @@ fn scenes_beside_the_default_one_are_counted() {
         |file| file.json["scenes"] = json!([{ "nodes": [0] }, {}, {}]),
         &[other],
     );
+}
+
+#[test]
+fn a_door_that_an_animation_opens_is_told_since_its_opening_does_not() {
+    let mut file = two_rooms(&[door("Door-portal", json!({}))]);
+    let node = file.json["nodes"].as_array().expect("nodes").len() - 1;
+    let target = json!({ "node": node, "path": "translation" });
+    file.json["animations"] = json!([{ "channels": [{ "sampler": 0, "target": target }], "samplers": [] }]);
+    let told = reads(&file).warnings.iter().any(|warning| {
+        let text = warning.to_string();
+        text.starts_with("portals and mirrors that animations move") && text.contains("Door-portal")
+    });
+    assert!(told);
 }
 
 #[test]

@@ -203,10 +203,10 @@ fn a_number_that_names_nothing_is_told_with_what_names_it() {
 #[test]
 fn entities_that_are_none_are_told_by_their_line() {
     let mut little = Little::new(Format::Bsp29);
-    little.lumps[0] = b"{\n\"classname\" worldspawn }".to_vec();
+    little.lumps[0] = b"{\n\"classname\" { }".to_vec();
     let said = refusal(&little.bytes()).expect("a refusal");
     assert!(
-        said.contains("its entities have `w` where a value is expected, in line 2"),
+        said.contains("its entities have `{` where a value is expected, in line 2"),
         "{said}"
     );
     little.lumps[0] = b"{ } { \"classname\" \"func_wall\" \"model\" \"*7\" }".to_vec();

@@ -798,6 +798,7 @@ fn a_pane_of_quake_3_hides_a_crate_only_if_its_flags_say_that_it_is_solid_and_op
         (0x4000, 1, HidesNothing(NotSolid)),
         (0, 0x2000_0000, HidesNothing(Translucent)),
         (0, 0x2000_0001, HidesNothing(Translucent)),
+        (0, 0x41, HidesNothing(Translucent)),
         (0x8000, 1, HidesNothing(Translucent)),
         (0x1_0000, 1, HidesNothing(Translucent)),
         (0x4, 1, HidesNothing(Sky)),

@@ -38,7 +38,8 @@ const SOLID: i32 = 0x1;
 const LAVA: i32 = 0x8;
 const SLIME: i32 = 0x10;
 const WATER: i32 = 0x20;
-const SEEN_THROUGH: i32 = 0x2000_0000;
+/// Translucent, or fog.
+const SEEN_THROUGH: i32 = 0x2000_0000 | 0x40;
 
 /// A vertex of a map, before the change of axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -215,10 +216,14 @@ pub(super) fn names(map: &Map) -> Result<HashSet<String>, BspError> {
     Ok(map.records(TEXTURES.0, TEXTURES.1)?.map(name).collect())
 }
 
-/// Returns the name of a texture, in lower case.
+/// Returns the name of a texture, in lower case, and as the engine does without the ending of an image.
 fn name(texture: &[u8]) -> String {
     let name = texture[..64].split(|&byte| byte == 0).next().unwrap_or(&[]);
-    String::from_utf8_lossy(name).to_lowercase()
+    let name = String::from_utf8_lossy(name).to_lowercase();
+    let image = [".tga", ".jpg", ".png"]
+        .iter()
+        .find_map(|end| name.strip_suffix(end));
+    image.map(str::to_owned).unwrap_or(name)
 }
 
 /// How a face is drawn.

@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub enum NonOccluder {
     /// Its author says so: `extras.enfilade.occluder` of a node, or the [options](enfilade::ItemOptions) of an item.
     Author,
-    /// A skin deforms it, or it hangs on a joint of one.
+    /// A skin deforms it, or it is below a joint of one.
     Skinned,
     /// Morph targets deform it.
     Morphed,

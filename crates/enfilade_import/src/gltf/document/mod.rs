@@ -131,7 +131,7 @@ impl Document<'_> {
         animated
     }
 
-    /// Returns the nodes that skins move their vertices by. What is not valid is told where a mesh uses it.
+    /// Returns the joints of all valid skins. An invalid one is an error where a mesh uses it.
     pub(in crate::gltf) fn joints(&self) -> Vec<u32> {
         let skins = self.skins.iter();
         let read = skins.filter_map(|skin| serde_json::from_str::<Skin>(skin.get()).ok());

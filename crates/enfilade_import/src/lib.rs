@@ -154,7 +154,7 @@
 //! | `KHR_mesh_quantization` | decoded |
 //! | `KHR_node_visibility` | an invisible node and those below it are not drawn; marks of rooms and portals count all the same |
 //! | `KHR_texture_transform` | applied to the texture coordinates |
-//! | `MSFT_lod` | the finest level is drawn, and hides nothing |
+//! | `MSFT_lod` | the finest level of nodes and materials is drawn, and hides nothing |
 //!
 //! Extensions of textures, shading and metadata are ignored with a warning, also if a file requires them. A file that requires one
 //! without which shapes would be wrong, or an unknown one, is an error, unless it is read as [lenient](ReadOptions::lenient). If it

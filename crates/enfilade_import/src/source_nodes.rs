@@ -46,7 +46,7 @@ impl SourceNodes {
         self.movable.insert(node);
     }
 
-    /// Returns `true` if an item's node, or one above it, is the target of an animation, or is marked as a door by
+    /// Returns `true` if an item's node, or one above it, is the target of an animation, a joint of a skin, or marked as a door by
     /// `extras.enfilade.kind`.
     pub fn is_movable(&self, item: ItemIndex) -> bool {
         self.node(item).is_some_and(|node| self.movable.contains(&node))

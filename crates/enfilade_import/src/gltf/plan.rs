@@ -32,7 +32,7 @@ pub(super) struct Plan<'d> {
     /// For each name that a portal uses as an exit, the positions in `placed` of the first two nodes with that name.
     exits: HashMap<&'d str, [Option<usize>; 2]>,
     flat: bool,
-    /// Nodes that can move: leaves of doors, and what animations move, with all below them.
+    /// Nodes that can move: leaves of doors, joints of skins, and what animations move, with all below them.
     movable: BTreeSet<u32>,
     /// Nodes that animations move, show or hide, with all below them.
     animated: BTreeSet<u32>,

@@ -151,18 +151,14 @@ impl Entry {
                 }
             }
             b"illum" => {
-                let model = line
-                    .words()
-                    .next()
-                    .and_then(|word| std::str::from_utf8(word).ok());
-                match model.unwrap_or_default().trim_end_matches(".0") {
-                    "0" | "1" | "2" | "3" | "5" | "8" => {}
-                    // Glass, refraction, and reflection on glass.
-                    "4" | "6" | "7" | "9" => {
-                        self.doubt(NonOccluder::Transmissive);
-                    }
-                    // 10 is drawn as its shadows alone.
-                    _ => return self.doubt(NonOccluder::MaterialUnread),
+                let model = line.words().next().and_then(number);
+                let is_one_of = |models: &[f32]| model.is_some_and(|model| models.contains(&model));
+                // Glass, refraction, and reflection on glass.
+                if is_one_of(&[4.0, 6.0, 7.0, 9.0]) {
+                    self.doubt(NonOccluder::Transmissive);
+                // 10 is drawn as its shadows alone.
+                } else if !is_one_of(&[0.0, 1.0, 2.0, 3.0, 5.0, 8.0]) {
+                    return self.doubt(NonOccluder::MaterialUnread);
                 }
             }
             b"map_Kd" | b"map_kd" => self.diffuse_map = Some(Map::read(line, left)?),

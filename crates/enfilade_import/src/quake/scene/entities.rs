@@ -18,8 +18,8 @@ pub(in crate::quake) struct Entity<'t> {
     pairs: Vec<(&'t str, &'t str)>,
 }
 
-/// Maximum memory per byte of entity text: one pair per four quotes.
-const TIMES_ITS_LENGTH: u64 = 24;
+/// Maximum memory per byte of entity text: one pair per three bytes, as in `a""`, in a list that grows.
+const TIMES_ITS_LENGTH: u64 = 32;
 
 /// Returns the entity text of a map, and reserves memory for it and its entities.
 pub(in crate::quake) fn text<'m>(map: &'m Map, budget: &mut Budget) -> Result<Cow<'m, str>, BrokenRule> {

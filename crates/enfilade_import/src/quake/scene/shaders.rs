@@ -39,12 +39,6 @@ impl Shaders {
         warnings: &mut Warnings,
     ) -> Shaders {
         let mut shaders = Shaders::default();
-        let list = |folder: &Path| {
-            let entries = folder.read_dir().into_iter().flatten().flatten();
-            let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-            paths.sort();
-            paths
-        };
         let is_scripts = |path: &PathBuf| {
             let name = path.file_name();
             name.is_some_and(|name| name.eq_ignore_ascii_case("scripts"))
@@ -104,6 +98,20 @@ impl Shaders {
             }
         }
     }
+}
+
+/// Returns the sorted paths in a folder; the empty folder, that of `a.bsp`, is the current one.
+fn list(folder: &Path) -> Vec<PathBuf> {
+    let current = Path::new(".");
+    let folder = if folder.as_os_str().is_empty() {
+        current
+    } else {
+        folder
+    };
+    let entries = folder.read_dir().into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    paths.sort();
+    paths
 }
 
 /// Files of a folder that are read.
@@ -259,6 +267,12 @@ mod tests {
         let mut shaders = Shaders::default();
         shaders.add(text, &HashSet::from(["textures/a/b".to_owned()]));
         shaders.of("textures/a/b")
+    }
+
+    #[test]
+    fn a_map_that_is_named_without_a_folder_has_its_shaders_beside_it() {
+        // Tests run in the folder of their package.
+        assert!(list(Path::new("")).contains(&PathBuf::from("./Cargo.toml")));
     }
 
     #[test]
